@@ -56,7 +56,7 @@ pub struct RunOptions<'a> {
 /// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
 pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     config.check()?;
-    let _lock = lock::acquire(&options.out)?;
+    let _lock = lock::acquire(&options.out, lock::PATIENCE, options.interrupted)?;
     begin_folder(config, &options.out)?;
     let RunOptions { out, catalog, launcher, jobs, interrupted, monitor } = options;
     let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
