@@ -41,7 +41,7 @@ pub struct Arguments {
     #[command(flatten)]
     location: Location,
     /// CSV file of metered energy
-    #[arg(long, value_name = "METERED.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     energy: PathBuf,
     /// Parameter to calibrate, may be repeated: infiltration, lights, equipment, people, wall_u, roof_u or window_u
     /// [default: infiltration, lights, equipment and wall_u]
