@@ -70,7 +70,7 @@ def page(name: str):
     return pytest.param(name, marks=pytest.mark.nightly if trains else ())
 
 
-@pytest.mark.parametrize("name", map(page, PAGES))
+@pytest.mark.parametrize("name", [page(name) for name in PAGES])
 def test_the_code_of_a_page_runs(name, tmp_path):
     code = blocks(DOCS / f"{name}.md")
     assert code
