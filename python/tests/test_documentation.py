@@ -126,7 +126,8 @@ def test_the_files_of_an_evaluation_and_an_agent_are_as_described(tmp_path):
     house = "SingleFamilyHouse-0042"
     b2b.evaluate("constant", [house], run_periods="01-09..01-09", folder=tmp_path / "evaluation")
     written = {path.name for path in (tmp_path / "evaluation").iterdir()}
-    assert written == {"episodes", "episodes.parquet", "evaluation.json", "report.html", "summary.json"}
+    files = {"episodes", "episodes.parquet", "evaluation.json", "report.html", "summary.json", "SHA256SUMS"}
+    assert written == files
     assert set(json.loads((tmp_path / "evaluation/summary.json").read_text())) == keys("evaluation")
     options = {"run_period": "01-09..01-15", "window_days": 1, "environments": 1, "steps": 288}
     agent = b2b.train(house, evaluation={"days": 1}, out=tmp_path / "run", **options)

@@ -8,6 +8,9 @@ pub(super) const LIMIT: Duration = Duration::from_secs(5);
 /// The most that counts at once: a process that was stopped for longer did not work.
 const TICK: Duration = Duration::from_millis(100);
 
+/// Stack of a thread, bytes. The library of networks calls itself once for every node in a row.
+const STACK: usize = 256 << 20;
+
 /// A function in a thread of its own. A call that exceeds [`LIMIT`] is given up: its thread, which cannot be ended, is left
 /// behind until the process ends.
 pub(super) struct Limited<I, O> {
@@ -21,10 +24,12 @@ impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
     pub(super) fn new(mut function: impl FnMut(I) -> O + Send + 'static) -> Self {
         let (inputs, to_do) = sync_channel::<I>(1);
         let (done, outputs) = sync_channel(1);
-        std::thread::spawn(move || {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn(move || {
             // Until either end of the channels is gone.
             to_do.into_iter().try_for_each(|input| done.send(function(input)))
         });
+        // Without a thread, both ends of the channels are gone, and calls are given up.
+        drop(thread);
         Self { inputs, outputs, given_up: false }
     }
 

@@ -192,7 +192,6 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
             return Err(format!("stage {stage} is missing"));
         }
     }
-    counts(result, stages)?;
     for (stage, rows) in stages {
         let expected = expected(result, *stage).ok_or(format!("no policy for stage {stage}"))?;
         for (number, episode) in expected.iter().enumerate() {
@@ -208,6 +207,7 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
             return Err(format!("{stage}: {} is not part of the problem", row.info));
         }
     }
+    counts(result, stages)?;
     Ok("exactly those of the problem".into())
 }
 
