@@ -100,6 +100,7 @@ fn the_environment_sees_the_actuators_of_a_new_kind_and_its_zones_follow_them() 
             assert_eq!(env.action_space().names()[layout.actions.start], system.actuators()[0].name);
             action[layout.actions.start] = setpoint;
         }
+        env.reset().unwrap();
         let mut last = env.step(&action).unwrap().observation.to_vec();
         for _ in 1..144 {
             last = env.step(&action).unwrap().observation.to_vec();
