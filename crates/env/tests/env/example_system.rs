@@ -109,8 +109,9 @@ fn the_environment_sees_the_actuators_of_a_new_kind_and_its_zones_follow_them() 
         new.iter().map(|(_, layout)| last[layout.zones[0].index]).sum::<f64>() / new.len() as f64
     };
     let [cool, warm] = [17.0, 22.0].map(mean_at);
-    assert!((warm - 22.0).abs() < 0.5, "{warm}");
-    assert!(warm - cool > 2.0, "{cool} and {warm}");
+    // Guests and equipment may warm a room further: the example cannot cool.
+    assert!((21.5..23.5).contains(&warm), "{warm}");
+    assert!(warm - cool > 1.0, "{cool} and {warm}");
 }
 
 #[test]
