@@ -53,7 +53,7 @@ pub struct ObservationOptions {
     /// ([`COMMON`](b2b_building::morphology::COMMON)), and the task's energy weight.
     pub attributes: bool,
     /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file, at most
-    /// [`LONGEST_FORECAST`].
+    /// `LONGEST_FORECAST`.
     pub forecast: u32,
 }
 

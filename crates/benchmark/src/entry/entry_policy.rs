@@ -130,7 +130,7 @@ impl EntryPolicy {
     /// one that these episodes need is read.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); those of [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[Episode]) -> Result<Self> {
         let format = match text.parse() {
             Ok(built_in) => return Ok(Self::BuiltIn(built_in)),
@@ -148,7 +148,7 @@ impl EntryPolicy {
     /// Reads the policy of a result whose ONNX files or agents are in a folder, named by their hashes.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`] and [`Agent::read`]; [`Error::Modified`] for a file with another
+    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); those of [`OnnxPolicy::read`] and [`Agent::read`]; [`Error::Modified`] for a file with another
     /// hash.
     pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
         let (pattern, format, files) = match description {

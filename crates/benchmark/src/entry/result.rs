@@ -162,8 +162,8 @@ pub type Stages = Vec<(Stage, Vec<Row>)>;
 /// Returns the result of a folder, and its rows by stage.
 ///
 /// # Errors
-/// [`Error::Unfinished`] and [`Error::NoResult`] if there is none; [`Error::Damaged`]; [`Error::Modified`] if the episodes
-/// are not those of the result; [`Error::Io`].
+/// [`Error::Unfinished`] and [`Error::NoResult`] if there is none; [`Error::Damaged`](b2b_evaluate::Error::Damaged); [`Error::Modified`] if the episodes
+/// are not those of the result; [`Error::Io`](b2b_evaluate::Error::Io).
 pub fn read_result(folder: &Path) -> Result<(RunResult, Stages)> {
     match find_result(folder)? {
         Some(found) => Ok(found),

@@ -25,7 +25,7 @@ impl Entry {
     /// as it is.
     ///
     /// # Errors
-    /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](crate::Error::OtherEvaluation) for the folder of another
+    /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](b2b_evaluate::Error::OtherEvaluation) for the folder of another
     /// entry; those of [`Folder::open`] and [`Results::of`].
     pub fn run(
         &self,

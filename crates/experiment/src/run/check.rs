@@ -37,7 +37,7 @@ struct Subject<'a> {
 }
 
 /// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
-/// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
+/// `Folder::keep` kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
 /// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
 /// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
 ///

@@ -59,7 +59,7 @@ impl FragmentCollector {
     /// what a full stroke costs, averaged over the actuators, in the unit of the scaled rewards.
     ///
     /// # Errors
-    /// [`Error::Env`] when an environment cannot begin.
+    /// [`Error::Env`](crate::Error::Env) when an environment cannot begin.
     pub fn new(
         mut environments: VecEnv,
         interface: Interface,

@@ -79,7 +79,7 @@ pub fn verify(
 /// scores, known baselines, measures.
 ///
 /// # Errors
-/// [`Error::Install`] if the home folder is unknown; faults of the folder are in a [`Check`].
+/// [`Error::Install`](b2b_evaluate::Error::Install) if the home folder is unknown; faults of the folder are in a [`Check`].
 pub fn check(folder: &Path) -> Result<Vec<Check>> {
     Ok(read_and_check(folder)?.0)
 }
