@@ -15,7 +15,7 @@ use super::worker::panic_text;
 
 /// Carries out the job in the file `order`, writes the reply, and ends this process.
 pub(super) fn carry_out(job: Order, order: &Path, owner: &Owner) -> ! {
-    // The model may be anybody's.
+    // The model is untrusted.
     match &job {
         Order::Simulate(Simulate { output, .. }) => confine_with(output),
         _ => confine(),

@@ -1,5 +1,6 @@
 //! Work with a time limit: a network in a file of somebody else may never end.
 
+use std::io::Result;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
@@ -21,16 +22,17 @@ pub(super) struct Limited<I, O> {
 
 impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
     /// Starts the thread, which ends when this is dropped.
-    pub(super) fn new(mut function: impl FnMut(I) -> O + Send + 'static) -> Self {
+    ///
+    /// # Errors
+    /// Errors of the operating system, which may have no memory for the stack.
+    pub(super) fn new(mut function: impl FnMut(I) -> O + Send + 'static) -> Result<Self> {
         let (inputs, to_do) = sync_channel::<I>(1);
         let (done, outputs) = sync_channel(1);
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn(move || {
+        std::thread::Builder::new().stack_size(STACK).spawn(move || {
             // Until either end of the channels is gone.
             to_do.into_iter().try_for_each(|input| done.send(function(input)))
-        });
-        // Without a thread, both ends of the channels are gone, and calls are given up.
-        drop(thread);
-        Self { inputs, outputs, given_up: false }
+        })?;
+        Ok(Self { inputs, outputs, given_up: false })
     }
 
     /// Calls the function; `None` if it exceeds the time limit, now or in an earlier call.
@@ -52,10 +54,13 @@ impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
 }
 
 /// Calls a function once, in a thread of its own; `None` if it exceeds the time limit.
-pub(super) fn once<O: Send + 'static>(function: impl FnOnce() -> O + Send + 'static) -> Option<O> {
+///
+/// # Errors
+/// As [`Limited::new`].
+pub(super) fn once<O: Send + 'static>(function: impl FnOnce() -> O + Send + 'static) -> Result<Option<O>> {
     let mut function = Some(function);
     let call = move |()| function.take().map(|function| function());
-    Limited::new(call).call(()).flatten()
+    Ok(Limited::new(call)?.call(()).flatten())
 }
 
 #[cfg(test)]
@@ -73,12 +78,13 @@ mod tests {
                 }
             }
             input + 1
-        });
+        })
+        .unwrap();
         assert_eq!(endless.call(1), Some(2));
         let begun = Instant::now();
         assert_eq!(endless.call(0), None);
         assert!((LIMIT..2 * LIMIT).contains(&begun.elapsed()), "{:?}", begun.elapsed());
         assert_eq!(endless.call(1), None);
-        assert_eq!(once(|| 7), Some(7));
+        assert_eq!(once(|| 7).unwrap(), Some(7));
     }
 }

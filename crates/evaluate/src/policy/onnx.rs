@@ -40,7 +40,7 @@ impl OnnxPolicy {
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
         let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
         onnx_format::check(&bytes).map_err(invalid)?;
-        let load = limited::once(move || guarded(|| Model::load(bytes)));
+        let load = limited::once(move || guarded(|| Model::load(bytes))).map_err(at(path))?;
         let model = load.unwrap_or_else(|| Err(endless())).map_err(invalid)?;
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
@@ -105,7 +105,7 @@ impl Policy for OnnxPolicy {
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
-        let mut inference = Inference::new(&self.model);
+        let mut inference = Inference::new(&self.model).map_err(at(&self.path))?;
         self.check_action(&mut inference, spaces, interface)?;
         Ok(Box::new(OnnxController {
             inference,
@@ -149,10 +149,11 @@ struct Inference(Limited<Vec<f32>, Output>);
 type Output = std::result::Result<Vec<f32>, String>;
 
 impl Inference {
-    fn new(model: &Arc<Model>) -> Self {
+    fn new(model: &Arc<Model>) -> std::io::Result<Self> {
         let (model, thread) = (Arc::clone(model), Arc::new(ThreadPool::with_num_threads(1)));
         let options = RunOptions::default().with_thread_pool(Some(thread));
-        Self(Limited::new(move |observation: Vec<f32>| guarded(|| infer(&model, &options, &observation))))
+        let run = move |observation: Vec<f32>| guarded(|| infer(&model, &options, &observation));
+        Ok(Self(Limited::new(run)?))
     }
 
     /// Returns the first output for an observation.
@@ -223,7 +224,7 @@ mod tests {
         std::thread::scope(|scope| {
             let longest = scope.spawn(|| {
                 let policy = read(onnx_format::MOST_NODES).unwrap();
-                Inference::new(&policy.model).run(&[1.0, -1.0]).unwrap()
+                Inference::new(&policy.model).unwrap().run(&[1.0, -1.0]).unwrap()
             });
             assert_eq!(longest.join().unwrap(), [1.0, 0.0]);
         });
