@@ -5,7 +5,7 @@ use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use b2b_dataset::BuildingId;
 use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
-use b2b_env::{Env, Task, Trajectory};
+use b2b_env::{Env, Task, Term, Trajectory};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -154,8 +154,8 @@ impl Outcome {
             severes: env.message_count(Level::Severe),
             severe_message: severe,
             rms_deviation_k: env.metrics().rms_deviation(),
-            electricity_kwh_per_m2: env.metrics().electricity / 1000.0,
-            gas_kwh_per_m2: env.metrics().gas / 1000.0,
+            electricity_kwh_per_m2: env.metrics().total(Term::Electricity) / 1000.0,
+            gas_kwh_per_m2: env.metrics().total(Term::Gas) / 1000.0,
             coldest: extreme(building, trajectory, heated, coldest)?,
             warmest: extreme(building, trajectory, cooled, warmest)?,
         })

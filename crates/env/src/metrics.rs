@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::reward::{Reward, StepView};
+use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
 
 /// Deviation of one zone from its target over an episode.
@@ -35,18 +36,8 @@ pub struct Metrics {
     pub temperature_penalty: f64,
     /// Sum of the energy penalties.
     pub energy_penalty: f64,
-    /// HVAC electricity, Wh/m².
-    pub electricity: f64,
-    /// HVAC gas, with other fuels and district energy, Wh/m².
-    pub gas: f64,
-    /// Cost of all at the task's prices, currency/m².
-    pub cost: f64,
-    /// Emissions of all at the task's factors, g of CO₂/m².
-    pub emissions: f64,
-    /// Peak electric HVAC demand, averaged over a step, W/m².
-    pub peak_electricity: f64,
-    /// Peak gas demand, averaged over a step, W/m².
-    pub peak_gas: f64,
+    /// Energy, cost, emissions, peaks and the other terms: see [`Metrics::total`].
+    pub(crate) terms: Totals,
     /// Travel of each actuator in full strokes: 1 is once from its lower to its upper bound.
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
@@ -103,9 +94,9 @@ impl Metrics {
         }
     }
 
-    /// Returns by how much a step's electricity (Wh/m²) would raise the peak demand so far, W/m².
-    pub(crate) fn peak_rise(&self, electricity: f64) -> f64 {
-        (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
+    /// Returns the total of a term over the steps, in the unit of its steps.
+    pub fn total(&self, term: Term) -> f64 {
+        self.terms.of(term)
     }
 
     /// Adds the outdoor air of a step (L/s) and the people whom it reaches.
@@ -126,12 +117,7 @@ impl Metrics {
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
         self.energy_penalty += reward.energy_penalty;
-        self.electricity += step.electricity;
-        self.gas += step.gas;
-        self.cost += step.cost;
-        self.emissions += step.emissions;
-        self.peak_electricity += step.peak_rise;
-        self.peak_gas = self.peak_gas.max(step.gas / self.hours_per_step);
+        self.terms.add(&step.terms);
         self.add_travel(step.action, low, high);
         for (zone, step) in self.zones.iter_mut().zip(step.zones) {
             let deviation = step.temperature - step.target;

@@ -79,8 +79,9 @@ pub fn run_part(
 ) -> Result<HashMap<usize, Lost>> {
     let baselines = Baselines::open()?;
     let Ran { episodes, lost } = run(evaluation, folder, part, policy, &baselines, progress)?;
-    for Unscored { key, .. } in episodes.iter().flatten() {
-        if let (None, Some(terms)) = (collected.get(key), baselines.get(key)) {
+    for Unscored { key, task, .. } in episodes.iter().flatten() {
+        let of = |baselines: &Baselines| baselines.get(key, task.resource);
+        if let (None, Some(terms)) = (of(collected), of(&baselines)) {
             collected.keep(key, terms)?;
         }
     }
@@ -139,7 +140,7 @@ impl Unscored {
         let Finished { record, terms, step_rewards, .. } = finished;
         let site = record.info.site();
         let key = Key::of(episode, &site)?;
-        if policy.is_baseline() && baselines.get(&key).is_none() {
+        if policy.is_baseline() && baselines.get(&key, episode.task.resource).is_none() {
             baselines.keep(&key, terms)?;
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
@@ -147,7 +148,8 @@ impl Unscored {
     }
 
     fn row(self, baselines: &Baselines) -> Row {
-        let baseline = baselines.get(&self.key).map(|terms| terms.baseline(&self.task));
+        let terms = baselines.get(&self.key, self.task.resource);
+        let baseline = terms.map(|terms| terms.baseline(&self.task));
         Row::scored(self.record, self.step_rewards, baseline)
     }
 }

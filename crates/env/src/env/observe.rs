@@ -35,8 +35,8 @@ impl Env {
         }));
     }
 
-    /// The reward of the step just observed; adds the step to the metrics. `energy` in Wh/m², electricity and fuels.
-    pub(super) fn judge(&mut self, energy: [f64; 2], began: Moment) -> Reward {
+    /// The reward of the step just observed; adds the step to the metrics.
+    pub(super) fn judge(&mut self, began: Moment) -> Reward {
         for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
             step.temperature = self.observation[zone.slot];
         }
@@ -44,11 +44,7 @@ impl Env {
             zones: &self.zone_steps,
             observation: &self.observation,
             action: &self.action,
-            electricity: energy[0],
-            gas: energy[1],
-            cost: self.expenses.cost,
-            emissions: self.expenses.emissions,
-            peak_rise: self.metrics.peak_rise(energy[0]),
+            terms: self.terms,
             day_of_year: began.day_of_year,
             hour: began.hour,
         };

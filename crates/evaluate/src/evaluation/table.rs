@@ -9,7 +9,7 @@ use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, ListArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use b2b_control::Versions;
-use b2b_env::{EpisodeMetrics, Inputs, MetricColumn};
+use b2b_env::{EpisodeMetrics, Inputs, MetricValue};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
@@ -116,11 +116,11 @@ impl Columns<'_> {
         self.push::<UInt32Type>("steps_per_hour", "1/h", |row| Some(row.info.steps_per_hour));
         self.push::<UInt64Type>("seed", "1", |row| Some(row.info.seed));
         self.text("policy", |row| Some(&row.info.policy));
-        for MetricColumn { name, unit, get, .. } in EpisodeMetrics::COLUMNS {
-            let value = |row: &Row| row.metrics().map(|metrics| get(metrics).as_f64());
-            match *name {
-                INTEGER => self.push::<UInt64Type>(name, unit, |row| value(row).map(|steps| steps as u64)),
-                _ => self.push::<Float64Type>(name, unit, value),
+        for column in EpisodeMetrics::columns() {
+            let value = |row: &Row| column.get(row.metrics()?).map(MetricValue::as_f64);
+            match column.name {
+                INTEGER => self.push::<UInt64Type>(INTEGER, column.unit, |row| Some(value(row)? as u64)),
+                name => self.push::<Float64Type>(name, column.unit, value),
             }
         }
         self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
@@ -179,6 +179,10 @@ impl Cells {
         column.ok_or_else(|| ParquetError::General(format!("column `{name}` is missing")))
     }
 
+    fn has(&self, name: &str) -> bool {
+        self.0.column_by_name(name).is_some()
+    }
+
     fn optional_text(&self, name: &str, row: usize) -> Result<Option<String>> {
         let column: &StringArray = self.column(name)?;
         Ok(column.is_valid(row).then(|| column.value(row).to_owned()))
@@ -231,12 +235,18 @@ impl Cells {
 
     fn scored(&self, row: usize) -> Result<Scored> {
         let mut metrics = EpisodeMetrics::default();
-        for MetricColumn { name, set, .. } in EpisodeMetrics::COLUMNS {
-            let value = match *name {
-                INTEGER => self.value::<UInt64Type>(name, row)? as f64,
-                _ => self.value::<Float64Type>(name, row)?,
+        for column in EpisodeMetrics::columns() {
+            let value = match column.name {
+                INTEGER => Some(self.value::<UInt64Type>(INTEGER, row)? as f64),
+                // A table does not have the metrics that are younger than it.
+                name if column.may_be_unknown() && !self.has(name) => None,
+                name => self.optional::<Float64Type>(name, row)?,
             };
-            set(&mut metrics, value);
+            match value {
+                Some(value) => column.set(&mut metrics, value),
+                None if column.may_be_unknown() => {}
+                None => return Err(empty(column.name, row)),
+            }
         }
         Ok(Scored {
             metrics,
@@ -274,8 +284,8 @@ mod tests {
         };
         let info = EpisodeInfo::of(&episode, &BuiltIn::Random);
         let mut metrics = EpisodeMetrics::default();
-        for (number, column) in EpisodeMetrics::COLUMNS.iter().enumerate() {
-            (column.set)(&mut metrics, number as f64 + 1.0);
+        for (number, column) in EpisodeMetrics::columns().enumerate() {
+            column.set(&mut metrics, number as f64 + 1.0);
         }
         metrics.rms_deviation = 0.1 + 0.2;
         let trajectory_hash = "abc".to_owned();

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use b2b_base::machine;
 use b2b_control::Versions;
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, Term};
 
 pub use sample::Sample;
 
@@ -375,6 +375,7 @@ fn different_metric(
     accuracy: Accuracy,
 ) -> Option<(&'static str, f64, f64)> {
     let values = |metrics: &EpisodeMetrics| {
+        let of = |term: Term| metrics.terms.get(term).unwrap_or(f64::NAN);
         [
             ("return", metrics.episode_return),
             ("temperature penalty", metrics.temperature_penalty),
@@ -383,8 +384,8 @@ fn different_metric(
             ("RMS deviation", metrics.rms_deviation),
             ("mean absolute deviation", metrics.mean_abs_deviation),
             ("discomfort", metrics.discomfort),
-            ("cost", metrics.cost),
-            ("emissions", metrics.emissions),
+            ("cost", of(Term::Cost)),
+            ("emissions", of(Term::Emissions)),
         ]
     };
     let mut pairs = values(there).into_iter().zip(values(here));

@@ -99,7 +99,7 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
                     row.info, other.episode_return
                 )
             };
-            if let Some(terms) = known.get(&key) {
+            if let Some(terms) = known.get(&key, episode.task.resource) {
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
                 if !same(&there, &here, TOLERANCE) {

@@ -1,0 +1,81 @@
+//! The terms: quantities that every step has one value of, and that accumulate over an episode.
+//!
+//! [`Term::ALL`] is the list. A term's [`Entry`] says its name and unit, how the value of a step is computed and how it
+//! accumulates, whether a task can penalize it, and which column of the metrics it has. Tasks, metrics, results tables,
+//! shipped baselines, Python's `info` and docs/tasks.md follow from the list.
+
+mod amounts;
+mod cost;
+#[cfg(test)]
+mod docs;
+mod emissions;
+mod energy;
+mod entry;
+mod peak;
+mod resource;
+mod term_metrics;
+
+pub use amounts::{Amounts, Totals};
+pub use entry::{Column, Display, Entry, Measured, Penalty};
+pub use resource::{RESOURCES, Resource};
+pub use term_metrics::TermMetrics;
+
+/// Declares the terms and their order, which is the order of their columns.
+macro_rules! terms {
+    ($($(#[$doc:meta])* $term:ident: $entry:path;)*) => {
+        /// A quantity that every step has one value of.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Term {
+            $($(#[$doc])* $term,)*
+        }
+
+        impl Term {
+            /// All terms, in the order of [`Amounts`].
+            pub const ALL: [Self; [$(stringify!($term)),*].len()] = [$(Self::$term),*];
+
+            /// Returns the definition.
+            pub const fn entry(self) -> &'static Entry {
+                match self {
+                    $(Self::$term => &$entry,)*
+                }
+            }
+        }
+    };
+}
+
+terms! {
+    /// HVAC energy, Wh/m².
+    Energy: energy::ENERGY;
+    /// HVAC electricity, Wh/m².
+    Electricity: energy::ELECTRICITY;
+    /// HVAC gas, with other fuels and district energy, Wh/m².
+    Gas: energy::GAS;
+    /// Energy cost at the task's prices, currency/m².
+    Cost: cost::COST;
+    /// Emissions by the task's factors, g CO₂/m².
+    Emissions: emissions::EMISSIONS;
+    /// Increase of the episode's peak electric demand, W/m²; over an episode, the peak.
+    PeakElectricity: peak::ELECTRICITY;
+    /// Gas demand, W/m²; over an episode, its peak.
+    PeakGas: peak::GAS;
+}
+
+/// Number of terms.
+pub const TERMS: usize = Term::ALL.len();
+
+/// Number of terms that Python's `info` has.
+pub const IN_INFO: usize = {
+    let (mut count, mut index) = (0, 0);
+    while index < TERMS {
+        count += Term::ALL[index].entry().info.is_some() as usize;
+        index += 1;
+    }
+    count
+};
+
+impl Term {
+    /// Returns the terms that Python's `info` has, in order.
+    pub fn in_info() -> impl Iterator<Item = (Self, &'static str)> {
+        Self::ALL.into_iter().filter_map(|term| Some((term, term.entry().info?)))
+    }
+}
