@@ -30,7 +30,7 @@ pub use building_type::BuildingType;
 pub use class::Class;
 pub use description::Description;
 pub use error::{Error, Result};
-pub use hvac_energy::{Carrier, CarrierEnergy, HvacMeter};
+pub use hvac_energy::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter};
 pub use model::Model;
 pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;

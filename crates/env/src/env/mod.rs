@@ -243,7 +243,7 @@ impl Env {
         let by_carrier = engine.energy(self.spaces.building.conditioned_floor_area);
         let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
-        self.terms = self.measure(&by_carrier, began.hour);
+        self.terms = self.measure(engine, &by_carrier, began.hour);
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
@@ -254,10 +254,11 @@ impl Env {
     }
 
     /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
-    fn measure(&self, energy: &CarrierEnergy, hour: f64) -> Amounts {
+    fn measure(&self, engine: &Engine, energy: &CarrierEnergy, hour: f64) -> Amounts {
         let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
         let hours = 1.0 / f64::from(*steps_per_hour);
-        Measured { energy, task, hour, hours, so_far: &self.metrics.terms }.amounts()
+        let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
+        Measured { energy, end_uses, task, hour, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The building with its observation and action spaces.

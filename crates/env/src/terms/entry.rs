@@ -1,6 +1,6 @@
 //! The definition of a term.
 
-use b2b_building::CarrierEnergy;
+use b2b_building::{CarrierEnergy, EndUseEnergy};
 
 use super::{Amounts, Totals};
 use crate::task::Task;
@@ -29,6 +29,8 @@ pub struct Entry {
 pub struct Measured<'a> {
     /// HVAC energy of the step, Wh/m².
     pub energy: &'a CarrierEnergy,
+    /// The same by end use. Losses of a building's transformer are in `energy` alone.
+    pub end_uses: &'a EndUseEnergy,
     /// The task.
     pub task: &'a Task,
     /// Hour of the day at which the step began, from 0.

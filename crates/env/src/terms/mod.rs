@@ -9,6 +9,7 @@ mod cost;
 #[cfg(test)]
 mod docs;
 mod emissions;
+mod end_uses;
 mod energy;
 mod entry;
 mod peak;
@@ -58,6 +59,20 @@ terms! {
     PeakElectricity: peak::ELECTRICITY;
     /// Gas demand, W/m²; over an episode, its peak.
     PeakGas: peak::GAS;
+    /// HVAC energy for heating, Wh/m².
+    Heating: end_uses::HEATING;
+    /// HVAC energy for cooling, Wh/m².
+    Cooling: end_uses::COOLING;
+    /// HVAC energy of fans, Wh/m².
+    Fans: end_uses::FANS;
+    /// HVAC energy of pumps, Wh/m².
+    Pumps: end_uses::PUMPS;
+    /// HVAC energy of cooling towers and fluid coolers, Wh/m².
+    HeatRejection: end_uses::HEAT_REJECTION;
+    /// HVAC energy of heat recovery, Wh/m².
+    HeatRecovery: end_uses::HEAT_RECOVERY;
+    /// HVAC energy of humidifiers, Wh/m².
+    Humidification: end_uses::HUMIDIFICATION;
 }
 
 /// Number of terms.
