@@ -29,6 +29,8 @@ pub struct MetricColumn {
     pub doc: &'static str,
     /// How `b2b compare` shows it, if it does.
     pub display: Option<Display>,
+    /// Whether the value of an episode may be unknown, also because the metric is younger than the episode.
+    pub may_be_unknown: bool,
     source: Source,
 }
 
@@ -66,19 +68,17 @@ impl MetricColumn {
         }
     }
 
-    /// Returns whether the value of an episode may be unknown: that of a term, which may be younger than it.
-    pub fn may_be_unknown(&self) -> bool {
-        matches!(self.source, Source::Term(_))
-    }
-
     fn of_term(term: Term) -> Option<Self> {
         let Column { name, unit, doc, display, .. } = *term.entry().column.as_ref()?;
-        Some(Self { name, unit, doc, display, source: Source::Term(term) })
+        Some(Self { name, unit, doc, display, may_be_unknown: true, source: Source::Term(term) })
     }
 }
 
 /// The type of a field.
-trait Cell: Sized {
+trait Cell: Copy {
+    /// Whether a value may be unknown.
+    const MAY_BE_UNKNOWN: bool = false;
+
     fn value(self) -> Option<MetricValue>;
     fn from_f64(value: f64) -> Self;
 }
@@ -103,6 +103,23 @@ impl Cell for f64 {
     }
 }
 
+/// A metric that some episodes do not have.
+impl Cell for Option<f64> {
+    const MAY_BE_UNKNOWN: bool = true;
+
+    fn value(self) -> Option<MetricValue> {
+        self.map(MetricValue::Number)
+    }
+
+    fn from_f64(value: f64) -> Self {
+        Some(value)
+    }
+}
+
+fn is_unknown(cell: &impl Cell) -> bool {
+    cell.value().is_none()
+}
+
 /// Declares the metrics that are not terms: documentation, field, type, name and unit of the column, how it follows from
 /// [`Metrics`], and how `b2b compare` shows it. The columns of the terms are between the two groups.
 macro_rules! episode_metrics {
@@ -113,11 +130,15 @@ macro_rules! episode_metrics {
         /// The metrics of an episode that ran to its end. Means over zones are over those with both heating and cooling.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct EpisodeMetrics {
-            $($(#[doc = $doc])* #[doc = concat!("\n\nUnit: ", $unit)] pub $field: $type,)*
+            $($(#[doc = $doc])* #[doc = concat!("\n\nUnit: ", $unit)]
+            #[serde(skip_serializing_if = "is_unknown")]
+            pub $field: $type,)*
             /// The terms.
             #[serde(flatten)]
             pub terms: TermMetrics,
-            $($(#[doc = $doc2])* #[doc = concat!("\n\nUnit: ", $unit2)] pub $field2: $type2,)*
+            $($(#[doc = $doc2])* #[doc = concat!("\n\nUnit: ", $unit2)]
+            #[serde(skip_serializing_if = "is_unknown")]
+            pub $field2: $type2,)*
         }
 
         impl From<&Metrics> for EpisodeMetrics {
@@ -133,8 +154,8 @@ macro_rules! episode_metrics {
         impl EpisodeMetrics {
             /// Returns all columns, in the order in which they are written.
             pub fn columns() -> impl Iterator<Item = MetricColumn> {
-                let before = [$(column!($field, $name, $unit, $display, $($doc)*),)*];
-                let after = [$(column!($field2, $name2, $unit2, $display2, $($doc2)*),)*];
+                let before = [$(column!($field: $type, $name, $unit, $display, $($doc)*),)*];
+                let after = [$(column!($field2: $type2, $name2, $unit2, $display2, $($doc2)*),)*];
                 let terms = Term::ALL.into_iter().filter_map(MetricColumn::of_term);
                 before.into_iter().chain(terms).chain(after)
             }
@@ -144,12 +165,13 @@ macro_rules! episode_metrics {
 
 /// The column of a field.
 macro_rules! column {
-    ($field:ident, $name:literal, $unit:literal, $display:expr, $($doc:literal)*) => {
+    ($field:ident: $type:ty, $name:literal, $unit:literal, $display:expr, $($doc:literal)*) => {
         MetricColumn {
             name: $name,
             unit: $unit,
             doc: concat!($($doc),*),
             display: $display,
+            may_be_unknown: <$type as Cell>::MAY_BE_UNKNOWN,
             source: Source::Field {
                 get: |metrics| metrics.$field.value(),
                 set: |metrics, value| metrics.$field = Cell::from_f64(value),
@@ -204,6 +226,12 @@ episode_metrics! {
         ventilation_overrides: usize = "ventilation_overrides", "1", |metrics| metrics.ventilation_overrides, None;
         /// mean outdoor air flow per person while people are present; 0 where no system has outdoor air
         outdoor_air_per_person: f64 = "outdoor_air_l_s_person", "L/s", Metrics::outdoor_air_per_person, OUTDOOR_AIR;
+        /// share of occupied zone-hours below the comfort band; unknown if no controlled zone is ever occupied
+        occupied_too_cold: Option<f64> = "occupied_too_cold_share", "1", Metrics::occupied_too_cold,
+            Display::lower("occupied hours too cold (%)", 100.0, 1);
+        /// share of occupied zone-hours above the comfort band, without zones that have no cooling
+        occupied_too_warm: Option<f64> = "occupied_too_warm_share", "1", Metrics::occupied_too_warm,
+            Display::lower("occupied hours too warm (%)", 100.0, 1);
     }
 }
 

@@ -23,6 +23,10 @@ pub struct ZoneMetrics {
     steps_outside: usize,
     /// Steps in which the rewarded deviation was outside the comfort band.
     penalized_steps_outside: usize,
+    /// Steps in which the zone was occupied, and of these the ones below and above the comfort band.
+    occupied_steps: usize,
+    cold_steps: usize,
+    warm_steps: usize,
 }
 
 /// Sums over the steps of an episode, which [`EpisodeMetrics`](crate::EpisodeMetrics) summarizes.
@@ -124,6 +128,9 @@ impl Metrics {
             let penalized = step.deviation();
             zone.penalized_squares += penalized * penalized;
             zone.penalized_steps_outside += usize::from(penalized.abs() > self.comfort_band);
+            zone.occupied_steps += usize::from(step.occupied);
+            zone.cold_steps += usize::from(step.occupied && penalized < -self.comfort_band);
+            zone.warm_steps += usize::from(step.occupied && penalized > self.comfort_band);
             zone.squares += deviation * deviation;
             zone.absolutes += deviation.abs();
             zone.steps_outside += usize::from(deviation.abs() > self.comfort_band);
@@ -163,6 +170,24 @@ impl Metrics {
         zone.steps_outside as f64 * self.hours_per_step
     }
 
+    /// Returns the share of the occupied zone-hours below the task's comfort band; `None` if no controlled zone is ever
+    /// occupied.
+    pub fn occupied_too_cold(&self) -> Option<f64> {
+        self.share_of_occupied(|zone| zone.cold_steps)
+    }
+
+    /// Returns the share of the occupied zone-hours above the task's comfort band, without zones that have no cooling;
+    /// `None` if no controlled zone is ever occupied.
+    pub fn occupied_too_warm(&self) -> Option<f64> {
+        self.share_of_occupied(|zone| zone.warm_steps)
+    }
+
+    fn share_of_occupied(&self, steps: impl Fn(&ZoneMetrics) -> usize) -> Option<f64> {
+        let sum = |steps: &dyn Fn(&ZoneMetrics) -> usize| self.zones.iter().map(steps).sum::<usize>();
+        let occupied = sum(&|zone| zone.occupied_steps);
+        (occupied > 0).then(|| sum(&steps) as f64 / occupied as f64)
+    }
+
     /// Returns the thermal discomfort, K h, averaged over the controlled zones.
     pub fn discomfort(&self) -> f64 {
         self.zones.iter().map(|zone| zone.discomfort).sum::<f64>() / self.zones.len().max(1) as f64
@@ -199,5 +224,42 @@ impl Metrics {
     fn mean_over_zones(&self, value: impl Fn(&ZoneMetrics) -> f64) -> f64 {
         let zones: Vec<_> = self.zones.iter().filter(|z| z.fully_conditioned).collect();
         zones.iter().map(|z| value(z)).sum::<f64>() / zones.len().max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reward::ZoneStep;
+    use crate::terms::Amounts;
+
+    #[test]
+    fn shares_of_occupied_hours_count_occupied_zones_alone() {
+        let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
+        let mut metrics = Metrics::new(&[zone(0), zone(1)], 0, 12, 1.0);
+        assert_eq!(metrics.occupied_too_cold(), None);
+        let step = |temperature, occupied| ZoneStep {
+            temperature,
+            target: 21.0,
+            occupied,
+            penalize_above_target: true,
+        };
+        for zones in [
+            [step(19.0, true), step(15.0, false)],
+            [step(23.0, true), step(30.0, false)],
+            [step(20.5, true), step(22.5, true)],
+        ] {
+            let view = StepView {
+                zones: &zones,
+                observation: &[],
+                action: &[],
+                terms: Amounts::default(),
+                day_of_year: 1,
+                hour: 0.0,
+            };
+            metrics.steps += 1;
+            metrics.add(Reward::default(), &view, &[], &[]);
+        }
+        assert_eq!((metrics.occupied_too_cold(), metrics.occupied_too_warm()), (Some(0.25), Some(0.5)));
     }
 }

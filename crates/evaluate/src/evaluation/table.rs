@@ -239,12 +239,12 @@ impl Cells {
             let value = match column.name {
                 INTEGER => Some(self.value::<UInt64Type>(INTEGER, row)? as f64),
                 // A table does not have the metrics that are younger than it.
-                name if column.may_be_unknown() && !self.has(name) => None,
+                name if column.may_be_unknown && !self.has(name) => None,
                 name => self.optional::<Float64Type>(name, row)?,
             };
             match value {
                 Some(value) => column.set(&mut metrics, value),
-                None if column.may_be_unknown() => {}
+                None if column.may_be_unknown => {}
                 None => return Err(empty(column.name, row)),
             }
         }
