@@ -11,6 +11,7 @@ use crate::evaluation::{
     Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards,
 };
 use crate::policy::Policy;
+use crate::return_terms::ReturnTerms;
 use crate::tuned::task_for;
 
 /// The rows of an evaluation in the order of its episodes.
@@ -23,6 +24,7 @@ pub struct Results {
 /// An episode that ran but is not scored yet.
 struct Unscored {
     record: Record,
+    terms: ReturnTerms,
     step_rewards: StepRewards,
     key: Key,
     task: Task,
@@ -144,12 +146,13 @@ impl Unscored {
             baselines.keep(&key, terms)?;
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
-        Ok(Self { record, step_rewards, key, task })
+        Ok(Self { record, terms, step_rewards, key, task })
     }
 
     fn row(self, baselines: &Baselines) -> Row {
         let terms = baselines.get(&self.key, self.task.resource);
         let baseline = terms.map(|terms| terms.baseline(&self.task));
-        Row::scored(self.record, self.step_rewards, baseline)
+        let resource = [Some(self.terms), terms].map(|terms| terms?.used(self.task.resource));
+        Row::scored(self.record, self.step_rewards, baseline, resource)
     }
 }

@@ -127,9 +127,16 @@ impl Columns<'_> {
         self.push::<Float64Type>("baseline_energy_wh_m2", "Wh/m2", |row| {
             row.outcome.as_ref().ok()?.baseline_energy
         });
+        self.push::<Float64Type>("resource", "1", |row| row.outcome.as_ref().ok()?.resource);
+        self.push::<Float64Type>("baseline_resource", "1", |row| {
+            row.outcome.as_ref().ok()?.baseline_resource
+        });
         self.push::<Float64Type>("score", "1", Row::score);
         self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
         self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
+        self.push::<Float64Type>("relative_resource", "1", |row| {
+            row.outcome.as_ref().ok()?.relative_resource()
+        });
         self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
         self.text("model_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.model_sha256));
         self.text("weather_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.weather_sha256));
@@ -179,8 +186,9 @@ impl Cells {
         column.ok_or_else(|| ParquetError::General(format!("column `{name}` is missing")))
     }
 
-    fn has(&self, name: &str) -> bool {
-        self.0.column_by_name(name).is_some()
+    /// Returns the value of a column that tables from before it do not have.
+    fn younger(&self, name: &str, row: usize) -> Result<Option<f64>> {
+        self.0.column_by_name(name).map_or(Ok(None), |_| self.optional::<Float64Type>(name, row))
     }
 
     fn optional_text(&self, name: &str, row: usize) -> Result<Option<String>> {
@@ -238,14 +246,11 @@ impl Cells {
         for column in EpisodeMetrics::columns() {
             let value = match column.name {
                 INTEGER => Some(self.value::<UInt64Type>(INTEGER, row)? as f64),
-                // A table does not have the metrics that are younger than it.
-                name if column.may_be_unknown && !self.has(name) => None,
-                name => self.optional::<Float64Type>(name, row)?,
+                name if column.may_be_unknown => self.younger(name, row)?,
+                name => Some(self.value::<Float64Type>(name, row)?),
             };
-            match value {
-                Some(value) => column.set(&mut metrics, value),
-                None if column.may_be_unknown => {}
-                None => return Err(empty(column.name, row)),
+            if let Some(value) = value {
+                column.set(&mut metrics, value);
             }
         }
         Ok(Scored {
@@ -258,6 +263,8 @@ impl Cells {
             trajectory_hash: self.text("trajectory_hash", row)?,
             baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
             baseline_energy: self.optional::<Float64Type>("baseline_energy_wh_m2", row)?,
+            resource: self.younger("resource", row)?,
+            baseline_resource: self.younger("baseline_resource", row)?,
             score: self.optional::<Float64Type>("score", row)?,
             resolved_score: self.optional::<Float64Type>("resolved_score", row)?,
         })
@@ -298,6 +305,8 @@ mod tests {
             trajectory_hash,
             baseline_return,
             baseline_energy: Some(4.5),
+            resource: Some(0.5),
+            baseline_resource: Some(2.0),
             score: Some(1.225),
             resolved_score: Some(1.125),
         };
@@ -308,5 +317,32 @@ mod tests {
         write_stages(&mut file.reopen().unwrap(), &stages, &Versions::current()).unwrap();
         let read = read_stages(file.reopen().unwrap()).unwrap();
         assert_eq!(read, [("test".to_owned(), ran), ("train".to_owned(), lost)]);
+    }
+
+    #[test]
+    fn a_table_from_before_a_metric_reads_without_it() {
+        let episode = Episode {
+            subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
+            task: "occupancy+cost1".parse().unwrap(),
+            period: "01-01..01-02".parse().unwrap(),
+            seed: 7,
+            steps_per_hour: 12,
+        };
+        let mut metrics = EpisodeMetrics::default();
+        EpisodeMetrics::columns().for_each(|column| column.set(&mut metrics, 3.0));
+        let scored = Scored { metrics, resource: Some(1.0), ..Scored::default() };
+        let row = Row { info: EpisodeInfo::of(&episode, &BuiltIn::Random), outcome: Ok(scored.clone()) };
+        let table = episode_table(&[row], &Versions::current()).unwrap();
+        let is_old = |name: &str| {
+            !name.ends_with("resource")
+                && EpisodeMetrics::columns().all(|column| column.name != name || !column.may_be_unknown)
+        };
+        let old = (0..table.num_columns()).filter(|index| is_old(table.schema().field(*index).name()));
+        let old = table.project(&old.collect::<Vec<_>>()).unwrap();
+        let read = Cells(old).row(0).unwrap().outcome.unwrap();
+        assert_eq!((read.resource, read.metrics.occupied_too_cold), (None, None));
+        assert!(read.metrics.energy().is_nan());
+        assert_eq!(read.metrics.daily_travel, 3.0);
+        assert_eq!(Cells(table).row(0).unwrap().outcome.unwrap(), scored);
     }
 }
