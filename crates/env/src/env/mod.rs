@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_base::scratch::temporary_folder;
-use b2b_building::{CarrierEnergy, Model, PreparedBuilding};
+use b2b_building::{Model, PreparedBuilding};
 use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
 use tempfile::TempDir;
 
@@ -32,7 +32,7 @@ use crate::reward::{Reward, RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
-use crate::terms::{Amounts, Measured};
+use crate::terms::Amounts;
 use crate::ventilation::{Interlock, Ventilation};
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
@@ -251,14 +251,6 @@ impl Env {
         let reward = self.judge(began);
         self.disturb();
         Ok(reward)
-    }
-
-    /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
-    fn measure(&self, engine: &Engine, energy: &CarrierEnergy, hour: f64) -> Amounts {
-        let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
-        let hours = 1.0 / f64::from(*steps_per_hour);
-        let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
-        Measured { energy, end_uses, task, hour, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The building with its observation and action spaces.

@@ -1,10 +1,14 @@
 //! The observation and the reward of a step.
 
+use b2b_building::CarrierEnergy;
+
 use super::Env;
 use super::engine::Engine;
 use crate::calendar::Moment;
 use crate::observation::{Shared, Target};
 use crate::reward::{Reward, StepView, ZoneStep};
+use crate::spaces::EpisodeConfig;
+use crate::terms::{Amounts, Measured};
 use crate::{Error, Result};
 
 impl Env {
@@ -33,6 +37,14 @@ impl Env {
             occupied: self.asked[index].0,
             penalize_above_target: zone.penalize_above_target,
         }));
+    }
+
+    /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
+    pub(super) fn measure(&self, engine: &Engine, energy: &CarrierEnergy, hour: f64) -> Amounts {
+        let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
+        let hours = 1.0 / f64::from(*steps_per_hour);
+        let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
+        Measured { energy, end_uses, task, hour, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The reward of the step just observed; adds the step to the metrics.
