@@ -56,6 +56,11 @@ impl Resource {
         Self::ALL.into_iter().find(|resource| resource.penalty().word == word)
     }
 
+    /// Returns the text forms of all, with a weight W: `+energyW, +costW, …`.
+    pub fn spelled() -> String {
+        WORDS.map(|word| format!("+{word}W")).join(", ")
+    }
+
     /// Returns the term.
     pub const fn term(self) -> Term {
         self.0
