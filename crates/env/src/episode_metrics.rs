@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::metrics::Metrics;
-use crate::terms::{Column, Display, Term, TermMetrics};
+use crate::terms::{Column, Display, Resource, Term, TermMetrics};
 
 /// A value of a [`MetricColumn`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -236,9 +236,17 @@ episode_metrics! {
 }
 
 impl EpisodeMetrics {
-    /// HVAC energy, electricity and gas, Wh/m².
+    /// HVAC energy, electricity and gas, Wh/m²; NaN if it is unknown.
     pub fn energy(&self) -> f64 {
-        [Term::Electricity, Term::Gas].map(|term| self.terms.get(term).unwrap_or(f64::NAN)).iter().sum()
+        self.used(Resource::ENERGY).unwrap_or(f64::NAN)
+    }
+
+    /// Returns the total of a resource, in the unit of its steps; `None` if it is unknown.
+    pub fn used(&self, resource: Resource) -> Option<f64> {
+        match resource.term() {
+            Term::Energy => Some(self.terms.get(Term::Electricity)? + self.terms.get(Term::Gas)?),
+            term => Some(self.terms.get(term)? * term.entry().column.as_ref()?.divisor),
+        }
     }
 
     /// Each column's name with its value, if it is known.
