@@ -183,8 +183,10 @@ impl Summary {
                 format!("{:.1} h of {hours:.0} h (±{band} K)", metrics.hours_outside_band),
             ),
             ("discomfort outside the band", format!("{:.1} K·h", metrics.discomfort)),
+            ("too cold, too warm while occupied", self.occupied_text()),
             ("HVAC electricity", format!("{:.2} kWh/m²", of(Term::Electricity) / 1000.0)),
             (self.fuels(), format!("{:.2} kWh/m²", of(Term::Gas) / 1000.0)),
+            ("HVAC energy by end use", self.end_uses_text()),
             (
                 "cost, emissions",
                 format!("{:.2} {}, {:.2} kg CO₂/m²", of(Term::Cost), self.cost_unit(), of(Term::Emissions)),
@@ -193,6 +195,26 @@ impl Summary {
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
             ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
+    }
+
+    /// Returns the shares of occupied hours outside the comfort band.
+    fn occupied_text(&self) -> String {
+        match (self.metrics.occupied_too_cold, self.metrics.occupied_too_warm) {
+            (Some(cold), Some(warm)) => {
+                format!("{:.1} %, {:.1} % of occupied hours", 100.0 * cold, 100.0 * warm)
+            }
+            _ => "never occupied".to_owned(),
+        }
+    }
+
+    /// Returns HVAC energy by end use.
+    fn end_uses_text(&self) -> String {
+        let used = Term::END_USES.into_iter().filter_map(|term| {
+            let energy = self.metrics.terms.get(term).filter(|energy| *energy > 0.0)?;
+            Some(format!("{} {:.2}", term.entry().name.replace('_', " "), energy / 1000.0))
+        });
+        let used: Vec<_> = used.collect();
+        if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }
     }
 
     /// Returns the name of HVAC energy other than electricity.

@@ -16,6 +16,8 @@ mod peak;
 mod resource;
 mod term_metrics;
 
+use b2b_building::EndUse;
+
 pub use amounts::{Amounts, Totals};
 pub use entry::{Column, Display, Entry, Measured, Penalty};
 pub use resource::{RESOURCES, Resource};
@@ -89,6 +91,17 @@ pub const IN_INFO: usize = {
 };
 
 impl Term {
+    /// The end uses of HVAC energy.
+    pub const END_USES: [Self; EndUse::ALL.len()] = [
+        Self::Heating,
+        Self::Cooling,
+        Self::Fans,
+        Self::Pumps,
+        Self::HeatRejection,
+        Self::HeatRecovery,
+        Self::Humidification,
+    ];
+
     /// Returns the terms that Python's `info` has, in order.
     pub fn in_info() -> impl Iterator<Item = (Self, &'static str)> {
         Self::ALL.into_iter().filter_map(|term| Some((term, term.entry().info?)))
