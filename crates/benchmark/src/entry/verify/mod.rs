@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use b2b_base::machine;
 use b2b_control::Versions;
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, MetricValue, Resource, Term};
 
 pub use sample::Sample;
 
@@ -376,22 +376,39 @@ fn different_metric(
 ) -> Option<(&'static str, f64, f64)> {
     let values = |metrics: &EpisodeMetrics| {
         [
-            ("return", metrics.episode_return),
-            ("temperature penalty", metrics.temperature_penalty),
-            ("energy penalty", metrics.energy_penalty),
-            ("energy", metrics.energy()),
-            ("RMS deviation", metrics.rms_deviation),
-            ("mean absolute deviation", metrics.mean_abs_deviation),
-            ("discomfort", metrics.discomfort),
-            ("cost", metrics.cost),
-            ("emissions", metrics.emissions),
+            ("return", Some(metrics.episode_return)),
+            ("temperature penalty", Some(metrics.temperature_penalty)),
+            ("energy penalty", Some(metrics.energy_penalty)),
+            ("energy", metrics.used(Resource::ENERGY)),
+            ("RMS deviation", Some(metrics.rms_deviation)),
+            ("mean absolute deviation", Some(metrics.mean_abs_deviation)),
+            ("discomfort", Some(metrics.discomfort)),
+            ("cost", metrics.terms.get(Term::Cost)),
+            ("emissions", metrics.terms.get(Term::Emissions)),
         ]
     };
     let mut pairs = values(there).into_iter().zip(values(here));
-    let different = pairs.find(|((_, there), (_, here))| !accuracy.same(*there, *here));
-    let found = different.map(|((name, there), (_, here))| (name, there, here));
-    let all_bits = accuracy == Accuracy::Tolerance || there == here;
-    found.or_else(|| (!all_bits).then_some(("return", there.episode_return, here.episode_return)))
+    let found = pairs.find_map(|((name, there), (_, here))| {
+        different(name, there, here, |there, here| accuracy.same(there, here))
+    });
+    let other = || {
+        EpisodeMetrics::columns().find_map(|column| {
+            let [there, here] = [there, here].map(|metrics| column.get(metrics).map(MetricValue::as_f64));
+            different(column.name, there, here, |there, here| there == here)
+        })
+    };
+    found.or_else(|| (accuracy == Accuracy::Bits).then(other).flatten())
+}
+
+/// Returns a metric with its values if they differ. A result may be from before a metric.
+fn different(
+    name: &'static str,
+    there: Option<f64>,
+    here: Option<f64>,
+    is_same: impl Fn(f64, f64) -> bool,
+) -> Option<(&'static str, f64, f64)> {
+    let (there, here) = (there?, here.unwrap_or(f64::NAN));
+    (!is_same(there, here)).then_some((name, there, here))
 }
 
 #[cfg(test)]
@@ -411,5 +428,11 @@ mod tests {
         assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
         assert_eq!(different(&near, Accuracy::Tolerance), None);
         assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
+        let travels = EpisodeMetrics { daily_travel: 1.0, ..there.clone() };
+        assert_eq!(different(&travels, Accuracy::Bits), Some(("daily_travel", 0.0, 1.0)));
+        let mut younger = EpisodeMetrics { occupied_too_cold: Some(0.5), ..there.clone() };
+        younger.terms.set(Term::Heating, 2.0);
+        assert_eq!(different(&younger, Accuracy::Bits), None, "the result is from before these metrics");
+        assert_eq!(different_metric(&younger, &there, Accuracy::Bits).unwrap().0, "heating_wh_m2");
     }
 }
