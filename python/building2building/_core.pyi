@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+#: Keys of the terms in the info of a step.
+TERMS_IN_INFO: tuple[str, ...]
 
 #: Observation as f32 and as f64.
 _Observed = tuple[NDArray[np.float32], NDArray[np.float64]]
-#: Observation as f32 and as f64; temperature penalty, energy penalty, cost and emissions; truncated.
-_Stepped = tuple[NDArray[np.float32], NDArray[np.float64], tuple[float, float, float, float], bool]
+#: Observation as f32 and as f64; temperature penalty, energy penalty and the terms of `TERMS_IN_INFO`; truncated.
+_Stepped = tuple[NDArray[np.float32], NDArray[np.float64], Sequence[float], bool]
 #: Building, place, weather, allow_external, task, run period, seed and steps per hour of an episode.
 _Episode = tuple[str, str | None, str | None, bool, str, str, int, int]
 #: Makes the controller of an episode from its spaces, building and seed.

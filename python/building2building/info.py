@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, ValuesView
+from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence, ValuesView
 from copy import deepcopy
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _core
 from .layout import Layout
 
 
@@ -98,8 +99,8 @@ class Info(dict[str, Any]):
 
 
 #: The data that the info of a step is computed from: layout, observation before and after the step,
-#: temperature penalty, energy penalty, cost and emissions, number of the step.
-StepRecord = tuple[Layout, NDArray[np.float64], NDArray[np.float64], tuple[float, float, float, float], int]
+#: temperature penalty, energy penalty and the terms of ``_core.TERMS_IN_INFO``, number of the step.
+StepRecord = tuple[Layout, NDArray[np.float64], NDArray[np.float64], Sequence[float], int]
 
 
 class StepInfo(Info):
@@ -124,10 +125,10 @@ def _step_info(
     layout: Layout,
     before: NDArray[np.float64],
     after: NDArray[np.float64],
-    numbers: tuple[float, float, float, float],
+    numbers: Sequence[float],
     step: int,
 ) -> dict[str, Any]:
-    temperature_penalty, energy_penalty, cost, emissions = numbers
+    temperature_penalty, energy_penalty, *terms = numbers
     electricity, gas = float(after[layout.electricity]), float(after[layout.gas])
     hour = (step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
     temperatures, targets = after[layout.temperatures], layout.targets_in(before)
@@ -136,8 +137,7 @@ def _step_info(
         "hour": hour,
         "reward_terms": {"temperature": -temperature_penalty, "energy": -energy_penalty},
         "energy": {"electricity": electricity, "gas": gas},
-        "cost": cost,
-        "emissions": emissions,
+        **dict(zip(_core.TERMS_IN_INFO, terms, strict=True)),
         "zone_temperature": temperatures,
         "zone_target": targets,
         "zone_deviation": temperatures - targets,

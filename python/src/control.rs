@@ -102,8 +102,9 @@ pub fn metrics<'py>(py: Python<'py>, metrics: &Metrics) -> PyResult<Bound<'py, P
     let all = PyDict::new(py);
     for (name, value) in EpisodeMetrics::from(metrics).values() {
         match value {
-            MetricValue::Count(count) => all.set_item(name, count)?,
-            MetricValue::Number(number) => all.set_item(name, number)?,
+            Some(MetricValue::Count(count)) => all.set_item(name, count)?,
+            Some(MetricValue::Number(number)) => all.set_item(name, number)?,
+            None => all.set_item(name, py.None())?,
         }
     }
     Ok(all.into_any())

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use b2b_env::{Environment, StepNumbers};
+use b2b_env::{Environment, InfoNumbers, to_info_numbers};
 use b2b_workers::{Episode, EpisodeOptions, Snapshot, Workers};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -38,8 +38,8 @@ struct Open {
 
 /// An observation as f32 and as f64.
 pub type Observations<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
-/// The result of a step: observation as f32 and as f64, reward and expenses, and truncation.
-pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, StepNumbers, bool);
+/// The result of a step: observation as f32 and as f64, numbers of the info, and truncation.
+pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, InfoNumbers, bool);
 
 #[pymethods]
 impl Env {
@@ -109,7 +109,7 @@ impl Env {
                 episode.spaces().action.rescale(&mut action);
             }
             let step = episode.step(&action).map_err(of_env)?;
-            Ok((step.observation.to_vec(), step.numbers(), step.truncated))
+            Ok((step.observation.to_vec(), to_info_numbers(step.reward, &step.terms), step.truncated))
         })?;
         let single = arrays::single(py, &observation);
         Ok((single, arrays::row(py, &observation), numbers, truncated))

@@ -31,6 +31,7 @@ mod temporary;
 mod vector;
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 /// The extension module.
 #[pymodule]
@@ -77,6 +78,8 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::error::register(module)?;
+        let in_info: Vec<_> = b2b_env::Term::in_info().map(|(_, name)| name).collect();
+        module.add("TERMS_IN_INFO", PyTuple::new(module.py(), in_info)?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

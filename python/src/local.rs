@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_env::Spaces as EnvSpaces;
+use b2b_env::{Spaces as EnvSpaces, to_info_numbers};
 use b2b_workers::{EpisodeReport, Source};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -72,7 +72,7 @@ impl LocalEnv {
         let env = self.env.as_mut().ok_or_else(closed)?;
         let step = env.step(&action).map_err(of_env)?;
         self.applied_action.copy_from_slice(step.action);
-        let numbers = step.numbers();
+        let numbers = to_info_numbers(step.reward, &step.terms);
         let observation = step.observation.to_vec();
         let single = arrays::single(py, &observation);
         Ok((single, arrays::row(py, &observation), numbers, step.truncated))

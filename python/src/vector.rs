@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use b2b_benchmark::problem::TrainingForm;
-use b2b_env::{ActionSpace, StepNumbers, to_numbers};
+use b2b_env::{ActionSpace, InfoNumbers, to_info_numbers};
 use b2b_workers::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -37,7 +37,7 @@ struct State {
     rescale: bool,
 }
 
-/// Observations, rewards, numbers (see [`StepNumbers`]) and truncations of the batch.
+/// Observations, rewards, numbers (see [`InfoNumbers`]) and truncations of the batch.
 type Stepped<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
@@ -263,7 +263,7 @@ impl VecEnv {
         Ok((
             arrays::table(py, batch.observations, batch.shape)?,
             arrays::row(py, &batch.rewards),
-            arrays::table(py, batch.numbers, [batch.shape[0], StepNumbers::default().len()])?,
+            arrays::table(py, batch.numbers, [batch.shape[0], InfoNumbers::default().len()])?,
             arrays::row(py, &batch.truncated),
         ))
     }
@@ -345,11 +345,11 @@ impl State {
 
 impl Batch {
     fn of(envs: &Envs) -> Self {
-        let steps = envs.rewards().iter().zip(envs.expenses());
+        let steps = envs.rewards().iter().zip(envs.terms());
         Self {
             observations: envs.observations().iter().map(|value| *value as f32).collect(),
             rewards: envs.rewards().iter().map(|reward| reward.total()).collect(),
-            numbers: steps.flat_map(|(reward, expenses)| to_numbers(*reward, *expenses)).collect(),
+            numbers: steps.flat_map(|(reward, terms)| to_info_numbers(*reward, terms)).collect(),
             truncated: envs.truncated().to_vec(),
             shape: [envs.len(), envs.widths().1],
         }

@@ -102,7 +102,9 @@ def keys(kind: str) -> set[str]:
 def test_the_files_of_a_run_are_as_described(tmp_path):
     command = [sys.executable, "-m", "building2building", "run", "SingleFamilyHouse", "--period", "01-09..01-09"]
     subprocess.run([*command, "--out", tmp_path / "run"], check=True, capture_output=True)
-    assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary")
+    table = (DOCS / "tasks.md").read_text().split("| metric | unit |")[1].split("\n\n")[0]
+    metrics = set(re.findall(r"^\| `(\w+)`", table, re.M))
+    assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary") | metrics
     text = (DOCS / "formats.md").read_text()
     footer = (tmp_path / "run/trajectory.parquet").read_bytes()
     # Arrow encodes the metadata of its schema.

@@ -23,7 +23,7 @@ pub use class::Class;
 pub use description::Description;
 pub(crate) use energy::{hvac_energy, monthly_energy, output_database, outputs};
 pub use error::{Error, Result};
-pub use hvac_energy::{Carrier, CarrierEnergy, HvacMeter};
+pub use hvac_energy::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter};
 pub use model::{Model, construction, opening, people, shape, zone};
 pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;

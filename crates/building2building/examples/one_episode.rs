@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p building2building --example one_episode -- OfficeSmall winter`
 
-use building2building::{Controller, Reactive, make};
+use building2building::{Controller, Reactive, Term, make};
 
 fn main() -> building2building::Result<()> {
     let mut arguments = std::env::args().skip(1);
@@ -24,6 +24,7 @@ fn main() -> building2building::Result<()> {
     }
     let metrics = env.metrics();
     println!("{} steps, return {:.1}", metrics.steps, metrics.episode_return);
-    println!("RMS deviation {:.2} K, electricity {:.0} Wh/m²", metrics.rms_deviation(), metrics.electricity);
+    let electricity = metrics.total(Term::Electricity);
+    println!("RMS deviation {:.2} K, electricity {electricity:.0} Wh/m²", metrics.rms_deviation());
     Ok(())
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p building2building --example own_reward`
 
-use building2building::{Reactive, Reward, RewardFunction, StepView, make, rollout};
+use building2building::{Reactive, Reward, RewardFunction, StepView, Term, make, rollout};
 
 #[derive(Debug)]
 struct ColdestZone;
@@ -11,7 +11,7 @@ impl RewardFunction for ColdestZone {
     fn reward(&mut self, step: &StepView<'_>) -> Reward {
         let coldest = step.zones.iter().map(|zone| zone.target - zone.temperature).fold(0.0, f64::max);
         let price = if (6.0..22.0).contains(&step.hour) { 1.0 } else { 0.5 };
-        Reward { temperature_penalty: coldest, energy_penalty: price * (step.electricity + step.gas) }
+        Reward { temperature_penalty: coldest, energy_penalty: price * step.terms[Term::Energy] }
     }
 }
 

@@ -61,7 +61,7 @@ pub use b2b_control::{Constant, Random, Reactive};
 pub use b2b_dataset::{BuildingId, BuildingName};
 pub use b2b_env::{
     Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
-    Trajectory, rollout,
+    Term, Trajectory, rollout,
 };
 #[cfg(target_os = "linux")]
 pub use b2b_learn::fragments::run_if_worker;

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Catalog};
-use b2b_env::{Spaces, Task, Trajectory};
+use b2b_env::{Spaces, Task, Term, Trajectory};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -146,8 +146,8 @@ impl Outcome {
             severes: engine.severes,
             severe_message: engine.severe_messages.first().cloned(),
             rms_deviation_k: metrics.rms_deviation(),
-            electricity_kwh_per_m2: metrics.electricity / 1000.0,
-            gas_kwh_per_m2: metrics.gas / 1000.0,
+            electricity_kwh_per_m2: metrics.total(Term::Electricity) / 1000.0,
+            gas_kwh_per_m2: metrics.total(Term::Gas) / 1000.0,
             coldest: extreme(building, trajectory, heated, coldest)?,
             warmest: extreme(building, trajectory, cooled, warmest)?,
         })

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::metrics::Metrics;
-use crate::reward::{Expenses, Reward, StepNumbers, to_numbers};
+use crate::reward::{Reward, StepNumbers, to_numbers};
 use crate::spaces::Spaces;
+use crate::terms::Amounts;
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
 ///
@@ -42,15 +43,15 @@ pub struct Step<'a> {
     pub action: &'a [f64],
     /// Reward by its terms.
     pub reward: Reward,
-    /// Cost and emissions.
-    pub expenses: Expenses,
+    /// Energy, cost, emissions and the other terms.
+    pub terms: Amounts,
     /// Whether the episode is over.
     pub truncated: bool,
 }
 
 impl Step<'_> {
-    /// Returns reward and expenses as numbers: temperature penalty, energy penalty, cost and emissions.
+    /// Returns reward and terms as numbers.
     pub fn numbers(&self) -> StepNumbers {
-        to_numbers(self.reward, self.expenses)
+        to_numbers(self.reward, &self.terms)
     }
 }

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::metrics::Metrics;
+use crate::terms::{Column, Display, Resource, Term, TermMetrics};
 
 /// A value of a [`MetricColumn`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -24,10 +25,20 @@ pub struct MetricColumn {
     pub name: &'static str,
     /// Unit; `1` where there is none.
     pub unit: &'static str,
-    /// Reads the column.
-    pub get: fn(&EpisodeMetrics) -> MetricValue,
-    /// Writes the column; a count is rounded toward zero.
-    pub set: fn(&mut EpisodeMetrics, f64),
+    /// Description.
+    pub doc: &'static str,
+    /// How `b2b compare` shows it, if it does.
+    pub display: Option<Display>,
+    /// Whether the value of an episode may be unknown, also because the metric is younger than the episode.
+    pub may_be_unknown: bool,
+    source: Source,
+}
+
+/// Where the values of a column are.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Field { get: fn(&EpisodeMetrics) -> Option<MetricValue>, set: fn(&mut EpisodeMetrics, f64) },
+    Term(Term),
 }
 
 impl MetricValue {
@@ -40,15 +51,41 @@ impl MetricValue {
     }
 }
 
+impl MetricColumn {
+    /// Reads the column; `None` if the value is unknown, because the metric is younger than the episode.
+    pub fn get(&self, metrics: &EpisodeMetrics) -> Option<MetricValue> {
+        match self.source {
+            Source::Field { get, .. } => get(metrics),
+            Source::Term(term) => metrics.terms.get(term).map(MetricValue::Number),
+        }
+    }
+
+    /// Writes the column; a count is rounded toward zero.
+    pub fn set(&self, metrics: &mut EpisodeMetrics, value: f64) {
+        match self.source {
+            Source::Field { set, .. } => set(metrics, value),
+            Source::Term(term) => metrics.terms.set(term, value),
+        }
+    }
+
+    fn of_term(term: Term) -> Option<Self> {
+        let Column { name, unit, doc, display, .. } = *term.entry().column.as_ref()?;
+        Some(Self { name, unit, doc, display, may_be_unknown: true, source: Source::Term(term) })
+    }
+}
+
 /// The type of a field.
-trait Cell {
-    fn value(self) -> MetricValue;
+trait Cell: Copy {
+    /// Whether a value may be unknown.
+    const MAY_BE_UNKNOWN: bool = false;
+
+    fn value(self) -> Option<MetricValue>;
     fn from_f64(value: f64) -> Self;
 }
 
 impl Cell for usize {
-    fn value(self) -> MetricValue {
-        MetricValue::Count(self)
+    fn value(self) -> Option<MetricValue> {
+        Some(MetricValue::Count(self))
     }
 
     fn from_f64(value: f64) -> Self {
@@ -57,8 +94,8 @@ impl Cell for usize {
 }
 
 impl Cell for f64 {
-    fn value(self) -> MetricValue {
-        MetricValue::Number(self)
+    fn value(self) -> Option<MetricValue> {
+        Some(MetricValue::Number(self))
     }
 
     fn from_f64(value: f64) -> Self {
@@ -66,87 +103,155 @@ impl Cell for f64 {
     }
 }
 
-/// Declares the metrics: field, type, name and unit of the column, and how it follows from [`Metrics`].
+/// A metric that some episodes do not have.
+impl Cell for Option<f64> {
+    const MAY_BE_UNKNOWN: bool = true;
+
+    fn value(self) -> Option<MetricValue> {
+        self.map(MetricValue::Number)
+    }
+
+    fn from_f64(value: f64) -> Self {
+        Some(value)
+    }
+}
+
+fn is_unknown(cell: &impl Cell) -> bool {
+    cell.value().is_none()
+}
+
+/// Declares the metrics that are not terms: documentation, field, type, name and unit of the column, how it follows from
+/// [`Metrics`], and how `b2b compare` shows it. The columns of the terms are between the two groups.
 macro_rules! episode_metrics {
-    ($($(#[$doc:meta])* $field:ident: $type:ty = $name:literal, $unit:literal, $of:expr;)*) => {
+    (
+        before { $($(#[doc = $doc:literal])* $field:ident: $type:ty = $name:literal, $unit:literal, $of:expr, $display:expr;)* }
+        after { $($(#[doc = $doc2:literal])* $field2:ident: $type2:ty = $name2:literal, $unit2:literal, $of2:expr, $display2:expr;)* }
+    ) => {
         /// The metrics of a complete episode. Means are over the zones with both heating and cooling.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct EpisodeMetrics {
-            $($(#[$doc])* pub $field: $type,)*
+            $($(#[doc = $doc])* #[doc = concat!("\n\nUnit: ", $unit)]
+            #[serde(skip_serializing_if = "is_unknown")]
+            pub $field: $type,)*
+            /// The terms.
+            #[serde(flatten)]
+            pub terms: TermMetrics,
+            $($(#[doc = $doc2])* #[doc = concat!("\n\nUnit: ", $unit2)]
+            #[serde(skip_serializing_if = "is_unknown")]
+            pub $field2: $type2,)*
         }
 
         impl From<&Metrics> for EpisodeMetrics {
             fn from(metrics: &Metrics) -> Self {
-                Self { $($field: { let of: fn(&Metrics) -> $type = $of; of(metrics) },)* }
+                Self {
+                    $($field: { let of: fn(&Metrics) -> $type = $of; of(metrics) },)*
+                    terms: (&metrics.terms).into(),
+                    $($field2: { let of: fn(&Metrics) -> $type2 = $of2; of(metrics) },)*
+                }
             }
         }
 
         impl EpisodeMetrics {
-            /// All columns, in the order in which they are written.
-            pub const COLUMNS: &[MetricColumn] = &[$(MetricColumn {
-                name: $name,
-                unit: $unit,
-                get: |metrics| metrics.$field.value(),
-                set: |metrics, value| metrics.$field = Cell::from_f64(value),
-            },)*];
+            /// Returns all columns, in the order in which they are written.
+            pub fn columns() -> impl Iterator<Item = MetricColumn> {
+                let before = [$(column!($field: $type, $name, $unit, $display, $($doc)*),)*];
+                let after = [$(column!($field2: $type2, $name2, $unit2, $display2, $($doc2)*),)*];
+                let terms = Term::ALL.into_iter().filter_map(MetricColumn::of_term);
+                before.into_iter().chain(terms).chain(after)
+            }
         }
     };
 }
 
+/// The column of a field.
+macro_rules! column {
+    ($field:ident: $type:ty, $name:literal, $unit:literal, $display:expr, $($doc:literal)*) => {
+        MetricColumn {
+            name: $name,
+            unit: $unit,
+            doc: concat!($($doc),*),
+            display: $display,
+            may_be_unknown: <$type as Cell>::MAY_BE_UNKNOWN,
+            source: Source::Field {
+                get: |metrics| metrics.$field.value(),
+                set: |metrics, value| metrics.$field = Cell::from_f64(value),
+            },
+        }
+    };
+}
+
+const HIGHER_RETURN: Option<Display> =
+    Some(Display { label: "return", scale: 1.0, decimals: 1, higher_is_better: Some(true) });
+const OUTDOOR_AIR: Option<Display> =
+    Some(Display { label: "outdoor air per person (L/s)", scale: 1.0, decimals: 1, higher_is_better: None });
+
 episode_metrics! {
-    /// Steps of the episode.
-    steps: usize = "steps", "1", |metrics| metrics.steps;
-    /// Return: the sum of the rewards.
-    episode_return: f64 = "return", "1", |metrics| metrics.episode_return;
-    /// Sum of the temperature penalties, K².
-    temperature_penalty: f64 = "temperature_penalty", "K²", |metrics| metrics.temperature_penalty;
-    /// Sum of the energy penalties.
-    energy_penalty: f64 = "energy_penalty", "1", |metrics| metrics.energy_penalty;
-    /// Root mean square deviation from target, K.
-    rms_deviation: f64 = "rms_deviation_k", "K", Metrics::rms_deviation;
-    /// Root mean square deviation below target of the zones without cooling, K; 0 if there are none.
-    rms_heating_only: f64 = "rms_heating_only_k", "K", Metrics::rms_heating_only;
-    /// Zones that were never near their target: their rewarded deviation was outside the comfort band in every step.
-    zones_never_near_target: usize = "zones_never_near_target", "1", Metrics::zones_never_near_target;
-    /// Mean absolute deviation from target, K.
-    mean_abs_deviation: f64 = "mean_abs_deviation_k", "K", Metrics::mean_abs_deviation;
-    /// Hours outside the task's comfort band.
-    hours_outside_band: f64 = "hours_outside_band", "h", Metrics::hours_outside_band;
-    /// Thermal discomfort outside the band, mean over all controlled zones, K h.
-    discomfort: f64 = "discomfort_k_h", "K h", Metrics::discomfort;
-    /// HVAC electricity, Wh/m².
-    electricity: f64 = "electricity_wh_m2", "Wh/m²", |metrics| metrics.electricity;
-    /// HVAC gas, with other fuels and district energy, Wh/m².
-    gas: f64 = "gas_wh_m2", "Wh/m²", |metrics| metrics.gas;
-    /// Cost at the task's prices, currency/m².
-    cost: f64 = "cost_m2", "currency/m²", |metrics| metrics.cost;
-    /// Emissions at the task's factors, kg of CO₂/m².
-    emissions: f64 = "emissions_kg_m2", "kg/m²", |metrics| metrics.emissions / 1000.0;
-    /// Peak electric HVAC demand, averaged over a step, W/m².
-    peak_electricity: f64 = "peak_electricity_w_m2", "W/m²", |metrics| metrics.peak_electricity;
-    /// Peak gas demand, averaged over a step, W/m².
-    peak_gas: f64 = "peak_gas_w_m2", "W/m²", |metrics| metrics.peak_gas;
-    /// Actuator travel, full strokes/day, mean over the actuators.
-    daily_travel: f64 = "daily_travel", "1/d", Metrics::daily_travel;
-    /// Share of the steps of controlled zones in sustained oscillation: see [`Metrics::oscillating_share`].
-    oscillating_share: f64 = "oscillating_share", "1", Metrics::oscillating_share;
-    /// Action values that were out of bounds and clamped.
-    clamped_actions: usize = "clamped_actions", "1", |metrics| metrics.clamped_actions;
-    /// Steps in which the ventilation interlock raised an action.
-    ventilation_overrides: usize = "ventilation_overrides", "1", |metrics| metrics.ventilation_overrides;
-    /// Outdoor air per person while people are present, L/s; 0 where no system has outdoor air.
-    outdoor_air_per_person: f64 = "outdoor_air_l_s_person", "L/s", Metrics::outdoor_air_per_person;
+    before {
+        /// steps of the episode
+        steps: usize = "steps", "1", |metrics| metrics.steps, None;
+        /// sum of the rewards, -temperature_penalty - energy_penalty
+        episode_return: f64 = "return", "1", |metrics| metrics.episode_return, HIGHER_RETURN;
+        /// sum of the temperature penalties
+        temperature_penalty: f64 = "temperature_penalty", "K²", |metrics| metrics.temperature_penalty, None;
+        /// sum of the energy penalties
+        energy_penalty: f64 = "energy_penalty", "1", |metrics| metrics.energy_penalty, None;
+        /// RMS deviation from the target, mean over the zones with heating and cooling
+        rms_deviation: f64 = "rms_deviation_k", "K", Metrics::rms_deviation,
+            Display::lower("RMS deviation (K)", 1.0, 2);
+        /// RMS deviation below the target, mean over the zones without cooling; 0 if there are none
+        rms_heating_only: f64 = "rms_heating_only_k", "K", Metrics::rms_heating_only,
+            Display::lower("RMS deviation below target, zones without cooling (K)", 1.0, 2);
+        /// zones whose rewarded deviation was outside the comfort band in every step
+        zones_never_near_target: usize = "zones_never_near_target", "1", Metrics::zones_never_near_target, None;
+        /// mean absolute deviation from the target, mean over the zones with heating and cooling
+        mean_abs_deviation: f64 = "mean_abs_deviation_k", "K", Metrics::mean_abs_deviation,
+            Display::lower("mean absolute deviation (K)", 1.0, 2);
+        /// hours above or below the comfort band, mean over the zones with heating and cooling
+        hours_outside_band: f64 = "hours_outside_band", "h", Metrics::hours_outside_band,
+            Display::lower("outside comfort band (h)", 1.0, 1);
+        /// deviation beyond the comfort band, integrated over time, mean over the controlled zones; in zones without cooling, only below the target
+        discomfort: f64 = "discomfort_k_h", "K h", Metrics::discomfort,
+            Display::lower("discomfort outside the band (K·h)", 1.0, 1);
+    }
+    after {
+        /// actuator travel in full strokes, mean over the actuators
+        daily_travel: f64 = "daily_travel", "1/d", Metrics::daily_travel,
+            Display::lower("actuator travel (strokes/day)", 1.0, 1);
+        /// share of zone-steps of controlled zones in sustained oscillation, which indicates a limit cycle
+        oscillating_share: f64 = "oscillating_share", "1", Metrics::oscillating_share,
+            Display::lower("sustained oscillation (% of zone-steps)", 100.0, 1);
+        /// action values that were out of bounds and clamped
+        clamped_actions: usize = "clamped_actions", "1", |metrics| metrics.clamped_actions, None;
+        /// steps in which the [ventilation interlock](#ventilation) raised an action
+        ventilation_overrides: usize = "ventilation_overrides", "1", |metrics| metrics.ventilation_overrides, None;
+        /// mean outdoor air flow per person while people are present; 0 where no system has outdoor air
+        outdoor_air_per_person: f64 = "outdoor_air_l_s_person", "L/s", Metrics::outdoor_air_per_person, OUTDOOR_AIR;
+        /// share of occupied zone-hours below the comfort band; unknown if no controlled zone is ever occupied
+        occupied_too_cold: Option<f64> = "occupied_too_cold_share", "1", Metrics::occupied_too_cold,
+            Display::lower("occupied hours too cold (%)", 100.0, 1);
+        /// share of occupied zone-hours above the comfort band, without zones that have no cooling
+        occupied_too_warm: Option<f64> = "occupied_too_warm_share", "1", Metrics::occupied_too_warm,
+            Display::lower("occupied hours too warm (%)", 100.0, 1);
+    }
 }
 
 impl EpisodeMetrics {
-    /// HVAC energy, electricity and gas, Wh/m².
+    /// HVAC energy, electricity and gas, Wh/m²; NaN if it is unknown.
     pub fn energy(&self) -> f64 {
-        self.electricity + self.gas
+        self.used(Resource::ENERGY).unwrap_or(f64::NAN)
     }
 
-    /// Each column's name with its value.
-    pub fn values(&self) -> impl Iterator<Item = (&'static str, MetricValue)> {
-        Self::COLUMNS.iter().map(|column| (column.name, (column.get)(self)))
+    /// Returns the total of a resource, in the unit of its steps; `None` if it is unknown.
+    pub fn used(&self, resource: Resource) -> Option<f64> {
+        match resource.term() {
+            Term::Energy => Some(self.terms.get(Term::Electricity)? + self.terms.get(Term::Gas)?),
+            term => Some(self.terms.get(term)? * term.entry().column.as_ref()?.divisor),
+        }
+    }
+
+    /// Each column's name with its value, if it is known.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, Option<MetricValue>)> {
+        Self::columns().map(|column| (column.name, column.get(self)))
     }
 
     /// Serializes the columns by name, for `#[serde(flatten, serialize_with = ...)]`.
@@ -164,17 +269,18 @@ mod tests {
 
     #[test]
     fn every_column_reads_and_writes_only_its_own_field() {
-        for column in EpisodeMetrics::COLUMNS {
+        for column in EpisodeMetrics::columns() {
             let mut metrics = EpisodeMetrics::default();
-            (column.set)(&mut metrics, 7.0);
+            column.set(&mut metrics, 7.0);
             for (name, value) in metrics.values() {
-                assert_eq!(value.as_f64(), if name == column.name { 7.0 } else { 0.0 }, "{name}");
+                let value = value.map_or(0.0, MetricValue::as_f64);
+                assert_eq!(value, if name == column.name { 7.0 } else { 0.0 }, "{name}");
             }
         }
-        let mut names: Vec<_> = EpisodeMetrics::COLUMNS.iter().map(|column| column.name).collect();
+        let mut names: Vec<_> = EpisodeMetrics::columns().map(|column| column.name).collect();
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), EpisodeMetrics::COLUMNS.len());
+        assert_eq!(names.len(), EpisodeMetrics::columns().count());
     }
 
     #[test]
@@ -184,11 +290,28 @@ mod tests {
             #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
             metrics: EpisodeMetrics,
         }
-        let metrics = EpisodeMetrics { steps: 288, gas: 1.0, ..EpisodeMetrics::default() };
+        let mut metrics = EpisodeMetrics { steps: 288, ..EpisodeMetrics::default() };
+        metrics.terms.set(Term::Gas, 1.0);
         let json = serde_json::to_string(&Summary { metrics }).unwrap();
         assert!(
             json.starts_with(r#"{"steps":288,"return":0.0,"#) && json.contains(r#""gas_wh_m2":1.0"#),
             "{json}"
         );
+    }
+
+    #[test]
+    fn a_record_reads_back_also_without_terms_that_are_younger_than_it() {
+        #[derive(Debug, PartialEq, Serialize, Deserialize)]
+        struct Record {
+            building: String,
+            #[serde(flatten)]
+            metrics: EpisodeMetrics,
+        }
+        let mut metrics = EpisodeMetrics { steps: 3, daily_travel: 0.1 + 0.2, ..EpisodeMetrics::default() };
+        metrics.terms.set(Term::Emissions, 0.7);
+        let record = Record { building: "Library".to_owned(), metrics };
+        let json = serde_json::to_string(&record).unwrap();
+        assert!(json.contains(r#""discomfort":0.0,"emissions":0.7,"daily_travel":"#), "{json}");
+        assert_eq!(serde_json::from_str::<Record>(&json).unwrap(), record);
     }
 }

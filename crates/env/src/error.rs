@@ -1,5 +1,7 @@
 //! Errors of environments.
 
+use crate::terms::Resource;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -139,8 +141,9 @@ pub enum Error {
     /// Text that is not a valid task.
     #[error(
         "unknown task `{text}`{why}; expected constant, occupancy or random, optionally followed by +deadband or +pmv, by \
-         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, by +free-ventilation, by \
-         +presenceH with a time H in hours, and by faults such as +noise0.2; or the path of a JSON file"
+         a resource with a weight W ({}), for example occupancy+energy0.5, by +free-ventilation, by +presenceH with a time H \
+         in hours, and by faults such as +noise0.2; or the path of a JSON file",
+        Resource::spelled()
     )]
     UnknownTask {
         /// The text.

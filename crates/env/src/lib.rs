@@ -35,6 +35,7 @@ mod rollout;
 mod setpoints;
 mod spaces;
 mod task;
+mod terms;
 mod trajectory;
 mod ventilation;
 mod zones;
@@ -56,13 +57,15 @@ pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
 pub use presence::Presence;
 pub use reward::{
-    Expenses, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, from_numbers, to_numbers,
+    InfoNumbers, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, from_numbers, to_info_numbers,
+    to_numbers,
 };
 pub use role_observation::{RoleObservation, RoleSlot, RoleValue};
 pub use rollout::{Observer, rollout};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};
 pub use spaces::{EpisodeConfig, Spaces};
-pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
+pub use task::{Fuels, HeatingOnlyZones, Hourly, Task};
+pub use terms::{Amounts, Display, Penalty, RESOURCES, Resource, Term, TermMetrics, Totals};
 pub use trajectory::Trajectory;
 pub use ventilation::Ventilation;
 pub use zones::ControlledZone;

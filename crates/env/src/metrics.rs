@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::reward::{Reward, StepView};
+use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
 
 /// Deviation of one zone from its target over an episode.
@@ -22,6 +23,10 @@ pub struct ZoneMetrics {
     steps_outside: usize,
     /// Steps with a rewarded deviation outside the comfort band.
     penalized_steps_outside: usize,
+    /// Steps in which the zone was occupied, and of these the ones below and above the comfort band.
+    occupied_steps: usize,
+    cold_steps: usize,
+    warm_steps: usize,
 }
 
 /// Sums over the steps of an episode, which [`EpisodeMetrics`](crate::EpisodeMetrics) summarizes.
@@ -35,18 +40,8 @@ pub struct Metrics {
     pub temperature_penalty: f64,
     /// Sum of the energy penalties.
     pub energy_penalty: f64,
-    /// HVAC electricity, Wh/m².
-    pub electricity: f64,
-    /// HVAC gas, with other fuels and district energy, Wh/m².
-    pub gas: f64,
-    /// Total cost at the task's prices, currency/m².
-    pub cost: f64,
-    /// Total emissions at the task's factors, g of CO₂/m².
-    pub emissions: f64,
-    /// Peak electric HVAC demand, averaged over a step, W/m².
-    pub peak_electricity: f64,
-    /// Peak gas demand, averaged over a step, W/m².
-    pub peak_gas: f64,
+    /// Energy, cost, emissions, peaks and the other terms: see [`Metrics::total`].
+    pub(crate) terms: Totals,
     /// Travel of each actuator in full strokes: 1 is once from its lower to its upper bound.
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
@@ -103,9 +98,9 @@ impl Metrics {
         }
     }
 
-    /// Returns by how much a step's electricity (Wh/m²) would raise the peak demand so far, W/m².
-    pub(crate) fn peak_rise(&self, electricity: f64) -> f64 {
-        (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
+    /// Returns the total of a term over the steps, in the unit of its steps.
+    pub fn total(&self, term: Term) -> f64 {
+        self.terms.of(term)
     }
 
     /// Adds the outdoor air of a step (L/s) and the number of people it serves.
@@ -126,18 +121,16 @@ impl Metrics {
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
         self.energy_penalty += reward.energy_penalty;
-        self.electricity += step.electricity;
-        self.gas += step.gas;
-        self.cost += step.cost;
-        self.emissions += step.emissions;
-        self.peak_electricity += step.peak_rise;
-        self.peak_gas = self.peak_gas.max(step.gas / self.hours_per_step);
+        self.terms.add(&step.terms);
         self.add_travel(step.action, low, high);
         for (zone, step) in self.zones.iter_mut().zip(step.zones) {
             let deviation = step.temperature - step.target;
             let penalized = step.deviation();
             zone.penalized_squares += penalized * penalized;
             zone.penalized_steps_outside += usize::from(penalized.abs() > self.comfort_band);
+            zone.occupied_steps += usize::from(step.occupied);
+            zone.cold_steps += usize::from(step.occupied && penalized < -self.comfort_band);
+            zone.warm_steps += usize::from(step.occupied && penalized > self.comfort_band);
             zone.squares += deviation * deviation;
             zone.absolutes += deviation.abs();
             zone.steps_outside += usize::from(deviation.abs() > self.comfort_band);
@@ -177,6 +170,24 @@ impl Metrics {
         zone.steps_outside as f64 * self.hours_per_step
     }
 
+    /// Returns the share of the occupied zone-hours below the task's comfort band; `None` if no controlled zone is ever
+    /// occupied.
+    pub fn occupied_too_cold(&self) -> Option<f64> {
+        self.share_of_occupied(|zone| zone.cold_steps)
+    }
+
+    /// Returns the share of the occupied zone-hours above the task's comfort band, without zones that have no cooling;
+    /// `None` if no controlled zone is ever occupied.
+    pub fn occupied_too_warm(&self) -> Option<f64> {
+        self.share_of_occupied(|zone| zone.warm_steps)
+    }
+
+    fn share_of_occupied(&self, steps: impl Fn(&ZoneMetrics) -> usize) -> Option<f64> {
+        let sum = |steps: &dyn Fn(&ZoneMetrics) -> usize| self.zones.iter().map(steps).sum::<usize>();
+        let occupied = sum(&|zone| zone.occupied_steps);
+        (occupied > 0).then(|| sum(&steps) as f64 / occupied as f64)
+    }
+
     /// Returns the thermal discomfort, K h, averaged over the controlled zones.
     pub fn discomfort(&self) -> f64 {
         self.zones.iter().map(|zone| zone.discomfort).sum::<f64>() / self.zones.len().max(1) as f64
@@ -213,5 +224,42 @@ impl Metrics {
     fn mean_over_zones(&self, value: impl Fn(&ZoneMetrics) -> f64) -> f64 {
         let zones: Vec<_> = self.zones.iter().filter(|z| z.fully_conditioned).collect();
         zones.iter().map(|z| value(z)).sum::<f64>() / zones.len().max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reward::ZoneStep;
+    use crate::terms::Amounts;
+
+    #[test]
+    fn shares_of_occupied_hours_count_occupied_zones_alone() {
+        let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
+        let mut metrics = Metrics::new(&[zone(0), zone(1)], 0, 12, 1.0);
+        assert_eq!(metrics.occupied_too_cold(), None);
+        let step = |temperature, occupied| ZoneStep {
+            temperature,
+            target: 21.0,
+            occupied,
+            penalize_above_target: true,
+        };
+        for zones in [
+            [step(19.0, true), step(15.0, false)],
+            [step(23.0, true), step(30.0, false)],
+            [step(20.5, true), step(22.5, true)],
+        ] {
+            let view = StepView {
+                zones: &zones,
+                observation: &[],
+                action: &[],
+                terms: Amounts::default(),
+                day_of_year: 1,
+                hour: 0.0,
+            };
+            metrics.steps += 1;
+            metrics.add(Reward::default(), &view, &[], &[]);
+        }
+        assert_eq!((metrics.occupied_too_cold(), metrics.occupied_too_warm()), (Some(0.25), Some(0.5)));
     }
 }

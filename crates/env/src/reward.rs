@@ -2,6 +2,8 @@
 
 use std::fmt::Debug;
 
+use crate::terms::{Amounts, IN_INFO, TERMS, Term};
+
 /// The reward of one step, by its terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reward {
@@ -18,29 +20,35 @@ impl Reward {
     }
 }
 
-/// Cost and emissions of the HVAC energy of a step, at the task's prices and factors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Expenses {
-    /// Currency/m².
-    pub cost: f64,
-    /// g CO₂/m².
-    pub emissions: f64,
+/// Reward and terms of a step as numbers: temperature penalty, energy penalty, and the terms in their order.
+pub type StepNumbers = [f64; 2 + TERMS];
+
+/// The numbers of a step that Python's `info` has: temperature penalty, energy penalty, and the terms of
+/// [`Term::in_info`].
+pub type InfoNumbers = [f64; 2 + IN_INFO];
+
+/// Returns reward and terms as numbers.
+pub fn to_numbers(reward: Reward, terms: &Amounts) -> StepNumbers {
+    numbers(reward, terms.values().iter().copied())
 }
 
-/// Reward and expenses of a step as numbers: temperature penalty, energy penalty, cost, emissions.
-pub type StepNumbers = [f64; 4];
-
-/// Returns reward and expenses as numbers.
-pub fn to_numbers(reward: Reward, expenses: Expenses) -> StepNumbers {
-    [reward.temperature_penalty, reward.energy_penalty, expenses.cost, expenses.emissions]
+/// Returns the numbers for Python's `info`.
+pub fn to_info_numbers(reward: Reward, terms: &Amounts) -> InfoNumbers {
+    numbers(reward, Term::in_info().map(|(term, _)| terms[term]))
 }
 
-/// Returns reward and expenses of [`to_numbers`].
+fn numbers<const COUNT: usize>(reward: Reward, terms: impl Iterator<Item = f64>) -> [f64; COUNT] {
+    let mut numbers = [0.0; COUNT];
+    let all = [reward.temperature_penalty, reward.energy_penalty].into_iter().chain(terms);
+    numbers.iter_mut().zip(all).for_each(|(number, value)| *number = value);
+    numbers
+}
+
+/// Returns reward and terms of [`to_numbers`].
 #[cfg(target_os = "linux")]
-pub fn from_numbers(
-    [temperature_penalty, energy_penalty, cost, emissions]: StepNumbers,
-) -> (Reward, Expenses) {
-    (Reward { temperature_penalty, energy_penalty }, Expenses { cost, emissions })
+pub fn from_numbers(numbers: StepNumbers) -> (Reward, Amounts) {
+    let reward = Reward { temperature_penalty: numbers[0], energy_penalty: numbers[1] };
+    (reward, Amounts::of(|term| numbers[2 + term as usize]))
 }
 
 /// The step that a [`RewardFunction`] evaluates.
@@ -52,16 +60,8 @@ pub struct StepView<'a> {
     pub observation: &'a [f64],
     /// The action that was applied, after clamping.
     pub action: &'a [f64],
-    /// HVAC electricity of the step, Wh/m².
-    pub electricity: f64,
-    /// HVAC gas of the step, with other fuels and district energy, Wh/m².
-    pub gas: f64,
-    /// Energy cost of the step at the task's prices, currency/m².
-    pub cost: f64,
-    /// Emissions of the step by the task's factors, g CO₂/m².
-    pub emissions: f64,
-    /// Increase of the episode's peak electric demand in this step, W/m².
-    pub peak_rise: f64,
+    /// Energy, cost, emissions and the other terms of the step: `terms[Term::Cost]`.
+    pub terms: Amounts,
     /// Day of the year on which the step began, from 1.
     pub day_of_year: u32,
     /// Hour of the day at which the step began, from 0.
@@ -116,6 +116,14 @@ pub trait RewardFunction: Debug + Send {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_read_back_as_reward_and_terms() {
+        let reward = Reward { temperature_penalty: 0.1, energy_penalty: 0.2 };
+        let terms = Amounts::of(|term| term as usize as f64 + 0.5);
+        assert_eq!(from_numbers(to_numbers(reward, &terms)), (reward, terms));
+        assert_eq!(to_info_numbers(reward, &terms), [0.1, 0.2, terms[Term::Cost], terms[Term::Emissions]]);
+    }
 
     #[test]
     fn heat_is_not_penalized_in_a_zone_without_cooling() {

@@ -11,6 +11,7 @@ use crate::evaluation::{
     Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards,
 };
 use crate::policy::Policy;
+use crate::return_terms::ReturnTerms;
 use crate::tuned::task_for;
 
 /// The rows of an evaluation in the order of its episodes.
@@ -23,6 +24,7 @@ pub struct Results {
 /// An episode that ran but is not scored yet.
 struct Unscored {
     record: Record,
+    terms: ReturnTerms,
     step_rewards: StepRewards,
     key: Key,
     task: Task,
@@ -79,8 +81,9 @@ pub fn run_part(
 ) -> Result<HashMap<usize, Lost>> {
     let baselines = Baselines::open()?;
     let Ran { episodes, lost } = run(evaluation, folder, part, policy, &baselines, progress)?;
-    for Unscored { key, .. } in episodes.iter().flatten() {
-        if let (None, Some(terms)) = (collected.get(key), baselines.get(key)) {
+    for Unscored { key, task, .. } in episodes.iter().flatten() {
+        let of = |baselines: &Baselines| baselines.get(key, task.resource);
+        if let (None, Some(terms)) = (of(collected), of(&baselines)) {
             collected.keep(key, terms)?;
         }
     }
@@ -139,15 +142,17 @@ impl Unscored {
         let Finished { record, terms, step_rewards, .. } = finished;
         let site = record.info.site();
         let key = Key::of(episode, &site)?;
-        if policy.is_baseline() && baselines.get(&key).is_none() {
+        if policy.is_baseline() && baselines.get(&key, episode.task.resource).is_none() {
             baselines.remember(&key, terms);
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
-        Ok(Self { record, step_rewards, key, task })
+        Ok(Self { record, terms, step_rewards, key, task })
     }
 
     fn row(self, baselines: &Baselines) -> Row {
-        let baseline = baselines.get(&self.key).map(|terms| terms.baseline(&self.task));
-        Row::scored(self.record, self.step_rewards, baseline)
+        let terms = baselines.get(&self.key, self.task.resource);
+        let baseline = terms.map(|terms| terms.baseline(&self.task));
+        let resource = [Some(self.terms), terms].map(|terms| terms?.used(self.task.resource));
+        Row::scored(self.record, self.step_rewards, baseline, resource)
     }
 }

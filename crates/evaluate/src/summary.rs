@@ -4,7 +4,7 @@ use b2b_control::Versions;
 use b2b_env::EpisodeMetrics;
 use serde::Serialize;
 
-use crate::evaluation::{Row, relative_energy};
+use crate::evaluation::{Row, relative_energy, relative_resource};
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
@@ -71,6 +71,8 @@ pub struct Group {
     pub energy_wh_m2: f64,
     /// HVAC energy relative to the baseline; `None` if the latter is unknown.
     pub relative_energy: Option<f64>,
+    /// The task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one is unknown.
+    pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
 }
@@ -133,6 +135,7 @@ impl Group {
             rms_deviation_k: mean(|metrics| metrics.rms_deviation),
             energy_wh_m2: mean(EpisodeMetrics::energy),
             relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
+            relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
         }
     }

@@ -48,17 +48,14 @@ pub(crate) fn median_text(rows: &[&Row], figure: Figure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use b2b_env::EpisodeMetrics;
+    use b2b_env::{EpisodeMetrics, Term};
 
     #[test]
     fn the_reactive_deviation_is_their_return_without_the_penalty_on_energy() {
         // A penalty of 2 per Wh/m²; theirs is 200 of 600, and 400 K² over 100 steps are 2 K.
-        let metrics = EpisodeMetrics {
-            steps: 100,
-            electricity: 50.0,
-            energy_penalty: 100.0,
-            ..EpisodeMetrics::default()
-        };
+        let mut metrics = EpisodeMetrics { steps: 100, energy_penalty: 100.0, ..EpisodeMetrics::default() };
+        metrics.terms.set(Term::Electricity, 50.0);
+        metrics.terms.set(Term::Gas, 0.0);
         let scored = Scored {
             metrics,
             baseline_return: Some(-600.0),

@@ -14,7 +14,7 @@ use super::region::{Command, LONG_ORDER, Region, Status};
 use super::setting::Setting;
 use super::time_limit::TimeLimit;
 use super::workers::Workers;
-use b2b_env::{Error, Expenses, Metrics, Result, Reward, Spaces, Step, from_numbers};
+use b2b_env::{Amounts, Error, Metrics, Result, Reward, Spaces, Step, from_numbers};
 
 /// Copies of a template that may be lost before attaching until the episode is lost.
 const FAILED_STARTS: u32 = 3;
@@ -41,7 +41,7 @@ pub struct Episode {
     observation: Vec<f64>,
     action: Vec<f64>,
     reward: Reward,
-    expenses: Expenses,
+    terms: Amounts,
     metrics: Option<Metrics>,
     report: Option<EpisodeReport>,
 }
@@ -87,7 +87,7 @@ impl Episode {
             phase: Phase::New,
             failed_starts: 0,
             reward: Reward::default(),
-            expenses: Expenses::default(),
+            terms: Amounts::default(),
             metrics: None,
             report: None,
         }
@@ -118,7 +118,7 @@ impl Episode {
         self.end();
         self.phase = Phase::New;
         (self.metrics, self.report) = (None, None);
-        (self.reward, self.expenses) = (Reward::default(), Expenses::default());
+        (self.reward, self.terms) = (Reward::default(), Amounts::default());
         self.place = Some(self.workers.lock().start(&self.setting, self.options)?);
         self.phase = Phase::Starting(None);
         Ok(())
@@ -186,7 +186,7 @@ impl Episode {
                 observation: &self.observation,
                 action: &self.action,
                 reward: self.reward,
-                expenses: self.expenses,
+                terms: self.terms,
                 truncated: self.phase == Phase::Truncated,
             }),
             _ => Err(self.not_ready()),
@@ -241,7 +241,7 @@ impl Episode {
             observation: self.observation.clone(),
             action: self.action.clone(),
             reward: self.reward,
-            expenses: self.expenses,
+            terms: self.terms,
             metrics: None,
             report: None,
         };
@@ -278,9 +278,9 @@ impl Episode {
         self.reward
     }
 
-    /// Cost and emissions of the last step.
-    pub fn expenses(&self) -> Expenses {
-        self.expenses
+    /// Energy, cost, emissions and the other terms of the last step.
+    pub fn terms(&self) -> Amounts {
+        self.terms
     }
 
     /// Returns whether the worker is busy with a step or with its start.
@@ -351,7 +351,7 @@ impl Episode {
             self.workers.lock().adopt(slot);
         } else {
             region.read_action(slot, &mut self.action);
-            (self.reward, self.expenses) = from_numbers(region.step_numbers(slot));
+            (self.reward, self.terms) = from_numbers(region.step_numbers(slot));
         }
         self.phase = Phase::Ready;
         if status == Status::Truncated {

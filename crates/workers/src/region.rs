@@ -126,7 +126,7 @@ struct Slot {
     /// Generation in the upper half, process in the lower; process 0 until one attaches.
     occupant: AtomicU64,
     /// Bits of [`StepNumbers`].
-    step_numbers: [AtomicU64; 4],
+    step_numbers: [AtomicU64; size_of::<StepNumbers>() / size_of::<f64>()],
     /// Wait status of an ended process, with [`EXITED`].
     exit: AtomicU32,
     copies: AtomicU32,
@@ -350,12 +350,12 @@ impl Region {
         unsafe { slice::from_raw_parts(self.at(slot, offset), bytes) }.to_vec()
     }
 
-    /// Reward and expenses of the last step.
+    /// Reward and terms of the last step.
     pub(super) fn step_numbers(&self, slot: u32) -> StepNumbers {
         self.slot(slot).step_numbers.each_ref().map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
     }
 
-    /// Writes reward and expenses of a step.
+    /// Writes reward and terms of a step.
     pub(super) fn set_step_numbers(&self, slot: u32, numbers: StepNumbers) {
         for (bits, number) in self.slot(slot).step_numbers.iter().zip(numbers) {
             bits.store(number.to_bits(), Ordering::Relaxed);

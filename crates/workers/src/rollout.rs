@@ -162,7 +162,7 @@ fn order(controller: &Value, steps: usize, record: Option<usize>) -> RolloutOrde
     RolloutOrder { controller, steps, record }
 }
 
-/// Numbers in the record of a step: observation, action, reward and expenses.
+/// Numbers in the record of a step: observation, action, reward and terms.
 fn width(spaces: &Spaces) -> usize {
     spaces.observation.len() + spaces.action.len() + StepNumbers::default().len()
 }
@@ -178,8 +178,8 @@ fn write_record(record: &mut [f64], step: &Step<'_>) {
 fn step_of_record<'a>(record: &'a [f64], spaces: &Spaces, truncated: bool) -> Step<'a> {
     let (observation, rest) = record.split_at(spaces.observation.len());
     let (action, numbers) = rest.split_at(spaces.action.len());
-    let (reward, expenses) = from_numbers(numbers.try_into().expect("the record has this width"));
-    Step { observation, action, reward, expenses, truncated }
+    let (reward, terms) = from_numbers(numbers.try_into().expect("the record has this width"));
+    Step { observation, action, reward, terms, truncated }
 }
 
 #[cfg(test)]

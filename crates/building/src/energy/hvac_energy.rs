@@ -2,7 +2,7 @@
 //!
 //! The meters `…:HVAC` are those of coils, fans and zone equipment. Boilers, chillers, towers, pumps and district energy count
 //! in `…:Plant`, together with service hot water and refrigeration. In a model with such equipment, HVAC energy is therefore
-//! the sum of the meters of [`END_USES`]. These include the pumps of service hot water, which have no meter of their own.
+//! the sum of the meters of [`EndUse`]. These include the pumps of service hot water, which have no meter of their own.
 
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +66,77 @@ pub struct HvacMeter {
     pub name: String,
 }
 
+/// An end use of HVAC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EndUse {
+    /// Heating coils, burners, boilers and district heating.
+    Heating,
+    /// Compressors, chillers and district cooling.
+    Cooling,
+    /// Fans.
+    Fans,
+    /// Pumps of the plant.
+    Pumps,
+    /// Cooling towers and fluid coolers.
+    HeatRejection,
+    /// Wheels and pumps of heat recovery.
+    HeatRecovery,
+    /// Humidifiers.
+    Humidification,
+}
+
+/// An amount of energy for each end use, in the order of [`EndUse::ALL`].
+pub type EndUseEnergy = [f64; EndUse::ALL.len()];
+
+impl EndUse {
+    /// All end uses.
+    pub const ALL: [Self; 7] = [
+        Self::Heating,
+        Self::Cooling,
+        Self::Fans,
+        Self::Pumps,
+        Self::HeatRejection,
+        Self::HeatRecovery,
+        Self::Humidification,
+    ];
+
+    /// Returns the beginning of the names of its meters.
+    const fn meter(self) -> &'static str {
+        match self {
+            Self::Heating => "Heating",
+            Self::Cooling => "Cooling",
+            Self::Fans => "Fans",
+            Self::Pumps => "Pumps",
+            Self::HeatRejection => "HeatRejection",
+            Self::HeatRecovery => "HeatRecovery",
+            Self::Humidification => "Humidifier",
+        }
+    }
+
+    /// Returns whether the meters `…:HVAC` of models without a plant include it.
+    fn is_air_side(self) -> bool {
+        !matches!(self, Self::Pumps | Self::HeatRejection)
+    }
+}
+
+impl HvacMeter {
+    /// Returns the names of the meters of the end uses that this meter consists of, of which the engine may not have all. They
+    /// need not add up to it: `Electricity:HVAC` includes the losses of a building's transformer.
+    pub fn end_uses(&self) -> Vec<(EndUse, String)> {
+        match self.name.strip_suffix(":HVAC") {
+            Some(resource) => {
+                let end_uses = EndUse::ALL.into_iter().filter(|end_use| end_use.is_air_side());
+                end_uses.map(|end_use| (end_use, format!("{}:{resource}", end_use.meter()))).collect()
+            }
+            None => {
+                let begin = self.name.split(':').next().unwrap_or_default();
+                let found = EndUse::ALL.into_iter().find(|end_use| end_use.meter() == begin);
+                found.map(|end_use| (end_use, self.name.clone())).into_iter().collect()
+            }
+        }
+    }
+}
+
 /// The engine's resources; a model need not use them.
 const RESOURCES: [(&str, Carrier); 13] = [
     ("Electricity", Carrier::Electricity),
@@ -82,10 +153,6 @@ const RESOURCES: [(&str, Carrier); 13] = [
     ("DistrictHeatingSteam", Carrier::DistrictHeating),
     ("DistrictCooling", Carrier::DistrictCooling),
 ];
-
-/// End uses of HVAC; fuels and district energy have the first two and the last.
-const END_USES: [&str; 7] =
-    ["Heating", "Cooling", "Fans", "Pumps", "HeatRejection", "HeatRecovery", "Humidifier"];
 
 /// Beginnings of the classes of plant equipment for HVAC. Pumps and water heaters are not among them: service hot water has
 /// them too.
@@ -109,16 +176,16 @@ pub(crate) fn hvac_meters(model: &Model) -> Vec<HvacMeter> {
     let has = |begin: &str| model.classes().any(|class| class.starts_with(begin));
     let has_plant = PLANT.iter().any(|begin| has(begin));
     let meters = |&(resource, carrier): &(&str, Carrier)| {
-        let is_metered = |end_use: &str| match end_use {
-            "Heating" | "Cooling" => true,
-            "Humidifier" => has("Humidifier:"),
-            "HeatRecovery" => carrier == Carrier::Electricity && has("HeatExchanger:AirToAir:"),
-            _ => carrier == Carrier::Electricity,
+        let is_metered = |end_use: &EndUse| match end_use {
+            EndUse::Heating | EndUse::Cooling => true,
+            EndUse::Humidification => has("Humidifier:"),
+            EndUse::HeatRecovery => carrier == Carrier::Electricity && has("HeatExchanger:AirToAir:"),
+            EndUse::Fans | EndUse::Pumps | EndUse::HeatRejection => carrier == Carrier::Electricity,
         };
         let names: Vec<_> = match has_plant {
             true => {
-                let end_uses = END_USES.iter().filter(|end_use| is_metered(end_use));
-                end_uses.map(|end_use| format!("{end_use}:{resource}")).collect()
+                let end_uses = EndUse::ALL.into_iter().filter(is_metered);
+                end_uses.map(|end_use| format!("{}:{resource}", end_use.meter())).collect()
             }
             false => vec![format!("{resource}:HVAC")],
         };
@@ -170,6 +237,9 @@ mod tests {
         model.insert("Pump:ConstantSpeed", "Circulator", json!({}));
         model.insert("Coil:Heating:Fuel", "Furnace", json!({"fuel_type": "fueloilno2"}));
         assert_eq!(names(&model), ["Electricity:HVAC", "NaturalGas:HVAC", "FuelOilNo2:HVAC"]);
+        let end_uses = hvac_meters(&model)[1].end_uses();
+        assert_eq!(end_uses[0], (EndUse::Heating, "Heating:NaturalGas".to_owned()));
+        assert!(end_uses.iter().all(|(end_use, _)| *end_use != EndUse::Pumps), "the circulator is not HVAC");
     }
 
     #[test]
@@ -187,5 +257,8 @@ mod tests {
         let district = ["Heating:DistrictHeatingWater", "Cooling:DistrictHeatingWater"];
         assert_eq!(of(Carrier::DistrictHeating), district);
         assert_eq!(meters.len(), 9);
+        assert!(
+            meters.iter().all(|meter| matches!(&meter.end_uses()[..], [(_, name)] if *name == meter.name))
+        );
     }
 }

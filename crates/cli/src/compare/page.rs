@@ -52,9 +52,9 @@ pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
         "faulty_sensors": first.has_faulty_sensors(),
         "runs": runs.iter().map(|run| json!({"name": run.name, "folder": run.folder})).collect::<Vec<_>>(),
         "metrics": relevant(runs).map(|(metric, values)| json!({
-            "label": metric.label,
-            "decimals": metric.decimals,
-            "higher_is_better": metric.higher_is_better,
+            "label": metric.display.label,
+            "decimals": metric.display.decimals,
+            "higher_is_better": metric.display.higher_is_better,
             "values": values,
         })).collect::<Vec<_>>(),
         "zones": zones.collect::<Vec<_>>(),

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use b2b_building::RunPeriod;
-use b2b_env::{Task, ZoneMetrics};
+use b2b_env::{Task, Term, ZoneMetrics};
 use serde::Serialize;
 
 use crate::arguments::controller::{Parameters, reactive};
@@ -49,8 +49,8 @@ impl Trial {
             never_near_target: far.map(name).collect(),
             worst_zone: name(worst),
             worst_zone_rms_k: rms(worst),
-            electricity_kwh_m2: metrics.electricity / 1000.0,
-            gas_kwh_m2: metrics.gas / 1000.0,
+            electricity_kwh_m2: metrics.total(Term::Electricity) / 1000.0,
+            gas_kwh_m2: metrics.total(Term::Gas) / 1000.0,
             warnings: engine.warnings,
             severes: engine.severes,
             severe_message: engine.severe_messages.into_iter().next(),

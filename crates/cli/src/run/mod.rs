@@ -5,12 +5,12 @@ pub mod summary;
 pub mod trajectory_file;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
-use b2b_env::{Inputs, Spaces, Task, Trajectory};
+use b2b_env::{Inputs, Resource, Spaces, Task, Trajectory};
 
 use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
 use crate::arguments::location::Location;
@@ -27,7 +27,7 @@ use trajectory_file::Identity;
 /// (interactive time series, opens in any browser without a network; an agent is drawn beside the reactive
 /// controllers).
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment, after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = HELP.as_str())]
 pub struct Arguments {
     /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
@@ -56,6 +56,8 @@ pub struct Arguments {
     json: bool,
 }
 
+static HELP: LazyLock<String> = LazyLock::new(|| EXAMPLES.replace("{resources}", &Resource::spelled()));
+
 const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall
@@ -77,7 +79,7 @@ occupancy and random, each with and without +energy0.5.
                to February and 26 °C from June to August), random, random:SEED
   COMFORT      squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
                or K; +pmv: predicted mean vote (ISO 7730)
-  RESOURCE     +energyW, +costW, +carbonW, +peakW: W times the energy (relative to the mean use of the reactive
+  RESOURCE     {resources}: W times the energy (relative to the mean use of the reactive
                controllers), cost, emissions or increase in peak demand of each step
   VENTILATION  an interlock supplies outdoor air while people are present (default); +free-ventilation: no minimum
   PRESENCE     the number of people is that of the model's schedules (default); +presenceH: each person comes and

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use b2b_building::Carrier;
 use b2b_control::Versions;
-use b2b_env::{EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
+use b2b_env::{EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, Term, ZoneMetrics};
 use serde::Serialize;
 
 use super::trajectory_file::Identity;
@@ -181,6 +181,7 @@ impl Summary {
     /// Returns the results of the episode: return, comfort, energy and actuator travel.
     fn outcome_metrics(&self) -> Vec<(&'static str, String)> {
         let metrics = &self.metrics;
+        let of = |term: Term| metrics.terms.get(term).unwrap_or(f64::NAN);
         let hours = metrics.steps as f64 / f64::from(self.steps_per_hour);
         let band = self.task_definition.comfort_band;
         let [temperature, energy] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
@@ -196,16 +197,38 @@ impl Summary {
                 format!("{:.1} h of {hours:.0} h (±{band} K)", metrics.hours_outside_band),
             ),
             ("discomfort outside the band", format!("{:.1} K·h", metrics.discomfort)),
-            ("HVAC electricity", format!("{:.2} kWh/m²", metrics.electricity / 1000.0)),
-            (self.fuels(), format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
+            ("too cold, too warm while occupied", self.occupied_text()),
+            ("HVAC electricity", format!("{:.2} kWh/m²", of(Term::Electricity) / 1000.0)),
+            (self.fuels(), format!("{:.2} kWh/m²", of(Term::Gas) / 1000.0)),
+            ("HVAC energy by end use", self.end_uses_text()),
             (
                 "cost, emissions",
-                format!("{:.2} {}, {:.2} kg CO₂/m²", metrics.cost, self.cost_unit(), metrics.emissions),
+                format!("{:.2} {}, {:.2} kg CO₂/m²", of(Term::Cost), self.cost_unit(), of(Term::Emissions)),
             ),
-            ("peak electric demand", format!("{:.1} W/m²", metrics.peak_electricity)),
+            ("peak electric demand", format!("{:.1} W/m²", of(Term::PeakElectricity))),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
             ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
+    }
+
+    /// Returns the shares of occupied hours outside the comfort band.
+    fn occupied_text(&self) -> String {
+        match (self.metrics.occupied_too_cold, self.metrics.occupied_too_warm) {
+            (Some(cold), Some(warm)) => {
+                format!("{:.1} %, {:.1} % of occupied hours", 100.0 * cold, 100.0 * warm)
+            }
+            _ => "never occupied".to_owned(),
+        }
+    }
+
+    /// Returns HVAC energy by end use.
+    fn end_uses_text(&self) -> String {
+        let used = Term::END_USES.into_iter().filter_map(|term| {
+            let energy = self.metrics.terms.get(term).filter(|energy| *energy > 0.0)?;
+            Some(format!("{} {:.2}", term.entry().name.replace('_', " "), energy / 1000.0))
+        });
+        let used: Vec<_> = used.collect();
+        if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }
     }
 
     /// Returns the name of HVAC energy other than electricity.
@@ -322,6 +345,6 @@ fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
 fn meter_relative_error(metrics: &Metrics, meters: Option<[f64; 2]>) -> f64 {
     const TINY: f64 = 1e-9;
     let Some(meters) = meters else { return f64::NAN };
-    let errors = [metrics.electricity, metrics.gas].into_iter().zip(meters);
+    let errors = [Term::Electricity, Term::Gas].map(|term| metrics.total(term)).into_iter().zip(meters);
     errors.map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY)).fold(0.0, f64::max)
 }

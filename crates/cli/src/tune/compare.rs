@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use b2b_building::{Class, RunPeriod};
 use b2b_control::{Objective, ReactiveParameters, Tuned};
 use b2b_dataset::{BuildingId, Catalog};
-use b2b_env::{EnergyScale, Metrics, Task};
+use b2b_env::{EnergyScale, Metrics, Task, Term};
 use b2b_evaluate::statistics;
 use serde::Serialize;
 
@@ -160,7 +160,7 @@ impl Run {
         let class = b2b_dataset::row(id).building.class();
         let sum = |value: fn(&Metrics) -> f64| episodes.iter().map(value).sum::<f64>();
         let (temperature, energy) =
-            (sum(|metrics| metrics.temperature_penalty), sum(|metrics| metrics.electricity + metrics.gas));
+            (sum(|metrics| metrics.temperature_penalty), sum(|metrics| metrics.total(Term::Energy)));
         let scale = EnergyScale::of(class, 12).unwrap_or(1.0);
         Self {
             building: id.to_string(),

@@ -1,6 +1,6 @@
 //! Outcomes of a set of parameters on the cells of a plan, and the losses that follow from them.
 
-use b2b_env::Metrics;
+use b2b_env::{Metrics, Term};
 use serde::{Deserialize, Serialize};
 
 use super::limits::Limits;
@@ -33,7 +33,7 @@ impl Outcome {
     pub fn of(episodes: &[Metrics]) -> Self {
         episodes.iter().fold(Self::default(), |sum, metrics| Self {
             temperature_penalty: sum.temperature_penalty + metrics.temperature_penalty,
-            energy: sum.energy + metrics.electricity + metrics.gas,
+            energy: sum.energy + metrics.total(Term::Electricity) + metrics.total(Term::Gas),
             steps: sum.steps + metrics.steps,
             daily_travel: sum.daily_travel.max(metrics.daily_travel()),
         })

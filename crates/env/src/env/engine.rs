@@ -4,10 +4,10 @@ use std::path::Path;
 
 use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
-use b2b_building::{Carrier, CarrierEnergy, HvacMeter, PreparedBuilding};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
-use super::meters::by_carrier;
+use super::meters::{by_carrier, by_end_use};
 use crate::Result;
 use crate::presence::Attendance;
 use crate::zones::ControlledZone;
@@ -44,6 +44,8 @@ pub(super) struct Engine {
     pub(super) people: Vec<Option<Variable>>,
     /// The building's meters, as far as the engine has them.
     meters: Vec<(Carrier, Meter)>,
+    /// Those of their end uses that the engine has.
+    end_uses: Vec<(EndUse, Meter)>,
     actuators: Vec<(Actuator, f64)>,
     /// Schedule and number of people of each group with random presence.
     groups: Vec<(Variable, Actuator)>,
@@ -99,6 +101,7 @@ impl Engine {
             Ok((schedule, simulation.actuator(component, control, &group.name)?))
         };
         let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
+        let end_use = |(end_use, name): (EndUse, String)| Some((end_use, simulation.meter(&name).ok()?));
         let mut ventilated = Vec::new();
         for (system, layout) in building.laid_out_systems() {
             let Some(air) = system.ventilation() else {
@@ -123,6 +126,7 @@ impl Engine {
             // The engine has this variable only for zones with people.
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
+            end_uses: building.meters.iter().flat_map(HvacMeter::end_uses).filter_map(end_use).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             groups: groups.iter().map(handles).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
@@ -193,5 +197,11 @@ impl Engine {
     pub(super) fn energy(&self, floor_area: f64) -> CarrierEnergy {
         let read = |&(carrier, meter)| (carrier, self.simulation.read_meter(meter));
         by_carrier(self.meters.iter().map(read), floor_area)
+    }
+
+    /// HVAC energy of the step by end use, Wh/m².
+    pub(super) fn end_uses(&self, floor_area: f64) -> EndUseEnergy {
+        let read = |&(end_use, meter)| (end_use, self.simulation.read_meter(meter));
+        by_end_use(self.end_uses.iter().map(read), floor_area)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::{Carrier, CarrierEnergy, HvacMeter, Model};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, Model};
 
 use crate::{Error, Result};
 
@@ -43,6 +43,15 @@ pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_a
     let mut energy = CarrierEnergy::default();
     for (carrier, joules) in readings {
         energy[carrier as usize] += joules / JOULES_PER_WATT_HOUR / floor_area;
+    }
+    energy
+}
+
+/// Adds readings of meters (J) up by end use, Wh/m².
+pub(super) fn by_end_use(readings: impl Iterator<Item = (EndUse, f64)>, floor_area: f64) -> EndUseEnergy {
+    let mut energy = EndUseEnergy::default();
+    for (end_use, joules) in readings {
+        energy[end_use as usize] += joules / JOULES_PER_WATT_HOUR / floor_area;
     }
     energy
 }

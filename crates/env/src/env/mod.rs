@@ -28,10 +28,11 @@ use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
 use crate::presence::Attendance;
-use crate::reward::{Expenses, Reward, RewardFunction, ZoneStep};
+use crate::reward::{Reward, RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
+use crate::terms::Amounts;
 use crate::ventilation::{Interlock, Ventilation};
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
@@ -69,8 +70,8 @@ pub struct Env {
     observation: Vec<f64>,
     action: Vec<f64>,
     metrics: Metrics,
-    /// Cost and emissions of the last step.
-    expenses: Expenses,
+    /// Terms of the last step.
+    terms: Amounts,
     /// Oscillation of each controlled zone.
     oscillations: Vec<Oscillation>,
     truncated: bool,
@@ -112,7 +113,7 @@ impl Env {
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
             metrics: new_metrics(&zones, &spaces),
-            expenses: Expenses::default(),
+            terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
@@ -185,7 +186,7 @@ impl Env {
             attendance.restart(self.spaces.episode.period.first().day_of_year());
         }
         self.observe(&engine, [0.0; 2])?;
-        self.expenses = Expenses::default();
+        self.terms = Amounts::default();
         self.disturb();
         self.engine = Some(engine);
         Ok(&self.observation)
@@ -222,8 +223,8 @@ impl Env {
             self.engine = Some(engine);
         }
         self.truncated = truncated;
-        let expenses = self.expenses;
-        Ok(Step { observation: &self.observation, action: &self.action, reward, expenses, truncated })
+        let terms = self.terms;
+        Ok(Step { observation: &self.observation, action: &self.action, reward, terms, truncated })
     }
 
     /// Advances the engine by a step under the action, and returns the reward of the step.
@@ -242,12 +243,12 @@ impl Env {
         let by_carrier = engine.energy(self.spaces.building.conditioned_floor_area);
         let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
-        self.expenses = self.spaces.episode.task.expenses(&by_carrier, began.hour);
+        self.terms = self.measure(engine, &by_carrier, began.hour);
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
         self.observe(engine, energy)?;
-        let reward = self.judge(energy, began);
+        let reward = self.judge(began);
         self.disturb();
         Ok(reward)
     }

@@ -1,10 +1,14 @@
 //! The observation and the reward of a step.
 
+use b2b_building::CarrierEnergy;
+
 use super::Env;
 use super::engine::Engine;
 use crate::calendar::Moment;
 use crate::observation::{Shared, Target};
 use crate::reward::{Reward, StepView, ZoneStep};
+use crate::spaces::EpisodeConfig;
+use crate::terms::{Amounts, Measured};
 use crate::{Error, Result};
 
 impl Env {
@@ -35,8 +39,16 @@ impl Env {
         }));
     }
 
-    /// The reward of the step just observed; adds the step to the metrics. `energy` in Wh/m², electricity and fuels.
-    pub(super) fn judge(&mut self, energy: [f64; 2], began: Moment) -> Reward {
+    /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
+    pub(super) fn measure(&self, engine: &Engine, energy: &CarrierEnergy, hour: f64) -> Amounts {
+        let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
+        let hours = 1.0 / f64::from(*steps_per_hour);
+        let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
+        Measured { energy, end_uses, task, hour, hours, so_far: &self.metrics.terms }.amounts()
+    }
+
+    /// The reward of the step just observed; adds the step to the metrics.
+    pub(super) fn judge(&mut self, began: Moment) -> Reward {
         for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
             step.temperature = self.observation[zone.slot];
         }
@@ -44,11 +56,7 @@ impl Env {
             zones: &self.zone_steps,
             observation: &self.observation,
             action: &self.action,
-            electricity: energy[0],
-            gas: energy[1],
-            cost: self.expenses.cost,
-            emissions: self.expenses.emissions,
-            peak_rise: self.metrics.peak_rise(energy[0]),
+            terms: self.terms,
             day_of_year: began.day_of_year,
             hour: began.hour,
         };

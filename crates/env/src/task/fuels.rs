@@ -1,6 +1,6 @@
 //! Prices and emission factors by energy carrier and hour of the day.
 
-use b2b_building::Carrier;
+use b2b_building::{Carrier, CarrierEnergy};
 use serde::{Deserialize, Serialize};
 
 /// A value for each energy carrier. Carriers used only by imported models may be omitted.
@@ -76,7 +76,7 @@ impl Fuels {
     }
 
     /// Returns the value of a carrier at an hour of the day, 0 to 24.
-    pub(super) fn at(&self, carrier: Carrier, hour: f64, others: &OtherFuels) -> f64 {
+    fn at(&self, carrier: Carrier, hour: f64, others: &OtherFuels) -> f64 {
         let [boiler, chiller] = DISTRICT;
         let or = |own: &Option<Hourly>, default: f64| own.as_ref().map_or(default, |own| own.at(hour));
         match carrier {
@@ -88,6 +88,12 @@ impl Fuels {
             Carrier::DistrictHeating => or(&self.district_heating, self.gas.at(hour) / boiler),
             Carrier::DistrictCooling => or(&self.district_cooling, self.electricity.at(hour) / chiller),
         }
+    }
+
+    /// Returns the sum over the carriers of energy times value at an hour of the day.
+    pub(super) fn times(&self, energy: &CarrierEnergy, hour: f64, others: &OtherFuels) -> f64 {
+        let of = |carrier: Carrier| energy[carrier as usize] * self.at(carrier, hour, others);
+        Carrier::ALL.into_iter().map(of).sum()
     }
 
     /// All given values.

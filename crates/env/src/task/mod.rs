@@ -16,6 +16,7 @@ use crate::faults::Faults;
 use crate::limits::within;
 use crate::presence::Presence;
 use crate::setpoints::Setpoints;
+use crate::terms::Resource;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
 use fuels::{EMISSIONS, PRICES};
@@ -68,21 +69,6 @@ pub struct Task {
     pub faults: Faults,
 }
 
-/// The resource that the energy penalty of the reward counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Resource {
-    /// HVAC energy of the step, all fuels, Wh/m² (as in the paper).
-    #[default]
-    Energy,
-    /// Energy cost at the task's prices, currency/m².
-    Cost,
-    /// Emissions by the task's factors, g CO₂/m².
-    Carbon,
-    /// Increase of the episode's peak electric HVAC demand, W/m².
-    Peak,
-}
-
 /// Treatment of zones with heating and no cooling in the reward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -101,7 +87,7 @@ impl Default for Task {
         Self {
             setpoints: Setpoints::default(),
             comfort: Comfort::Squared,
-            resource: Resource::Energy,
+            resource: Resource::ENERGY,
             energy_weight: 0.0,
             energy_scale: None,
             heating_only_zones: HeatingOnlyZones::BelowTarget,
@@ -174,10 +160,8 @@ impl Task {
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
     /// [`EnergyScale`] of the class at `steps_per_hour`; otherwise 1.
     pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
-        let shipped = || match self.resource {
-            Resource::Energy => EnergyScale::of(class?, steps_per_hour),
-            _ => None,
-        };
+        let shipped =
+            || EnergyScale::of(class?, steps_per_hour).filter(|_| self.resource == Resource::ENERGY);
         self.energy_scale.or_else(shipped).unwrap_or(1.0)
     }
 
@@ -236,7 +220,10 @@ mod tests {
         let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let task: Task = serde_json::from_str(json).unwrap();
         task.check().unwrap();
-        assert_eq!((task.resource, task.comfort), (Resource::Cost, Comfort::Deadband { half_width: 0.5 }));
+        assert_eq!(
+            (task.resource, task.comfort),
+            (Resource::of_word("cost").unwrap(), Comfort::Deadband { half_width: 0.5 })
+        );
         assert!(Task::NAMED.iter().all(|name| text.contains(name.split('+').next().unwrap())));
     }
 

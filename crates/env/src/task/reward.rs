@@ -1,23 +1,18 @@
 //! The reward of a task.
 
-use b2b_building::{Carrier, CarrierEnergy};
+use b2b_building::CarrierEnergy;
 
+use super::Task;
 use super::fuels::{EMISSIONS_OF_OTHERS, PRICES_OF_OTHERS};
-use super::{Resource, Task};
 use crate::calendar::Season;
-use crate::reward::{Expenses, Reward, RewardFunction, StepView};
+use crate::reward::{Reward, RewardFunction, StepView};
 
 /// The task's own reward. An energy scale of `None` counts as 1; [`crate::Env`] fills in the building's scale.
 impl RewardFunction for Task {
     fn reward(&mut self, step: &StepView<'_>) -> Reward {
         let season = Season::of(step.day_of_year);
         let discomfort: f64 = step.zones.iter().map(|zone| self.comfort.penalty(zone, season)).sum();
-        let used = match self.resource {
-            Resource::Energy => step.electricity + step.gas,
-            Resource::Cost => step.cost,
-            Resource::Carbon => step.emissions,
-            Resource::Peak => step.peak_rise,
-        };
+        let used = step.terms[self.resource.term()];
         Reward {
             temperature_penalty: discomfort / step.zones.len().max(1) as f64,
             energy_penalty: self.energy_weight / self.energy_scale.unwrap_or(1.0) * used,
@@ -26,23 +21,26 @@ impl RewardFunction for Task {
 }
 
 impl Task {
-    /// Returns the cost and emissions of energy (Wh/m²) used at an hour of the day.
-    pub fn expenses(&self, energy: &CarrierEnergy, hour: f64) -> Expenses {
-        let total = |value: &dyn Fn(Carrier) -> f64| {
-            Carrier::ALL.into_iter().map(|carrier| energy[carrier as usize] * value(carrier)).sum::<f64>()
-        };
-        Expenses {
-            // Prices are per kWh; kg/kWh is g/Wh.
-            cost: total(&|carrier| self.prices.at(carrier, hour, &PRICES_OF_OTHERS)) / 1000.0,
-            emissions: total(&|carrier| self.emissions.at(carrier, hour, &EMISSIONS_OF_OTHERS)),
-        }
+    /// Returns the cost of energy (Wh/m²) used at an hour of the day, currency/m².
+    pub fn cost(&self, energy: &CarrierEnergy, hour: f64) -> f64 {
+        // Prices are per kWh.
+        self.prices.times(energy, hour, &PRICES_OF_OTHERS) / 1000.0
+    }
+
+    /// Returns the emissions of energy (Wh/m²) used at an hour of the day, g CO₂/m².
+    pub fn emissions_of(&self, energy: &CarrierEnergy, hour: f64) -> f64 {
+        // kg/kWh is g/Wh.
+        self.emissions.times(energy, hour, &EMISSIONS_OF_OTHERS)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use b2b_building::Carrier;
+
     use super::*;
     use crate::reward::ZoneStep;
+    use crate::terms::{Amounts, Resource, Term};
 
     const COOLED: ZoneStep =
         ZoneStep { temperature: 23.0, target: 21.0, occupied: true, penalize_above_target: true };
@@ -50,18 +48,13 @@ mod tests {
         ZoneStep { temperature: 20.0, target: 21.0, occupied: true, penalize_above_target: false };
 
     fn view(zones: &[ZoneStep]) -> StepView<'_> {
-        StepView {
-            zones,
-            observation: &[],
-            action: &[],
-            electricity: 2.0,
-            gas: 1.0,
-            cost: 0.5,
-            emissions: 7.0,
-            peak_rise: 4.0,
-            day_of_year: 1,
-            hour: 0.0,
+        let mut terms = Amounts::default();
+        for (term, value) in
+            [(Term::Energy, 3.0), (Term::Cost, 0.5), (Term::Emissions, 7.0), (Term::PeakElectricity, 4.0)]
+        {
+            terms[term] = value;
         }
+        StepView { zones, observation: &[], action: &[], terms, day_of_year: 1, hour: 0.0 }
     }
 
     #[test]
@@ -75,9 +68,8 @@ mod tests {
 
     #[test]
     fn the_energy_term_counts_the_resource_of_the_task() {
-        for (resource, expected) in
-            [(Resource::Energy, 3.0), (Resource::Cost, 0.5), (Resource::Carbon, 7.0), (Resource::Peak, 4.0)]
-        {
+        for (word, expected) in [("energy", 3.0), ("cost", 0.5), ("carbon", 7.0), ("peak", 4.0)] {
+            let resource = Resource::of_word(word).unwrap();
             let mut task = Task { resource, energy_weight: 1.0, ..Task::default() };
             assert_eq!(task.reward(&view(&[COOLED])).energy_penalty, expected);
         }
@@ -96,16 +88,17 @@ mod tests {
             "fuel_oil": 0.09,
         }}))
         .unwrap();
-        let close = |expenses: Expenses, [cost, emissions]: [f64; 2]| {
-            assert!((expenses.cost - cost).abs() < 1e-12, "{expenses:?}, expected a cost of {cost}");
-            assert!((expenses.emissions - emissions).abs() < 1e-9, "{expenses:?}, expected {emissions} g");
+        let close = |task: &Task, energy: &CarrierEnergy, hour: f64, [cost, emissions]: [f64; 2]| {
+            let (paid, emitted) = (task.cost(energy, hour), task.emissions_of(energy, hour));
+            assert!((paid - cost).abs() < 1e-12, "{paid}, expected a cost of {cost}");
+            assert!((emitted - emissions).abs() < 1e-9, "{emitted}, expected {emissions} g");
         };
         let usual = used(&[(Carrier::Electricity, 1000.0), (Carrier::Gas, 2000.0)]);
-        close(Task::default().expenses(&usual, 5.0), [0.127 + 2.0 * 0.0365, 373.0 + 362.0]);
-        close(task.expenses(&usual, 6.9), [0.1 + 0.08, 373.0 + 362.0]);
-        close(task.expenses(&used(&[(Carrier::FuelOil, 1000.0)]), 0.0), [0.09, 252.0]);
-        close(task.expenses(&used(&[(Carrier::Propane, 1000.0)]), 0.0), [0.10, 215.0]);
-        close(task.expenses(&used(&[(Carrier::DistrictHeating, 800.0)]), 0.0), [0.04, 181.0]);
-        close(task.expenses(&used(&[(Carrier::DistrictCooling, 5000.0)]), 7.0), [0.2, 373.0]);
+        close(&Task::default(), &usual, 5.0, [0.127 + 2.0 * 0.0365, 373.0 + 362.0]);
+        close(&task, &usual, 6.9, [0.1 + 0.08, 373.0 + 362.0]);
+        close(&task, &used(&[(Carrier::FuelOil, 1000.0)]), 0.0, [0.09, 252.0]);
+        close(&task, &used(&[(Carrier::Propane, 1000.0)]), 0.0, [0.10, 215.0]);
+        close(&task, &used(&[(Carrier::DistrictHeating, 800.0)]), 0.0, [0.04, 181.0]);
+        close(&task, &used(&[(Carrier::DistrictCooling, 5000.0)]), 7.0, [0.2, 373.0]);
     }
 }

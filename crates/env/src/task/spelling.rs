@@ -3,9 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Resource, Task};
+use super::Task;
 use crate::comfort::{Comfort, Pmv};
 use crate::setpoints::Setpoints;
+use crate::terms::Resource;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
 
@@ -35,13 +36,9 @@ impl Task {
             Comfort::Pmv(_) => "+pmv".to_owned(),
         };
         let resource = match self.resource {
-            Resource::Energy if self.energy_weight == 0.0 => None,
-            Resource::Energy => Some("energy"),
-            Resource::Cost => Some("cost"),
-            Resource::Carbon => Some("carbon"),
-            Resource::Peak => Some("peak"),
+            Resource::ENERGY if self.energy_weight == 0.0 => String::new(),
+            resource => format!("+{}{}", resource.penalty().word, self.energy_weight),
         };
-        let resource = resource.map_or(String::new(), |word| format!("+{word}{}", self.energy_weight));
         let ventilation = match self.ventilation {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
@@ -101,7 +98,7 @@ impl FromStr for Task {
                 task.comfort = chosen;
                 &mut comfort
             } else {
-                task.resource = resource_of(word).ok_or_else(|| unknown(part))?;
+                task.resource = Resource::of_word(word).ok_or_else(|| unknown(part))?;
                 task.energy_weight = number.ok_or_else(|| no_number(word))?;
                 &mut resource
             };
@@ -173,16 +170,6 @@ fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
     match (word, number) {
         ("deadband", half_width) => Some(Comfort::Deadband { half_width: half_width.unwrap_or(1.0) }),
         ("pmv", None) => Some(Comfort::Pmv(Pmv::default())),
-        _ => None,
-    }
-}
-
-fn resource_of(word: &str) -> Option<Resource> {
-    match word {
-        "energy" => Some(Resource::Energy),
-        "cost" => Some(Resource::Cost),
-        "carbon" => Some(Resource::Carbon),
-        "peak" => Some(Resource::Peak),
         _ => None,
     }
 }

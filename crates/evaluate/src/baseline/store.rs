@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use b2b_base::aside::write_whole;
 use b2b_energyplus::install::{cache_dir, seal, unseal};
+use b2b_env::Resource;
 use serde::{Deserialize, Serialize};
 
 use super::key::{Key, without_energy};
@@ -66,9 +67,10 @@ impl Baselines {
         self.shipped.iter()
     }
 
-    /// Returns a baseline if it is known.
-    pub fn get(&self, key: &Key) -> Option<ReturnTerms> {
-        if let Some(terms) = self.shipped.get(key) {
+    /// Returns a baseline if it is known, with the resource.
+    pub fn get(&self, key: &Key, resource: Resource) -> Option<ReturnTerms> {
+        let has_resource = |terms: &ReturnTerms| terms.used(resource).is_some();
+        if let Some(terms) = self.shipped.get(key).filter(|terms| has_resource(terms)) {
             return Some(*terms);
         }
         if let Some(terms) = self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).get(key) {
@@ -77,7 +79,7 @@ impl Baselines {
         let file = std::fs::read(self.folder.join(key.file_name())).ok()?;
         // A file that is unreadable or was changed is computed again.
         let cached: Cached = serde_json::from_slice(unseal(&file)?).ok()?;
-        (cached.key == *key).then_some(cached.terms)
+        Some(cached.terms).filter(|terms| cached.key == *key && has_resource(terms))
     }
 
     /// Writes a baseline to the cache.
@@ -131,8 +133,9 @@ impl Baselines {
     /// objective, in their order.
     pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, Episode)>) -> Vec<(Key, Episode)> {
         let mut seen = HashSet::new();
-        let unknown =
-            episodes.into_iter().filter(|(key, _)| seen.insert(key.clone()) && self.get(key).is_none());
+        let unknown = episodes.into_iter().filter(|(key, episode)| {
+            self.get(key, episode.task.resource).is_none() && seen.insert(key.clone())
+        });
         unknown
             .map(|(key, episode)| {
                 let task = without_energy(&episode.task);
@@ -160,7 +163,7 @@ impl Baselines {
             [] => HashMap::new(),
             missing => self.compute(evaluation, missing, progress)?,
         };
-        let terms = self.get(&key).ok_or_else(|| Error::NoBaseline {
+        let terms = self.get(&key, task.resource).ok_or_else(|| Error::NoBaseline {
             building: subject.name.to_string(),
             task: task.to_string(),
             period: period.to_string(),
@@ -198,10 +201,7 @@ mod tests {
 
     const TERMS: ReturnTerms = ReturnTerms {
         temperature_penalty: 614.725_113_2,
-        energy: 11_620.1 + 0.2,
-        cost: 1.37,
-        emissions: 4120.0,
-        peak: 13.9,
+        used: [Some(11_620.1 + 0.2), Some(1.37), Some(4120.0), Some(13.9)],
     };
 
     #[test]
@@ -210,17 +210,19 @@ mod tests {
         let baselines = Baselines::in_folder(&file.path().join("cache"));
         assert!(baselines.keep(&key("constant"), TERMS).is_err());
         baselines.remember(&key("constant"), TERMS);
-        assert_eq!(baselines.get(&key("constant")), Some(TERMS));
+        assert_eq!(baselines.get(&key("constant"), Resource::ENERGY), Some(TERMS));
     }
 
     #[test]
     fn one_episode_gives_the_return_for_every_weight_of_every_resource() {
         let of = |text: &str| TERMS.episode_return(&text.parse().unwrap());
+        let [energy, cost] =
+            ["energy", "cost"].map(|word| TERMS.used(Resource::of_word(word).unwrap()).unwrap());
         assert_eq!(of("constant"), -TERMS.temperature_penalty);
-        assert_eq!(of("constant+energy0.5"), -TERMS.temperature_penalty - 0.5 * TERMS.energy);
-        assert_eq!(of("constant+cost2"), -TERMS.temperature_penalty - 2.0 * TERMS.cost);
+        assert_eq!(of("constant+energy0.5"), -TERMS.temperature_penalty - 0.5 * energy);
+        assert_eq!(of("constant+cost2"), -TERMS.temperature_penalty - 2.0 * cost);
         let scaled = Task { energy_scale: Some(0.25), ..episode("constant+energy0.5").task };
-        assert_eq!(TERMS.episode_return(&scaled), -TERMS.temperature_penalty - 2.0 * TERMS.energy);
+        assert_eq!(TERMS.episode_return(&scaled), -TERMS.temperature_penalty - 2.0 * energy);
         assert_eq!(key("occupancy+cost2"), key("occupancy+energy0.5"));
         assert_ne!(key("occupancy"), key("occupancy+energy0.5"), "each objective has its own parameters");
         assert_ne!(key("occupancy"), key("constant"));
@@ -239,8 +241,8 @@ mod tests {
         assert_eq!(missing.len(), 1, "both weights are one episode");
         assert_eq!(missing[0].1.task.to_string(), "constant+energy0.5");
         baselines.keep(&key("constant"), TERMS).unwrap();
-        assert_eq!(baselines.get(&key("constant")), Some(TERMS));
-        assert_eq!(baselines.get(&Key { revision: REVISION + 1, ..key("constant") }), None);
+        assert_eq!(baselines.get(&key("constant"), Resource::ENERGY), Some(TERMS));
+        assert_eq!(baselines.get(&Key { revision: REVISION + 1, ..key("constant") }, Resource::ENERGY), None);
         assert_eq!(baselines.missing([(key("constant"), episode("constant"))]), []);
         // A file that was cut short or edited is no baseline.
         let file = folder.path().join(key("constant").file_name());
@@ -249,7 +251,7 @@ mod tests {
         assert_ne!(edited, whole);
         for damaged in [&whole[..40], &edited] {
             std::fs::write(&file, damaged).unwrap();
-            assert_eq!(baselines.get(&key("constant")), None);
+            assert_eq!(baselines.get(&key("constant"), Resource::ENERGY), None);
         }
     }
 
@@ -260,9 +262,29 @@ mod tests {
         for (key, terms) in &rows {
             assert_eq!((key.generator.as_str(), key.engine.as_str()), (GENERATOR_VERSION, ENGINE_VERSION));
             assert_eq!(key.revision, REVISION);
-            assert!(terms.temperature_penalty >= 0.0 && terms.energy > 0.0, "{key:?}");
+            assert!(
+                terms.temperature_penalty >= 0.0
+                    && terms.used.iter().all(|used| used.is_some_and(|used| used > 0.0)),
+                "{key:?}"
+            );
         }
         let one = vec![(key("constant"), TERMS)];
         assert_eq!(table::read(&table::text(&one)), Some(one));
+    }
+
+    #[test]
+    fn a_baseline_from_before_a_resource_is_unknown_to_its_tasks_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let baselines = Baselines::without_shipped(folder.path());
+        let peak = Resource::of_word("peak").unwrap();
+        let mut old = TERMS;
+        old.used[Resource::ALL.iter().position(|each| *each == peak).unwrap()] = None;
+        baselines.keep(&key("constant+energy1"), old).unwrap();
+        assert_eq!(baselines.get(&key("constant+energy1"), Resource::ENERGY), Some(old));
+        let missing = ["constant+energy1", "constant+peak1"].map(|task| (key(task), episode(task)));
+        assert_eq!(baselines.missing(missing).len(), 1, "the peak of the same episode");
+        let table = table::text(&[(key("constant"), old)]);
+        assert!(!table.contains("peak_w_m2"), "{table}");
+        assert_eq!(table::read(&table), Some(vec![(key("constant"), old)]));
     }
 }

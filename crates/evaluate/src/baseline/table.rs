@@ -2,15 +2,23 @@
 
 use std::fmt::Write;
 
+use b2b_env::{RESOURCES, Resource};
+
 use super::key::Key;
 use crate::return_terms::ReturnTerms;
 
-const HEADER: &str = "building,task,objective,period,steps_per_hour,generator,engine,controller,revision,\
-                      temperature_penalty,energy_wh_m2,cost_m2,emissions_g_m2,peak_w_m2";
+const KEY: &str = "building,task,objective,period,steps_per_hour,generator,engine,controller,revision";
+/// Number of columns of [`KEY`].
+const KEYS: usize = 9;
+const TEMPERATURE: &str = "temperature_penalty";
 
-/// Writes the table; numbers are in the shortest form that reads back the same.
+/// Writes the table; numbers are in the shortest form that reads back the same. A resource that is unknown in every row has no
+/// column, and else empty cells.
 pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
-    let mut text = format!("{HEADER}\n");
+    let known = |resource: &Resource| rows.iter().any(|(_, terms)| terms.used(*resource).is_some());
+    let resources: Vec<Resource> = Resource::ALL.into_iter().filter(known).collect();
+    let columns: String = resources.iter().map(|each| format!(",{}", each.penalty().column)).collect();
+    let mut text = format!("{KEY},{TEMPERATURE}{columns}\n");
     for (key, terms) in rows {
         let Key {
             building,
@@ -23,12 +31,13 @@ pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
             controller,
             revision,
         } = key;
-        let ReturnTerms { temperature_penalty, energy, cost, emissions, peak } = terms;
+        let cell = |resource: &Resource| terms.used(*resource).map_or(String::new(), |sum| sum.to_string());
+        let sums: String = resources.iter().map(|resource| format!(",{}", cell(resource))).collect();
         write!(
             text,
             "{building},{task},{objective},{period},{steps_per_hour},{generator},{engine},{controller},{revision},"
         )
-        .and_then(|()| writeln!(text, "{temperature_penalty},{energy},{cost},{emissions},{peak}"))
+        .and_then(|()| writeln!(text, "{}{sums}", terms.temperature_penalty))
         .expect("writing to a string never fails");
     }
     text
@@ -37,21 +46,28 @@ pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
 /// Reads the table; `None` for any other text.
 pub fn read(text: &str) -> Option<Vec<(Key, ReturnTerms)>> {
     let mut lines = text.lines();
-    if lines.next() != Some(HEADER) {
-        return None;
-    }
-    lines.map(row).collect()
+    let columns = lines.next()?.strip_prefix(KEY)?.strip_prefix(',')?.strip_prefix(TEMPERATURE)?;
+    let of_column = |column| Resource::ALL.iter().position(|each| each.penalty().column == column);
+    let places: Vec<usize> = columns.split(',').skip(1).map(of_column).collect::<Option<_>>()?;
+    lines.map(|line| row(line, &places)).collect()
 }
 
-fn row(line: &str) -> Option<(Key, ReturnTerms)> {
+/// Reads a line with the resources at `places`.
+fn row(line: &str, places: &[usize]) -> Option<(Key, ReturnTerms)> {
     let cells: Vec<&str> = line.split(',').collect();
-    let (key, numbers) = cells.split_at_checked(9)?;
+    let (key, numbers) = cells.split_at_checked(KEYS)?;
     let [building, task, objective, period, steps_per_hour, generator, engine, controller, revision] = *key
     else {
         return None;
     };
-    let numbers: Vec<f64> = numbers.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
-    let [temperature_penalty, energy, cost, emissions, peak] = numbers[..] else { return None };
+    let (temperature, sums) = numbers.split_first()?;
+    let mut terms = ReturnTerms { temperature_penalty: temperature.parse().ok()?, used: [None; RESOURCES] };
+    if sums.len() != places.len() {
+        return None;
+    }
+    for (place, cell) in places.iter().zip(sums).filter(|(_, cell)| !cell.is_empty()) {
+        terms.used[*place] = Some(cell.parse().ok()?);
+    }
     let key = Key {
         building: building.into(),
         task: task.into(),
@@ -63,5 +79,5 @@ fn row(line: &str) -> Option<(Key, ReturnTerms)> {
         controller: controller.into(),
         revision: revision.parse().ok()?,
     };
-    Some((key, ReturnTerms { temperature_penalty, energy, cost, emissions, peak }))
+    Some((key, terms))
 }

@@ -29,7 +29,7 @@ pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
 pub use recording::Recorded;
-pub use row::{Row, Scored, relative_energy};
+pub use row::{Row, Scored, relative_energy, relative_resource};
 pub use runner::KeepRecorded;
 pub use step_rewards::StepRewards;
 pub use table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

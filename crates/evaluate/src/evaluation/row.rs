@@ -32,6 +32,12 @@ pub struct Scored {
     pub baseline_return: Option<f64>,
     /// HVAC energy of the reactive controllers in the same episode, Wh/m², if known.
     pub baseline_energy: Option<f64>,
+    /// Amount of the task's resource over the episode, in the unit of the resource; `None` in older results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resource: Option<f64>,
+    /// That of the reactive controllers, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline_resource: Option<f64>,
     /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
     pub score: Option<f64>,
     /// See [`resolved_score`](crate::resolved_score).
@@ -39,13 +45,21 @@ pub struct Scored {
 }
 
 impl Row {
-    /// Scores an episode against the reactive controllers.
-    pub(crate) fn scored(record: Record, step_rewards: StepRewards, baseline: Option<Baseline>) -> Self {
+    /// Scores an episode against the reactive controllers. `resource` is the amount of the task's resource in the episode and
+    /// in theirs.
+    pub(crate) fn scored(
+        record: Record,
+        step_rewards: StepRewards,
+        baseline: Option<Baseline>,
+        [resource, baseline_resource]: [Option<f64>; 2],
+    ) -> Self {
         let Record { info, metrics, inputs, trajectory_hash } = record;
         let EpisodeMetrics { episode_return, steps, .. } = metrics;
         let scored = Scored {
             baseline_return: baseline.map(|baseline| baseline.episode_return),
             baseline_energy: baseline.map(|baseline| baseline.energy),
+            resource,
+            baseline_resource,
             score: baseline.and_then(|baseline| baseline.score(episode_return)),
             resolved_score: baseline.and_then(|baseline| baseline.resolved_score(episode_return, steps)),
             metrics,
@@ -78,16 +92,57 @@ impl Scored {
         let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
         Some(self.metrics.energy() / baseline)
     }
+
+    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the reactive controllers; `None` if
+    /// one of both is unknown or theirs is not above 0, which it may be with negative prices.
+    pub fn relative_resource(&self) -> Option<f64> {
+        let baseline = self.baseline_resource.filter(|amount| *amount > 0.0)?;
+        Some(self.resource? / baseline)
+    }
 }
 
 /// Returns the sum of HVAC energy over that of the reactive controllers; `None` if theirs is unknown or 0. Of sums, so that
 /// an episode with next to no energy counts next to nothing.
 pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
-    let (mut energy, mut baseline) = (0.0, 0.0);
-    for scored in rows.into_iter().filter_map(|row| row.outcome.as_ref().ok()) {
-        let Some(of_baseline) = scored.baseline_energy else { continue };
-        energy += scored.metrics.energy();
+    ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
+}
+
+/// Returns the sum of the task's resource over that of the reactive controllers, for rows of one task; `None` if theirs is
+/// unknown or not above 0.
+pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+    ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
+}
+
+fn ratio_of_sums<'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    amounts: impl Fn(&Scored) -> Option<[f64; 2]>,
+) -> Option<f64> {
+    let (mut sum, mut baseline) = (0.0, 0.0);
+    let scored = rows.into_iter().filter_map(|row| row.outcome.as_ref().ok());
+    for [amount, of_baseline] in scored.filter_map(amounts) {
+        sum += amount;
         baseline += of_baseline;
     }
-    (baseline > 0.0).then(|| energy / baseline)
+    (baseline > 0.0).then(|| sum / baseline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_resource_is_relative_to_a_baseline_that_is_known_and_above_zero() {
+        let scored = |amounts: [Option<f64>; 2]| {
+            let [resource, baseline_resource] = amounts;
+            Scored { resource, baseline_resource, ..Scored::default() }
+        };
+        for (amounts, expected) in [
+            ([Some(1.0), Some(4.0)], Some(0.25)),
+            ([Some(1.0), Some(-4.0)], None),
+            ([Some(1.0), None], None),
+            ([None, Some(4.0)], None),
+        ] {
+            assert_eq!(scored(amounts).relative_resource(), expected, "{amounts:?}");
+        }
+    }
 }

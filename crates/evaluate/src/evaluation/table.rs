@@ -9,7 +9,7 @@ use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, ListArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use b2b_control::Versions;
-use b2b_env::{EpisodeMetrics, Inputs, MetricColumn};
+use b2b_env::{EpisodeMetrics, Inputs, MetricValue};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
@@ -116,20 +116,27 @@ impl Columns<'_> {
         self.push::<UInt32Type>("steps_per_hour", "1/h", |row| Some(row.info.steps_per_hour));
         self.push::<UInt64Type>("seed", "1", |row| Some(row.info.seed));
         self.text("policy", |row| Some(&row.info.policy));
-        for MetricColumn { name, unit, get, .. } in EpisodeMetrics::COLUMNS {
-            let value = |row: &Row| row.metrics().map(|metrics| get(metrics).as_f64());
-            match *name {
-                INTEGER => self.push::<UInt64Type>(name, unit, |row| value(row).map(|steps| steps as u64)),
-                _ => self.push::<Float64Type>(name, unit, value),
+        for column in EpisodeMetrics::columns() {
+            let value = |row: &Row| column.get(row.metrics()?).map(MetricValue::as_f64);
+            match column.name {
+                INTEGER => self.push::<UInt64Type>(INTEGER, column.unit, |row| Some(value(row)? as u64)),
+                name => self.push::<Float64Type>(name, column.unit, value),
             }
         }
         self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
         self.push::<Float64Type>("baseline_energy_wh_m2", "Wh/m2", |row| {
             row.outcome.as_ref().ok()?.baseline_energy
         });
+        self.push::<Float64Type>("resource", "1", |row| row.outcome.as_ref().ok()?.resource);
+        self.push::<Float64Type>("baseline_resource", "1", |row| {
+            row.outcome.as_ref().ok()?.baseline_resource
+        });
         self.push::<Float64Type>("score", "1", Row::score);
         self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
         self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
+        self.push::<Float64Type>("relative_resource", "1", |row| {
+            row.outcome.as_ref().ok()?.relative_resource()
+        });
         self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
         self.text("model_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.model_sha256));
         self.text("weather_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.weather_sha256));
@@ -177,6 +184,11 @@ impl Cells {
     fn column<T: 'static>(&self, name: &str) -> Result<&T> {
         let column = self.0.column_by_name(name).and_then(|column| column.as_any().downcast_ref());
         column.ok_or_else(|| ParquetError::General(format!("column `{name}` is missing")))
+    }
+
+    /// Returns the value of a column that tables from before it do not have.
+    fn younger(&self, name: &str, row: usize) -> Result<Option<f64>> {
+        self.0.column_by_name(name).map_or(Ok(None), |_| self.optional::<Float64Type>(name, row))
     }
 
     fn optional_text(&self, name: &str, row: usize) -> Result<Option<String>> {
@@ -231,12 +243,15 @@ impl Cells {
 
     fn scored(&self, row: usize) -> Result<Scored> {
         let mut metrics = EpisodeMetrics::default();
-        for MetricColumn { name, set, .. } in EpisodeMetrics::COLUMNS {
-            let value = match *name {
-                INTEGER => self.value::<UInt64Type>(name, row)? as f64,
-                _ => self.value::<Float64Type>(name, row)?,
+        for column in EpisodeMetrics::columns() {
+            let value = match column.name {
+                INTEGER => Some(self.value::<UInt64Type>(INTEGER, row)? as f64),
+                name if column.may_be_unknown => self.younger(name, row)?,
+                name => Some(self.value::<Float64Type>(name, row)?),
             };
-            set(&mut metrics, value);
+            if let Some(value) = value {
+                column.set(&mut metrics, value);
+            }
         }
         Ok(Scored {
             metrics,
@@ -248,6 +263,8 @@ impl Cells {
             trajectory_hash: self.text("trajectory_hash", row)?,
             baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
             baseline_energy: self.optional::<Float64Type>("baseline_energy_wh_m2", row)?,
+            resource: self.younger("resource", row)?,
+            baseline_resource: self.younger("baseline_resource", row)?,
             score: self.optional::<Float64Type>("score", row)?,
             resolved_score: self.optional::<Float64Type>("resolved_score", row)?,
         })
@@ -274,8 +291,8 @@ mod tests {
         };
         let info = EpisodeInfo::of(&episode, &BuiltIn::random());
         let mut metrics = EpisodeMetrics::default();
-        for (number, column) in EpisodeMetrics::COLUMNS.iter().enumerate() {
-            (column.set)(&mut metrics, number as f64 + 1.0);
+        for (number, column) in EpisodeMetrics::columns().enumerate() {
+            column.set(&mut metrics, number as f64 + 1.0);
         }
         metrics.rms_deviation = 0.1 + 0.2;
         let trajectory_hash = "abc".to_owned();
@@ -288,6 +305,8 @@ mod tests {
             trajectory_hash,
             baseline_return,
             baseline_energy: Some(4.5),
+            resource: Some(0.5),
+            baseline_resource: Some(2.0),
             score: Some(1.225),
             resolved_score: Some(1.125),
         };
@@ -298,5 +317,32 @@ mod tests {
         write_stages(&mut file.reopen().unwrap(), &stages, &Versions::current()).unwrap();
         let read = read_stages(file.reopen().unwrap()).unwrap();
         assert_eq!(read, [("test".to_owned(), ran), ("train".to_owned(), lost)]);
+    }
+
+    #[test]
+    fn a_table_from_before_a_metric_reads_without_it() {
+        let episode = Episode {
+            subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
+            task: "occupancy+cost1".parse().unwrap(),
+            period: "01-01..01-02".parse().unwrap(),
+            seed: 7,
+            steps_per_hour: 12,
+        };
+        let mut metrics = EpisodeMetrics::default();
+        EpisodeMetrics::columns().for_each(|column| column.set(&mut metrics, 3.0));
+        let scored = Scored { metrics, resource: Some(1.0), ..Scored::default() };
+        let row = Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(scored.clone()) };
+        let table = episode_table(&[row], &Versions::current()).unwrap();
+        let is_old = |name: &str| {
+            !name.ends_with("resource")
+                && EpisodeMetrics::columns().all(|column| column.name != name || !column.may_be_unknown)
+        };
+        let old = (0..table.num_columns()).filter(|index| is_old(table.schema().field(*index).name()));
+        let old = table.project(&old.collect::<Vec<_>>()).unwrap();
+        let read = Cells(old).row(0).unwrap().outcome.unwrap();
+        assert_eq!((read.resource, read.metrics.occupied_too_cold), (None, None));
+        assert!(read.metrics.energy().is_nan());
+        assert_eq!(read.metrics.daily_travel, 3.0);
+        assert_eq!(Cells(table).row(0).unwrap().outcome.unwrap(), scored);
     }
 }

@@ -114,6 +114,7 @@ fn table(window: &Window) -> Value {
             of(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
             group.relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
+            group.relative_resource.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
         ])
@@ -123,7 +124,7 @@ fn table(window: &Window) -> Value {
         "title": format!("{}, task {}; lower is better, 1 is the baseline", window.period, window.task),
         "header": ["building type", "episodes", "resolved score, interquartile mean", "score, interquartile mean",
                    "score, median", "score, mean", "score, min", "score, max", "beats baseline (%)",
-                   "RMS deviation (K)", "energy / baseline", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
+                   "RMS deviation (K)", "energy / baseline", "task's resource / baseline", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
         "rows": groups.map(row).collect::<Vec<_>>(),
     })
 }

@@ -53,6 +53,8 @@ pub fn markdown(all: &[(Experiment, Results)]) -> String {
 mod tests {
     use std::path::PathBuf;
 
+    use b2b_env::Term;
+
     use super::*;
     use crate::folder::Folder;
 
@@ -138,8 +140,9 @@ mod tests {
                 let is_high = row.info.task.ends_with("energy5");
                 let scored = row.outcome.as_mut().unwrap();
                 let baseline = scored.baseline_energy.unwrap();
-                scored.metrics.gas = 0.0;
-                scored.metrics.electricity = if is_high { 0.1 * baseline } else { baseline };
+                let electricity = if is_high { 0.1 * baseline } else { baseline };
+                scored.metrics.terms.set(Term::Gas, 0.0);
+                scored.metrics.terms.set(Term::Electricity, electricity);
                 scored.metrics.rms_deviation = if is_high { 4.0 } else { 1.0 };
             }
         }

@@ -180,7 +180,7 @@ fn controllers(experiment: &Experiment, results: &Results) -> Vec<String> {
 /// Returns the weight of energy in a task; `None` if it penalizes another resource.
 fn weight(task: &str) -> Option<f64> {
     let task: Task = task.parse().ok()?;
-    (task.resource == Resource::Energy).then_some(task.energy_weight)
+    (task.resource == Resource::ENERGY).then_some(task.energy_weight)
 }
 
 fn setpoints(task: &str) -> &str {
@@ -203,7 +203,7 @@ fn points(
         let values: Vec<[f64; 3]> = own
             .filter_map(|(_, row)| {
                 let scored = row.outcome.as_ref().ok()?;
-                let energy = (scored.metrics.electricity + scored.metrics.gas) / 1000.0;
+                let energy = scored.metrics.energy() / 1000.0;
                 Some([scored.metrics.rms_deviation, energy, scored.relative_energy()?])
             })
             .collect();

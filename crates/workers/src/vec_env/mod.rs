@@ -18,8 +18,8 @@ use super::worker_options::WorkerOptions;
 use super::workers::{Reservation, Workers};
 use b2b_env::Metrics;
 use b2b_env::Spaces;
+use b2b_env::{Amounts, Reward};
 use b2b_env::{Error, Result};
-use b2b_env::{Expenses, Reward};
 
 /// The moment at which an environment begins its next episode, as Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,7 +67,7 @@ pub struct VecEnv {
     environments: Vec<EnvState>,
     observations: Vec<f64>,
     rewards: Vec<Reward>,
-    expenses: Vec<Expenses>,
+    terms: Vec<Amounts>,
     truncated: Vec<bool>,
 }
 
@@ -153,7 +153,7 @@ impl VecEnv {
             environments: (0..count).map(|_| EnvState::new()).collect(),
             observations: vec![0.0; count * widths.1],
             rewards: vec![Reward::default(); count],
-            expenses: vec![Expenses::default(); count],
+            terms: vec![Amounts::default(); count],
             truncated: vec![false; count],
         })
     }
@@ -349,9 +349,9 @@ impl VecEnv {
         &self.rewards
     }
 
-    /// Cost and emissions of the last steps.
-    pub fn expenses(&self) -> &[Expenses] {
-        &self.expenses
+    /// Energy, cost, emissions and the other terms of the last steps.
+    pub fn terms(&self) -> &[Amounts] {
+        &self.terms
     }
 
     /// Returns whether each episode ended with the last step.
@@ -413,7 +413,7 @@ impl VecEnv {
     /// Clears the outcome of the previous step.
     fn clear_outcome(&mut self, index: usize) {
         self.rewards[index] = Reward::default();
-        self.expenses[index] = Expenses::default();
+        self.terms[index] = Amounts::default();
         self.truncated[index] = false;
         self.environments[index].lost = None;
     }

@@ -137,7 +137,7 @@ impl VecEnv {
         }
         if one.state == State::Stepping {
             self.rewards[index] = episode.reward();
-            self.expenses[index] = episode.expenses();
+            self.terms[index] = episode.terms();
         }
         one.fragment_steps = episode.fragment_steps();
         one.state = State::Ready;

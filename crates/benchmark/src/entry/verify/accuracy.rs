@@ -1,7 +1,7 @@
 //! How exactly episodes that ran again are compared.
 
 use b2b_base::machine;
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, MetricValue, Resource, Term};
 
 use super::{TOLERANCE, is_near};
 
@@ -38,37 +38,47 @@ impl std::fmt::Display for Accuracy {
     }
 }
 
-/// Returns the first metric that differs: of all of them bit for bit, or of those that are averages within the tolerance.
+/// Returns the first metric that differs: all of them bit for bit, or those that are averages within the tolerance.
 pub(super) fn different_metric(
     there: &EpisodeMetrics,
     here: &EpisodeMetrics,
     accuracy: Accuracy,
 ) -> Option<(&'static str, f64, f64)> {
-    let averages = |metrics: &EpisodeMetrics| {
+    let values = |metrics: &EpisodeMetrics| {
         [
-            ("return", metrics.episode_return),
-            ("temperature penalty", metrics.temperature_penalty),
-            ("energy penalty", metrics.energy_penalty),
-            ("energy", metrics.energy()),
-            ("RMS deviation", metrics.rms_deviation),
-            ("mean absolute deviation", metrics.mean_abs_deviation),
-            ("discomfort", metrics.discomfort),
-            ("cost", metrics.cost),
-            ("emissions", metrics.emissions),
+            ("return", Some(metrics.episode_return)),
+            ("temperature penalty", Some(metrics.temperature_penalty)),
+            ("energy penalty", Some(metrics.energy_penalty)),
+            ("energy", metrics.used(Resource::ENERGY)),
+            ("RMS deviation", Some(metrics.rms_deviation)),
+            ("mean absolute deviation", Some(metrics.mean_abs_deviation)),
+            ("discomfort", Some(metrics.discomfort)),
+            ("cost", metrics.terms.get(Term::Cost)),
+            ("emissions", metrics.terms.get(Term::Emissions)),
         ]
     };
-    let pairs = averages(there).into_iter().zip(averages(here));
-    let mut averages = pairs.map(|((name, there), (_, here))| (name, there, here));
-    let mut all = EpisodeMetrics::COLUMNS
-        .iter()
-        .map(|column| (column.name, (column.get)(there).as_f64(), (column.get)(here).as_f64()));
-    let differ = |(_, there, here): &(&str, f64, f64)| {
-        !(accuracy.same(*there, *here) || there.is_nan() && here.is_nan())
+    let mut pairs = values(there).into_iter().zip(values(here));
+    let found = pairs.find_map(|((name, there), (_, here))| {
+        different(name, there, here, |there, here| accuracy.same(there, here))
+    });
+    let other = || {
+        EpisodeMetrics::columns().find_map(|column| {
+            let [there, here] = [there, here].map(|metrics| column.get(metrics).map(MetricValue::as_f64));
+            different(column.name, there, here, |there, here| there == here)
+        })
     };
-    match accuracy {
-        Accuracy::Bits => all.find(differ),
-        Accuracy::Tolerance => averages.find(differ),
-    }
+    found.or_else(|| (accuracy == Accuracy::Bits).then(other).flatten())
+}
+
+/// Returns a metric with its values if they differ. A result may be from before a metric.
+fn different(
+    name: &'static str,
+    there: Option<f64>,
+    here: Option<f64>,
+    is_same: impl Fn(f64, f64) -> bool,
+) -> Option<(&'static str, f64, f64)> {
+    let (there, here) = (there?, here.unwrap_or(f64::NAN));
+    (!is_same(there, here)).then_some((name, there, here))
 }
 
 #[cfg(test)]
@@ -88,7 +98,11 @@ mod tests {
         assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
         assert_eq!(different(&near, Accuracy::Tolerance), None);
         assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
-        let other = EpisodeMetrics { rms_heating_only: 0.5, ..there.clone() };
-        assert_eq!(different(&other, Accuracy::Bits), Some(("rms_heating_only_k", 0.0, 0.5)));
+        let travels = EpisodeMetrics { daily_travel: 1.0, ..there.clone() };
+        assert_eq!(different(&travels, Accuracy::Bits), Some(("daily_travel", 0.0, 1.0)));
+        let mut younger = EpisodeMetrics { occupied_too_cold: Some(0.5), ..there.clone() };
+        younger.terms.set(Term::Heating, 2.0);
+        assert_eq!(different(&younger, Accuracy::Bits), None, "the result is from before these metrics");
+        assert_eq!(different_metric(&younger, &there, Accuracy::Bits).unwrap().0, "heating_wh_m2");
     }
 }

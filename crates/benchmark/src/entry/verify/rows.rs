@@ -11,7 +11,7 @@ use crate::problem::Stage;
 use b2b_evaluate::Baseline;
 use b2b_evaluate::task_for;
 use b2b_evaluate::{Baselines, Key};
-use b2b_evaluate::{Episode, EpisodeInfo, Row};
+use b2b_evaluate::{Episode, EpisodeInfo, Row, Scored};
 
 /// Length of a trajectory hash: a SHA-256 in hexadecimal.
 const HASH_DIGITS: usize = 64;
@@ -99,13 +99,15 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
                     row.info, other.episode_return
                 )
             };
-            if let Some(terms) = known.get(&key) {
+            if let Some(terms) = known.get(&key, episode.task.resource) {
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
                 if !same(&there, &here, TOLERANCE) {
                     return Err(wrong(&there, "that of the known baseline"));
                 }
                 rows_known += 1;
+                let used = terms.used(episode.task.resource);
+                resource(scored, episode, used).map_err(|why| format!("{stage}: {}: {why}", row.info))?;
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
             if !same(there, &here, ROUNDING) {
@@ -115,6 +117,23 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
         }
     }
     Ok(format!("equal where they are the same; {rows_known} of {rows_checked} compared with known ones"))
+}
+
+/// Checks the amount of the task's resource and that of the baseline, of which results from before them have none.
+fn resource(scored: &Scored, episode: &Episode, of_baseline: Option<f64>) -> Result<(), String> {
+    let own = scored.metrics.used(episode.task.resource);
+    for (what, there, here) in [
+        ("resource", scored.resource, own),
+        ("resource of the baseline", scored.baseline_resource, of_baseline),
+    ] {
+        match (there, here) {
+            (Some(there), Some(here)) if !is_near(there, here, TOLERANCE) => {
+                return Err(format!("the {what} is {there}; expected {here}"));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 fn same(there: &Baseline, here: &Baseline, tolerance: f64) -> bool {
