@@ -1,5 +1,6 @@
 //! Building models for control: reading, sizing and making systems controllable.
 
+pub mod band;
 mod building_type;
 pub mod calibration;
 mod class;
@@ -18,6 +19,7 @@ pub mod sizing;
 pub mod user_file;
 mod zone_role;
 
+pub use band::{Change, Span, ZoneYear};
 pub use building_type::{BuildingType, Day, Prototype, TypeData};
 pub use class::Class;
 pub use description::Description;
@@ -28,7 +30,7 @@ pub use model::{Model, construction, opening, people, shape, zone};
 pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;
 pub use parameter::Parameter;
-pub use prepare::{Conditioning, PreparedBuilding, Zone};
+pub use prepare::{Conditioning, Controls, PreparedBuilding, Zone};
 pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;
 pub use zone_role::ZoneRole;

@@ -15,7 +15,7 @@ use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Class, Error, Result};
+use crate::{Class, Error, Result, ZoneYear, band};
 
 /// A building prepared for control: hard-sized, with controllable systems and without output files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,20 @@ pub struct PreparedBuilding {
     pub conditioned_floor_area: f64,
     /// The engine's meters of HVAC energy, electricity and natural gas first.
     pub meters: Vec<HvacMeter>,
+    /// The year of each zone by its own schedules, in the order of the zones.
+    #[serde(default)]
+    pub years: Vec<ZoneYear>,
+}
+
+/// Who controls a prepared building.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Controls {
+    /// Whoever sets its actuators.
+    #[default]
+    Actuators,
+    /// The thermostats and schedules of the model, as its author wrote them. There are no actuators.
+    Own,
 }
 
 /// A zone of a prepared building.
@@ -104,8 +118,34 @@ impl PreparedBuilding {
         unsupported: Unsupported,
     ) -> Result<Self> {
         let air_density = size(name, &mut model, weather, library)?;
+        let years = years(name, &model, weather, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
-        Self::with(name, model, discovery)
+        Ok(Self { years, ..Self::with(name, model, discovery)? })
+    }
+
+    /// Prepares a model that keeps its own controls, as its author wrote them. It has the zones, the meters and the years of
+    /// the same model under control, and no actuators.
+    ///
+    /// # Errors
+    /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
+    pub fn under_own_controls(
+        name: &str,
+        mut model: Model,
+        weather: &Path,
+        library: &Library,
+        unsupported: Unsupported,
+    ) -> Result<Self> {
+        size(name, &mut model, weather, library)?;
+        let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
+        for_episodes(&mut model);
+        Ok(Self {
+            model_sha256: sha256(model.to_epjson()),
+            meters: hvac_meters(&model),
+            model,
+            systems: Vec::new(),
+            layouts: Vec::new(),
+            ..controlled
+        })
     }
 
     /// Completes a sized model whose systems have been made controllable.
@@ -114,12 +154,7 @@ impl PreparedBuilding {
             return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
         let Discovery { systems, uncontrolled } = discovery;
-        outputs::write_only(&mut model, &[]);
-        keep_standard_time(&mut model);
-        balance_exhaust(&mut model);
-        one_system_step(&mut model);
-        bound_warmup(&mut model);
-        run_weather_alone(&mut model);
+        for_episodes(&mut model);
         let zones = zone::zones(&model)?;
         let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
         let layouts = SystemLayout::of_all(&systems, &names)?;
@@ -138,6 +173,7 @@ impl PreparedBuilding {
             layouts,
             uncontrolled,
             meters,
+            years: Vec::new(),
         })
     }
 
@@ -236,6 +272,24 @@ fn prepared_zones(
         })
     };
     zones.into_iter().enumerate().map(prepared).collect()
+}
+
+/// Edits what every episode needs, whoever controls the building.
+fn for_episodes(model: &mut Model) {
+    outputs::write_only(model, &[]);
+    keep_standard_time(model);
+    balance_exhaust(model);
+    one_system_step(model);
+    bound_warmup(model);
+    run_weather_alone(model);
+}
+
+/// Returns the years of the zones of a sized model, in model order.
+fn years(name: &str, model: &Model, weather: &Path, library: &Library) -> Result<Vec<ZoneYear>> {
+    let zones = zone::zones(model)?;
+    let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
+    let years = band::years(name, model, &names, weather, library);
+    years.map_err(|error| error.while_doing(format!("reading the schedules of {name}")))
 }
 
 /// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year and neither jumps.

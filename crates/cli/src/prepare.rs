@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_building::{Controls, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
 use b2b_env::{Env, EpisodeConfig, Spaces, Task};
@@ -28,11 +28,26 @@ pub struct Prepared {
 impl Prepared {
     /// Downloads missing files and prepares a building. Shows progress unless `quiet`.
     pub fn new(name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
-        Self::of(&program::catalog(&mut Download::new(quiet))?, name, location, quiet)
+        Self::under(Controls::default(), name, location, quiet)
+    }
+
+    /// As [`Prepared::new`], under these controls.
+    pub fn under(controls: Controls, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
+        Self::find(&program::catalog(&mut Download::new(quiet))?, controls, name, location, quiet)
     }
 
     /// As [`Prepared::new`], with a catalog that others use too.
     pub fn of(catalog: &Catalog, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
+        Self::find(catalog, Controls::default(), name, location, quiet)
+    }
+
+    fn find(
+        catalog: &Catalog,
+        controls: Controls,
+        name: &BuildingName,
+        location: &Location,
+        quiet: bool,
+    ) -> Result<Self> {
         let found = catalog.find(name, &location.placement(), &mut Download::new(quiet));
         interrupt::check()?;
         let found = found.with_context(|| format!("cannot prepare {name}"))?;
@@ -43,7 +58,7 @@ impl Prepared {
         interrupt::check()?;
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);
         let library = catalog.library().clone();
-        let building = found.prepare(&library);
+        let building = found.under(controls).prepare(&library);
         spinner.finish_and_clear();
         interrupt::check()?;
         let building = Arc::new(building.with_context(|| format!("cannot prepare {name}"))?);

@@ -7,6 +7,16 @@ use b2b_building::parameter::OutOfBounds;
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// The controller `own` for a building that is not under its own controls.
+    #[error(
+        "{building} has {actuators} actuators; the controller own needs it under its own controls, without any"
+    )]
+    OwnControls {
+        /// Name of the building.
+        building: String,
+        /// Number of its actuators.
+        actuators: usize,
+    },
     /// A parameter of the reactive controllers outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use b2b_building::{Parameter, PreparedBuilding};
+use b2b_building::{Controls, Parameter, PreparedBuilding};
 use b2b_env::{ActionSpace, Controller, Spaces, Task};
 #[cfg(target_os = "linux")]
 use b2b_workers::Episode;
@@ -30,6 +30,11 @@ pub trait Kind: Sync {
     /// Returns whether controllers observe and control the whole building, even if a problem withholds actuators.
     fn controls_whole_building(&self) -> bool {
         false
+    }
+
+    /// Returns who controls the building that controllers are made for.
+    fn controls(&self) -> Controls {
+        Controls::Actuators
     }
 
     /// Returns the parameters with their units and bounds.

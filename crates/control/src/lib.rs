@@ -5,6 +5,7 @@ mod constant;
 mod error;
 mod kind;
 mod objective;
+mod own;
 #[cfg(target_os = "linux")]
 mod planner;
 mod random;
@@ -20,6 +21,7 @@ pub use constant::Constant;
 pub use error::{Error, Result};
 pub use kind::{AnyController, Case, Kind, KindDescription, kind};
 pub use objective::Objective;
+pub use own::Own;
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
@@ -30,7 +32,8 @@ pub use versions::{Versions, parameters_hash};
 
 /// The kinds of controllers that need no file.
 #[cfg(target_os = "linux")]
-pub static KINDS: [&dyn Kind; 4] = [&reactive::Kind, &random::Kind, &constant::Kind, &planner::Kind];
+pub static KINDS: [&dyn Kind; 5] =
+    [&reactive::Kind, &own::Kind, &random::Kind, &constant::Kind, &planner::Kind];
 /// The kinds of controllers that need no file.
 #[cfg(not(target_os = "linux"))]
-pub static KINDS: [&dyn Kind; 3] = [&reactive::Kind, &random::Kind, &constant::Kind];
+pub static KINDS: [&dyn Kind; 4] = [&reactive::Kind, &own::Kind, &random::Kind, &constant::Kind];

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Class, Model, PreparedBuilding, import};
+use b2b_building::{BuildingType, Class, Controls, Model, PreparedBuilding, import};
 use b2b_climate::{EpwFile, Place, Site};
 use b2b_energyplus::install::{Cache, Engine, Progress};
 use b2b_energyplus::{Host, Library};
@@ -62,6 +62,8 @@ pub struct Found {
     pub weather: PathBuf,
     /// The site of the weather file.
     pub site: Arc<Site>,
+    /// Who controls it.
+    pub controls: Controls,
     /// The model before sizing.
     pub model: Model,
 }
@@ -109,7 +111,8 @@ impl Catalog {
         let model = self.model(name, placement, &site)?;
         let class = placement.class(name, &weather)?;
         let prototype = placement.is_prototype(name);
-        Ok(Found { name: name.clone(), class, prototype, place, weather, site, model })
+        let controls = Controls::default();
+        Ok(Found { name: name.clone(), class, prototype, place, weather, site, controls, model })
     }
 
     /// Returns the model of a generated building, before sizing, and its weather file.
@@ -202,6 +205,12 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
+    /// Sets who controls the building.
+    #[must_use]
+    pub fn under(self, controls: Controls) -> Self {
+        Self { controls, ..self }
+    }
+
     /// Sizes the building and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
@@ -219,6 +228,7 @@ impl From<Found> for Preparation {
             name: found.name.to_string(),
             class: found.class,
             prototype: found.prototype,
+            controls: found.controls,
             model: found.model,
         }
     }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use b2b_building::hvac::{KINDS, Unsupported};
 use b2b_building::import::external;
-use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_building::{Class, Controls, Model, PreparedBuilding};
 use b2b_climate::EpwFile;
 use b2b_energyplus::Library;
 
@@ -21,6 +22,8 @@ pub struct Preparation {
     pub prototype: bool,
     /// Whether it is a user's model, whose unsupported systems keep their own controls.
     pub own: bool,
+    /// Who controls the building.
+    pub controls: Controls,
     /// The model before sizing.
     pub model: Model,
 }
@@ -48,8 +51,17 @@ impl Preparation {
     }
 
     fn run_anew(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
-        let make = if self.own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
-        let mut building = make(&self.name, self.model, weather, library)?.of_class(self.class);
+        let Self { name, model, .. } = self;
+        let unsupported = if self.own { Unsupported::LeftAlone } else { Unsupported::Refused };
+        let building = match self.controls {
+            Controls::Actuators => {
+                PreparedBuilding::with_kinds(&name, model, weather, library, &KINDS, unsupported)
+            }
+            Controls::Own => {
+                PreparedBuilding::under_own_controls(&name, model, weather, library, unsupported)
+            }
+        };
+        let mut building = building?.of_class(self.class);
         building.prototype = self.prototype;
         Ok(building)
     }
@@ -57,7 +69,7 @@ impl Preparation {
     /// Returns the digest of everything that the result depends on; `None` if a file cannot be read.
     fn key(&self, weather: &Path, library: &Library) -> Option<String> {
         use b2b_base::digest::sha256;
-        let Self { name, class, prototype, own, model } = self;
+        let Self { name, class, prototype, own, controls, model } = self;
         let files = external::files(model).into_iter().map(|path| std::fs::read(path).map(sha256));
         let files: std::io::Result<Vec<_>> = files.collect();
         let inputs = (
@@ -66,7 +78,7 @@ impl Preparation {
             EpwFile::open(weather).ok()?.sha256().to_owned(),
             sha256(serde_json::to_vec(model).ok()?),
             files.ok()?,
-            (name, class, prototype, own),
+            (name, class, prototype, own, controls),
         );
         Some(sha256(serde_json::to_vec(&inputs).ok()?))
     }

@@ -21,6 +21,11 @@ pub enum Comfort {
     },
     /// PMV² while the zone is occupied; the target is not used.
     Pmv(Pmv),
+    /// Deviation from the band, K, times a weight: the tasks of operation.
+    Band {
+        /// Penalty of a kelvin outside the band, averaged over the zones, in mean steps of cost.
+        weight: f64,
+    },
 }
 
 /// Assumptions of the predicted mean vote (ISO 7730). Mean radiant temperature is taken as air temperature.
@@ -56,6 +61,7 @@ impl Comfort {
         match self {
             Self::Squared => Ok(()),
             Self::Deadband { half_width } => within("half_width", *half_width, 0.0, 50.0),
+            Self::Band { weight } => within("weight", *weight, 0.0, 1e6),
             // Ranges in which ISO 7730 recommends the index.
             Self::Pmv(pmv) => {
                 within("metabolic_rate", pmv.metabolic_rate, 0.8, 4.0)?;
@@ -72,6 +78,7 @@ impl Comfort {
         match self {
             Self::Squared => zone.deviation().powi(2),
             Self::Deadband { half_width } => (zone.deviation().abs() - half_width).max(0.0).powi(2),
+            Self::Band { weight } => weight * zone.deviation().abs(),
             Self::Pmv(_) if !zone.occupied => 0.0,
             Self::Pmv(pmv) => {
                 let vote = pmv.vote(zone.temperature, season);
@@ -201,7 +208,7 @@ mod tests {
 
     #[test]
     fn each_comfort_model_penalizes_as_documented() {
-        let zone = ZoneStep { temperature: 24.0, target: 21.0, occupied: false, penalize_above_target: true };
+        let zone = ZoneStep::with_target(24.0, 21.0, false, true);
         let heated = ZoneStep { penalize_above_target: false, ..zone };
         let penalty = |comfort: &Comfort, zone: &ZoneStep| comfort.penalty(zone, Season::Summer);
         assert_eq!(penalty(&Comfort::Squared, &zone), 9.0);

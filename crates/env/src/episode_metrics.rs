@@ -232,6 +232,22 @@ episode_metrics! {
         /// share of occupied zone-hours above the comfort band, without zones that have no cooling
         occupied_too_warm: Option<f64> = "occupied_too_warm_share", "1", Metrics::occupied_too_warm,
             Display::lower("occupied hours too warm (%)", 100.0, 1);
+        /// operation only, as BOPTEST defines it: thermal discomfort, the deviation outside the band integrated over time, per zone
+        tdis_tot: Option<f64> = "tdis_tot", "K h", Metrics::zone_discomfort,
+            Display::lower("thermal discomfort (K·h per zone)", 1.0, 2);
+        /// operation only, as BOPTEST: HVAC energy
+        ener_tot: Option<f64> = "ener_tot", "kWh/m²", Metrics::operation_energy, None;
+        /// operation only, as BOPTEST: cost of HVAC energy
+        cost_tot: Option<f64> = "cost_tot", "currency/m²", Metrics::operation_cost, None;
+        /// operation only, as BOPTEST: emissions of HVAC energy
+        emis_tot: Option<f64> = "emis_tot", "kg CO₂/m²", Metrics::operation_emissions, None;
+        /// operation only, as BOPTEST: largest mean electric demand of a quarter of an hour
+        pele_tot: Option<f64> = "pele_tot", "kW/m²", |metrics| metrics.operation_peak(0),
+            Display::lower("peak electric demand, 15 min (W/m²)", 1000.0, 1);
+        /// operation only, as BOPTEST: largest mean demand of gas and other fuels in a quarter of an hour
+        pgas_tot: Option<f64> = "pgas_tot", "kW/m²", |metrics| metrics.operation_peak(1), None;
+        /// operation only, as BOPTEST: largest mean demand of district heat in a quarter of an hour
+        pdih_tot: Option<f64> = "pdih_tot", "kW/m²", |metrics| metrics.operation_peak(2), None;
     }
 }
 

@@ -159,6 +159,21 @@ pub enum Error {
         /// Reason.
         why: String,
     },
+    /// A band whose setpoints cross.
+    #[error(
+        "the band `{name}` heats to {heating} °C and cools to {cooling} °C; expected a cooling setpoint at least {least} K \
+         above the heating setpoint"
+    )]
+    BandCrosses {
+        /// Name of the pair.
+        name: &'static str,
+        /// Heating setpoint, °C.
+        heating: f64,
+        /// Cooling setpoint, °C.
+        cooling: f64,
+        /// Least difference, K.
+        least: f64,
+    },
     /// A value of a task outside its limits.
     #[error("task field `{name}` is {value}; expected a number from {low} to {high}")]
     TaskValue {

@@ -10,6 +10,7 @@
 mod action;
 mod attributes;
 pub mod authority;
+mod band;
 mod calendar;
 mod comfort;
 mod controller;
@@ -22,6 +23,7 @@ mod episode_metrics;
 mod error;
 mod faults;
 mod inputs;
+mod kpis;
 mod limits;
 mod metrics;
 mod morphology;
@@ -42,6 +44,7 @@ mod zones;
 
 pub use action::{ActionSpace, rescale, unscale};
 pub use attributes::{attribute_name, attributes};
+pub use band::{Band, Bands, Days, HoursPair, NextPair, Pair};
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;
 pub use energy_scale::EnergyScale;

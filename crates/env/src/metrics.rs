@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::kpis::Kpis;
 use crate::reward::{Reward, StepView};
 use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
@@ -52,6 +53,8 @@ pub struct Metrics {
     pub zones: Vec<ZoneMetrics>,
     /// Outdoor air (L/s) and number of people, over the systems with people in their zones and summed over the steps.
     outdoor_air: [f64; 2],
+    /// Indicators of operation; `None` in tasks without bands.
+    pub(crate) kpis: Option<Kpis>,
     hours_per_step: f64,
     comfort_band: f64,
     last_action: Vec<f64>,
@@ -124,7 +127,7 @@ impl Metrics {
         self.terms.add(&step.terms);
         self.add_travel(step.action, low, high);
         for (zone, step) in self.zones.iter_mut().zip(step.zones) {
-            let deviation = step.temperature - step.target;
+            let deviation = step.signed_deviation();
             let penalized = step.deviation();
             zone.penalized_squares += penalized * penalized;
             zone.penalized_steps_outside += usize::from(penalized.abs() > self.comfort_band);
@@ -221,6 +224,36 @@ impl Metrics {
         self.zones.iter().filter(|zone| zone.is_never_near_target(self.steps)).count()
     }
 
+    /// Returns the thermal discomfort of operation, K h for each zone, by the trapezoid rule; `None` in tasks without bands.
+    pub fn zone_discomfort(&self) -> Option<f64> {
+        Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
+    }
+
+    /// Returns a total of operation in a larger unit; `None` in tasks without bands.
+    fn operation_total(&self, term: Term) -> Option<f64> {
+        self.kpis.as_ref().map(|_| self.total(term))
+    }
+
+    /// Returns the HVAC energy of operation, kWh/m².
+    pub fn operation_energy(&self) -> Option<f64> {
+        Some(self.operation_total(Term::Energy)? / 1000.0)
+    }
+
+    /// Returns the cost of operation, currency/m².
+    pub fn operation_cost(&self) -> Option<f64> {
+        self.operation_total(Term::Cost)
+    }
+
+    /// Returns the emissions of operation, kg CO₂/m².
+    pub fn operation_emissions(&self) -> Option<f64> {
+        Some(self.operation_total(Term::Emissions)? / 1000.0)
+    }
+
+    /// Returns the largest quarter-hour demand of operation, kW/m²: electricity (0), gas (1), district heat (2).
+    pub fn operation_peak(&self, carrier: usize) -> Option<f64> {
+        self.kpis.as_ref()?.peak(carrier)
+    }
+
     fn mean_over_zones(&self, value: impl Fn(&ZoneMetrics) -> f64) -> f64 {
         let zones: Vec<_> = self.zones.iter().filter(|z| z.fully_conditioned).collect();
         zones.iter().map(|z| value(z)).sum::<f64>() / zones.len().max(1) as f64
@@ -238,12 +271,7 @@ mod tests {
         let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
         let mut metrics = Metrics::new(&[zone(0), zone(1)], 0, 12, 1.0);
         assert_eq!(metrics.occupied_too_cold(), None);
-        let step = |temperature, occupied| ZoneStep {
-            temperature,
-            target: 21.0,
-            occupied,
-            penalize_above_target: true,
-        };
+        let step = |temperature, occupied| ZoneStep::with_target(temperature, 21.0, occupied, true);
         for zones in [
             [step(19.0, true), step(15.0, false)],
             [step(23.0, true), step(30.0, false)],

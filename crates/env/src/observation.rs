@@ -5,6 +5,7 @@ use std::ops::Range;
 use b2b_building::morphology::{Observed, Owner};
 use b2b_building::{Conditioning, PreparedBuilding};
 
+use crate::band::Pair;
 use crate::setpoints::Setpoints;
 
 /// One slot of the observation.
@@ -36,6 +37,15 @@ pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
     constant_target: Option<f64>,
+    /// Slots of each controlled zone for what the task asks of it; empty with constant targets.
+    asked: Vec<AskedSlots>,
+}
+
+/// Slots of a controlled zone for what the task asks of it.
+#[derive(Clone, Copy, Debug)]
+struct AskedSlots {
+    occupancy: usize,
+    target: Target,
 }
 
 /// Source of the target of a zone.
@@ -43,6 +53,8 @@ pub struct ObservationSpace {
 pub enum Target {
     /// In this slot of the observation.
     Slot(usize),
+    /// In the middle of the heating and the cooling setpoint in these slots.
+    Between([usize; 2]),
     /// Constant, °C.
     Always(f64),
 }
@@ -52,7 +64,20 @@ impl Target {
     pub fn of(self, observation: &[f64]) -> f64 {
         match self {
             Self::Slot(slot) => observation[slot],
+            Self::Between([heating, cooling]) => 0.5 * (observation[heating] + observation[cooling]),
             Self::Always(target) => target,
+        }
+    }
+
+    /// Returns the heating and the cooling setpoint for the step after an observation: both are the target in a task without
+    /// bands, and the second is infinite where a band has no cooling.
+    pub fn pair_of(self, observation: &[f64], has_bands: bool) -> Pair {
+        match self {
+            Self::Between([heating, cooling]) => {
+                Pair { heating: observation[heating], cooling: observation[cooling] }
+            }
+            _ if has_bands => Pair { heating: self.of(observation), cooling: f64::INFINITY },
+            _ => Pair { heating: self.of(observation), cooling: self.of(observation) },
         }
     }
 }
@@ -151,7 +176,9 @@ impl ObservationSpace {
         let has_target =
             |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;
         let controlled = building.zones.iter().enumerate().filter(|(_, zone)| has_target(zone));
+        let mut asked = Vec::new();
         for (number, zone) in controlled {
+            let occupancy = slots.len();
             slots.push(slot(
                 &format!("{} occupancy", zone.name),
                 (Owner::Zone(number), Observed::Occupancy),
@@ -159,21 +186,29 @@ impl ObservationSpace {
                 (0.0, 1.0),
                 "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step",
             ));
-            slots.push(slot(
-                &format!("{} target", zone.name),
-                (Owner::Zone(number), Observed::TargetTemperature),
-                "°C",
-                (0.0, 50.0),
-                "task, for the next step",
-            ));
+            let mut setpoint = |word: &str, observed| {
+                let name = format!("{} {word}", zone.name);
+                let what = (Owner::Zone(number), observed);
+                slots.push(slot(&name, what, "°C", (0.0, 50.0), "task, for the next step"));
+                slots.len() - 1
+            };
+            let target = match zone.conditioning {
+                _ if !setpoints.is_band() => Target::Slot(setpoint("target", Observed::TargetTemperature)),
+                Conditioning::HeatingAndCooling => Target::Between([
+                    setpoint("heating setpoint", Observed::HeatingSetpoint),
+                    setpoint("cooling setpoint", Observed::CoolingSetpoint),
+                ]),
+                _ => Target::Slot(setpoint("heating setpoint", Observed::HeatingSetpoint)),
+            };
+            asked.push(AskedSlots { occupancy, target });
         }
-        Self { slots, zones: building.zones.len(), constant_target }
+        Self { slots, zones: building.zones.len(), constant_target, asked }
     }
 
     /// Returns a space of arbitrary slots.
     #[cfg(test)]
     pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
-        Self { slots, zones: 0, constant_target: Some(21.0) }
+        Self { slots, zones: 0, constant_target: Some(21.0), asked: Vec::new() }
     }
 
     /// The slots in order.
@@ -239,14 +274,14 @@ impl ObservationSpace {
     /// Slot of the occupancy of a controlled zone, given its index among the controlled zones. `None` if targets are
     /// constant.
     pub fn occupancy(&self, controlled_zone: usize) -> Option<usize> {
-        self.constant_target.is_none().then_some(self.zones + SHARED + 2 * controlled_zone)
+        self.asked.get(controlled_zone).map(|asked| asked.occupancy)
     }
 
     /// Target of a controlled zone, given its index among the controlled zones.
     pub fn target(&self, controlled_zone: usize) -> Target {
         match self.constant_target {
             Some(target) => Target::Always(target),
-            None => Target::Slot(self.zones + SHARED + 2 * controlled_zone + 1),
+            None => self.asked[controlled_zone].target,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use crate::band::Pair;
 use crate::terms::{Amounts, IN_INFO, TERMS, Term};
 
 /// The reward of one step, by its terms.
@@ -73,8 +74,10 @@ pub struct StepView<'a> {
 pub struct ZoneStep {
     /// Air temperature at the end of the step, °C.
     pub temperature: f64,
-    /// Target observed before the step, °C.
+    /// Target observed before the step, °C; the middle of the band in a task with bands.
     pub target: f64,
+    /// Heating and cooling setpoint observed before the step; both equal the target in a task without bands.
+    pub pair: Pair,
     /// Whether the zone was occupied when the step began.
     pub occupied: bool,
     /// Whether temperatures above target are penalized.
@@ -82,9 +85,25 @@ pub struct ZoneStep {
 }
 
 impl ZoneStep {
-    /// Penalized deviation from target, K; 0 above target if that is not penalized.
+    /// A zone with a target.
+    pub const fn with_target(
+        temperature: f64,
+        target: f64,
+        occupied: bool,
+        penalize_above_target: bool,
+    ) -> Self {
+        let pair = Pair { heating: target, cooling: target };
+        Self { temperature, target, pair, occupied, penalize_above_target }
+    }
+
+    /// Deviation from the target or from the band, K; negative below.
+    pub fn signed_deviation(&self) -> f64 {
+        self.pair.deviation(self.temperature)
+    }
+
+    /// Penalized deviation, K; 0 above if that is not penalized.
     pub fn deviation(&self) -> f64 {
-        let deviation = self.temperature - self.target;
+        let deviation = self.signed_deviation();
         if self.penalize_above_target { deviation } else { deviation.min(0.0) }
     }
 }
@@ -127,8 +146,7 @@ mod tests {
 
     #[test]
     fn heat_is_not_penalized_in_a_zone_without_cooling() {
-        let cooled =
-            ZoneStep { temperature: 35.0, target: 21.0, occupied: true, penalize_above_target: true };
+        let cooled = ZoneStep::with_target(35.0, 21.0, true, true);
         assert_eq!(cooled.deviation(), 14.0);
         assert_eq!(ZoneStep { penalize_above_target: false, ..cooled }.deviation(), 0.0);
     }

@@ -3,11 +3,12 @@
 use std::str::FromStr;
 
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::{BuildingType, Class, Day};
+use b2b_building::{BuildingType, Class, Day, PreparedBuilding};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
+use crate::band::{Band, Bands, Pair};
 use crate::calendar::{Moment, Season};
 use crate::limits::within;
 use crate::random::stream;
@@ -15,7 +16,7 @@ use crate::random::stream;
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
-#[serde(expecting = "an object with the `mode` constant, occupancy or random")]
+#[serde(expecting = "an object with the `mode` constant, occupancy, random or band")]
 pub enum Setpoints {
     /// One target for all zones at all times.
     Constant {
@@ -46,6 +47,12 @@ pub enum Setpoints {
         /// Distributions to draw from. Default: the distributions of the building type, or of offices without a type.
         #[serde(default)]
         day: Option<RandomDay>,
+    },
+    /// A heating and a cooling setpoint for every zone: the tasks of operation.
+    Band {
+        /// Where they come from.
+        #[serde(default)]
+        band: Band,
     },
 }
 
@@ -143,9 +150,21 @@ impl FromStr for Setpoints {
             }),
             ("random", None) => Ok(Self::Random { seed: 0, day: None }),
             ("random", Some(seed)) => Ok(Self::Random { seed: seed.parse().map_err(|_| ())?, day: None }),
+            ("operate", None) => Ok(Self::Band { band: Band::Own }),
+            ("operate", Some(pairs)) => Ok(Self::Band { band: presence_pairs(pairs).ok_or(())? }),
             _ => Err(()),
         }
     }
+}
+
+/// Reads `21-24/15.6-28`: heating and cooling setpoint with people and without.
+fn presence_pairs(text: &str) -> Option<Band> {
+    let pair = |text: &str| {
+        let (heating, cooling) = text.split_once('-')?;
+        Some([heating.parse().ok()?, cooling.parse().ok()?])
+    };
+    let (occupied, unoccupied) = text.split_once('/')?;
+    Some(Band::Presence { occupied: pair(occupied)?, unoccupied: pair(unoccupied)? })
 }
 
 impl Setpoints {
@@ -153,8 +172,13 @@ impl Setpoints {
     pub fn constant_target(&self) -> Option<f64> {
         match *self {
             Self::Constant { target } => Some(target),
-            Self::Occupancy { .. } | Self::Random { .. } => None,
+            Self::Occupancy { .. } | Self::Random { .. } | Self::Band { .. } => None,
         }
+    }
+
+    /// Returns whether zones have a heating and a cooling setpoint instead of a target.
+    pub fn is_band(&self) -> bool {
+        matches!(self, Self::Band { .. })
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -168,14 +192,33 @@ impl Setpoints {
                 target("otherwise", otherwise)
             }
             Self::Random { day, .. } => day.map_or(Ok(()), |day| day.check()),
+            Self::Band { ref band } => band.check(),
         }
     }
+}
+
+/// What the task asks of a zone in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    /// Whether the zone counts as occupied.
+    pub(crate) occupied: bool,
+    /// Target, °C; the middle of a band.
+    pub(crate) target: f64,
+    /// Setpoints; both equal the target in tasks without bands.
+    pub(crate) pair: Pair,
+}
+
+impl Asked {
+    /// Before the first observation.
+    pub(crate) const UNKNOWN: Self =
+        Self { occupied: false, target: f64::NAN, pair: Pair { heating: f64::NAN, cooling: f64::NAN } };
 }
 
 /// The targets of an episode: a function of zone, moment and, by occupancy, the people in the simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets {
     setpoints: Setpoints,
+    bands: Option<Bands>,
     day: RandomDay,
     /// The plan drawn for each zone, with its day.
     drawn: Vec<(u32, Plan)>,
@@ -191,23 +234,39 @@ struct Plan {
 }
 
 impl Targets {
-    /// Creates the targets of the controlled `zones` of a building of a class.
-    pub(crate) fn new(setpoints: &Setpoints, class: Option<Class>, zones: usize) -> Self {
+    /// Creates the targets of the controlled zones of a building.
+    pub(crate) fn of(setpoints: &Setpoints, building: &PreparedBuilding) -> Self {
+        let zones = building.controlled_zones().count();
+        Self::with_bands(setpoints, Bands::new(setpoints, building), building.class, zones)
+    }
+
+    fn with_bands(setpoints: &Setpoints, bands: Option<Bands>, class: Option<Class>, zones: usize) -> Self {
         let own = match setpoints {
             Setpoints::Random { day, .. } => *day,
             _ => None,
         };
         Self {
             setpoints: setpoints.clone(),
+            bands,
             day: own.unwrap_or_else(|| RandomDay::of_class(class)),
             drawn: vec![(0, Plan::default()); zones],
         }
     }
 
-    /// Returns whether a zone counts as occupied at a moment, and its target, °C. `people`: whether the simulated zone
-    /// has people; ignored by random setpoints, which draw occupancy.
-    pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {
+    /// Returns what is asked of a zone at a moment. `people`: whether the simulated zone has people; ignored by random
+    /// setpoints, which draw occupancy.
+    pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> Asked {
+        if let Some(bands) = &self.bands {
+            let pair = bands.at(zone, moment.day_of_year, moment.hour, people);
+            return Asked { occupied: people, target: pair.middle(), pair };
+        }
+        let (occupied, target) = self.target(zone, moment, people);
+        Asked { occupied, target, pair: Pair { heating: target, cooling: target } }
+    }
+
+    fn target(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {
         match self.setpoints {
+            Setpoints::Band { .. } => unreachable!("tasks with bands have them"),
             Setpoints::Constant { target } => (people, target),
             Setpoints::Occupancy { occupied, .. } if people => (true, occupied),
             Setpoints::Occupancy { winter, summer, otherwise, .. } => {
@@ -264,10 +323,10 @@ mod tests {
 
     #[test]
     fn an_unoccupied_zone_is_set_back_by_season() {
-        let mut targets = Targets::new(&"occupancy".parse().unwrap(), None, 1);
-        assert_eq!(targets.at(0, moment(10, 3.0), true), (true, 21.0));
+        let mut targets = Targets::with_bands(&"occupancy".parse().unwrap(), None, None, 1);
+        assert_eq!(targets.target(0, moment(10, 3.0), true), (true, 21.0));
         for (day, target) in [(10, 18.0), (100, 21.0), (200, 26.0), (300, 21.0)] {
-            assert_eq!(targets.at(0, moment(day, 3.0), false), (false, target));
+            assert_eq!(targets.target(0, moment(day, 3.0), false), (false, target));
         }
     }
 
@@ -304,16 +363,16 @@ mod tests {
 
     #[test]
     fn a_random_target_depends_only_on_seed_zone_and_time() {
-        let random = |seed: u64| Targets::new(&Setpoints::Random { seed, day: None }, None, 5);
+        let random = |seed: u64| Targets::with_bands(&Setpoints::Random { seed, day: None }, None, None, 5);
         let (mut forward, mut backward) = (random(3), random(3));
         let moments: Vec<_> =
             (1..40).flat_map(|day| [6.0, 12.0, 23.0].map(|hour| moment(day, hour))).collect();
-        let there: Vec<_> = moments.iter().map(|at| forward.at(2, *at, false)).collect();
-        let back: Vec<_> = moments.iter().rev().map(|at| backward.at(2, *at, true)).collect();
+        let there: Vec<_> = moments.iter().map(|at| forward.target(2, *at, false)).collect();
+        let back: Vec<_> = moments.iter().rev().map(|at| backward.target(2, *at, true)).collect();
         assert!(there.iter().eq(back.iter().rev()));
         assert!(there.chunks(3).all(|day| !day[0].0 && day[1].0 && !day[2].0), "occupied at noon only");
         let mut other = random(4);
-        assert!(moments.iter().zip(&there).any(|(at, target)| other.at(2, *at, false) != *target));
+        assert!(moments.iter().zip(&there).any(|(at, target)| other.target(2, *at, false) != *target));
     }
 
     #[test]

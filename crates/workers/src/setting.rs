@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_building::{Class, Controls, Model, PreparedBuilding};
 use b2b_dataset::{Found, Preparation};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,9 @@ pub enum Source {
         prototype: bool,
         /// Whether it is a user's model, whose unsupported systems keep their own controls.
         own: bool,
+        /// Who controls the building.
+        #[serde(default)]
+        controls: Controls,
         /// The model, as generated or read.
         model: Box<Model>,
         /// The weather file for sizing, regardless of an episode's weather.
@@ -36,16 +39,16 @@ pub enum Source {
 impl From<Found> for Source {
     fn from(found: Found) -> Self {
         let weather = found.weather.clone();
-        let Preparation { name, class, prototype, own, model } = found.into();
-        Self::Model { name, class, prototype, own, model: Box::new(model), weather }
+        let Preparation { name, class, prototype, own, controls, model } = found.into();
+        Self::Model { name, class, prototype, own, controls, model: Box::new(model), weather }
     }
 }
 
 impl Source {
     /// A generated building, whose class is known, with its weather file.
     pub fn generated(name: String, class: Class, model: Model, weather: PathBuf) -> Self {
-        let (class, model) = (Some(class), Box::new(model));
-        Self::Model { name, class, prototype: false, own: false, model, weather }
+        let (class, controls, model) = (Some(class), Controls::default(), Box::new(model));
+        Self::Model { name, class, prototype: false, own: false, controls, model, weather }
     }
 
     /// Returns the prepared building: sized for its weather file and made controllable, unless it already is.
@@ -55,8 +58,8 @@ impl Source {
     pub fn prepare(self, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
-            Self::Model { name, class, prototype, own, model, weather } => {
-                Preparation { name, class, prototype, own, model: *model }.run(&weather, library)
+            Self::Model { name, class, prototype, own, controls, model, weather } => {
+                Preparation { name, class, prototype, own, controls, model: *model }.run(&weather, library)
             }
         }
     }
@@ -65,10 +68,16 @@ impl Source {
     pub fn cached(&self, library: &Library) -> Option<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Some(PreparedBuilding::clone(building)),
-            Self::Model { name, class, prototype, own, model, weather } => {
+            Self::Model { name, class, prototype, own, controls, model, weather } => {
                 let (name, model) = (name.clone(), Model::clone(model));
-                let preparation =
-                    Preparation { name, class: *class, prototype: *prototype, own: *own, model };
+                let preparation = Preparation {
+                    name,
+                    class: *class,
+                    prototype: *prototype,
+                    own: *own,
+                    controls: *controls,
+                    model,
+                };
                 preparation.cached(weather, library)
             }
         }

@@ -34,6 +34,10 @@ pub enum Observed {
     AirTemperature,
     /// Target temperature of a zone, °C.
     TargetTemperature,
+    /// Heating setpoint of a zone's comfort band, °C.
+    HeatingSetpoint,
+    /// Cooling setpoint of a zone's comfort band, °C.
+    CoolingSetpoint,
     /// Whether a zone is occupied, 0 or 1.
     Occupancy,
     /// Outdoor air temperature, °C.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 #[cfg(target_os = "linux")]
 use b2b_agent::{Agent, AgentController};
+use b2b_building::Controls;
 use b2b_control::{Case, Controller, KINDS, Kind, Reactive, ReactiveParameters};
 use b2b_env::Spaces;
 use serde_json::Value;
@@ -69,6 +70,15 @@ impl ControllerArguments {
     /// Returns whether the controller is a trained agent, which is plotted beside the reactive controllers.
     pub fn is_agent(&self) -> bool {
         !matches!(self.choice, Choice::Kind(_))
+    }
+
+    /// Returns who controls the building.
+    pub fn controls(&self) -> Controls {
+        match &self.choice {
+            Choice::Kind(kind) => kind.controls(),
+            #[cfg(target_os = "linux")]
+            Choice::Agent(_) => Controls::Actuators,
+        }
     }
 
     /// Returns the random seed.

@@ -91,7 +91,12 @@ On one machine, the same arguments give the same episode bit for bit: compare tr
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
+    let prepared = Prepared::under(
+        arguments.controller.controls(),
+        &arguments.building,
+        &arguments.location,
+        arguments.json,
+    )?;
     let period = arguments.run_period()?;
     let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?);
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;

@@ -95,7 +95,7 @@ impl Picture<'_> {
         let targets = controlled.enumerate().filter_map(|(index, (number, zone))| {
             match self.spaces.observation.target(index) {
                 Target::Slot(slot) => Some(self.slot(zone.name.clone(), number, slot, 1.0)),
-                Target::Always(_) => None,
+                Target::Always(_) | Target::Between(_) => None,
             }
         });
         targets.collect()

@@ -45,7 +45,7 @@ pub(super) struct Engine {
     /// The building's meters, as far as the engine has them.
     meters: Vec<(Carrier, Meter)>,
     /// Those of their end uses that the engine has.
-    end_uses: Vec<(EndUse, Meter)>,
+    end_uses: Vec<(Carrier, EndUse, Meter)>,
     actuators: Vec<(Actuator, f64)>,
     /// Schedule and number of people of each group with random presence.
     groups: Vec<(Variable, Actuator)>,
@@ -101,7 +101,13 @@ impl Engine {
             Ok((schedule, simulation.actuator(component, control, &group.name)?))
         };
         let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
-        let end_use = |(end_use, name): (EndUse, String)| Some((end_use, simulation.meter(&name).ok()?));
+        let end_uses = |meter: &HvacMeter| {
+            let carrier = meter.carrier;
+            let of_meter = meter.end_uses().into_iter();
+            let found = of_meter
+                .filter_map(|(end_use, name)| Some((carrier, end_use, simulation.meter(&name).ok()?)));
+            found.collect::<Vec<_>>()
+        };
         let mut ventilated = Vec::new();
         for (system, layout) in building.laid_out_systems() {
             let Some(air) = system.ventilation() else {
@@ -126,7 +132,7 @@ impl Engine {
             // The engine has this variable only for zones with people.
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
-            end_uses: building.meters.iter().flat_map(HvacMeter::end_uses).filter_map(end_use).collect(),
+            end_uses: building.meters.iter().flat_map(end_uses).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             groups: groups.iter().map(handles).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
@@ -199,9 +205,16 @@ impl Engine {
         by_carrier(self.meters.iter().map(read), floor_area)
     }
 
+    /// The sum of the end uses of HVAC in the step, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
+    /// transformer.
+    pub(super) fn energy_of_end_uses(&self, floor_area: f64) -> CarrierEnergy {
+        let read = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
+        by_carrier(self.end_uses.iter().map(read), floor_area)
+    }
+
     /// HVAC energy of the step by end use, Wh/m².
     pub(super) fn end_uses(&self, floor_area: f64) -> EndUseEnergy {
-        let read = |&(end_use, meter)| (end_use, self.simulation.read_meter(meter));
+        let read = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
         by_end_use(self.end_uses.iter().map(read), floor_area)
     }
 }

@@ -29,7 +29,7 @@ use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
 use crate::presence::Attendance;
 use crate::reward::{Reward, RewardFunction, ZoneStep};
-use crate::setpoints::Targets;
+use crate::setpoints::{Asked, Targets};
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
 use crate::terms::Amounts;
@@ -62,8 +62,8 @@ pub struct Env {
     interlock: Interlock,
     impairment: Option<Impairment>,
     attendance: Option<Attendance>,
-    /// Occupancy and target (°C) of each controlled zone for the next step.
-    asked: Vec<(bool, f64)>,
+    /// What is asked of each controlled zone for the next step.
+    asked: Vec<Asked>,
     /// The controlled zones in the last step.
     zone_steps: Vec<ZoneStep>,
     engine: Option<Engine>,
@@ -115,7 +115,7 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
-            targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
+            targets: Targets::of(&task.setpoints, &spaces.building),
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
             impairment: Impairment::new(&task.faults, &spaces.building),
@@ -124,7 +124,7 @@ impl Env {
                 spaces.building.model(),
                 spaces.episode.steps_per_hour,
             )?,
-            asked: vec![(false, f64::NAN); zones.len()],
+            asked: vec![Asked::UNKNOWN; zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
             truncated: false,
@@ -187,6 +187,7 @@ impl Env {
         }
         self.observe(&engine, [0.0; 2])?;
         self.terms = Amounts::default();
+        self.begin_kpis();
         self.disturb();
         self.engine = Some(engine);
         Ok(&self.observation)
@@ -240,7 +241,10 @@ impl Env {
         if engine.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
         }
-        let by_carrier = engine.energy(self.spaces.building.conditioned_floor_area);
+        let floor_area = self.spaces.building.conditioned_floor_area;
+        let is_operation = self.spaces.episode.task.is_operation();
+        let by_carrier =
+            if is_operation { engine.energy_of_end_uses(floor_area) } else { engine.energy(floor_area) };
         let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
         self.terms = self.measure(engine, &by_carrier, began.hour);
@@ -248,7 +252,7 @@ impl Env {
         self.keep_targets();
         self.metrics.steps += 1;
         self.observe(engine, energy)?;
-        let reward = self.judge(began);
+        let reward = self.judge(began, &by_carrier);
         self.disturb();
         Ok(reward)
     }

@@ -1,15 +1,31 @@
 //! The observation and the reward of a step.
 
-use b2b_building::CarrierEnergy;
+use b2b_building::{Carrier, CarrierEnergy};
 
 use super::Env;
 use super::engine::Engine;
 use crate::calendar::Moment;
+use crate::kpis::Kpis;
 use crate::observation::{Shared, Target};
 use crate::reward::{Reward, StepView, ZoneStep};
+use crate::setpoints::Asked;
 use crate::spaces::EpisodeConfig;
 use crate::terms::{Amounts, Measured};
+use crate::zones::ControlledZone;
 use crate::{Error, Result};
+
+/// The carriers of the demands of electricity, gas and district heat.
+const DEMANDS: [&[Carrier]; 3] = [
+    &[Carrier::Electricity],
+    &[Carrier::Gas, Carrier::Propane, Carrier::FuelOil, Carrier::OtherFuel],
+    &[Carrier::DistrictHeating],
+];
+
+/// Returns a controlled zone in a step.
+pub(super) fn zone_step(temperature: f64, asked: Asked, zone: &ControlledZone) -> ZoneStep {
+    let Asked { occupied, target, pair } = asked;
+    ZoneStep { temperature, target, pair, occupied, penalize_above_target: zone.penalize_above_target }
+}
 
 impl Env {
     /// The time of the observation, which is the beginning of the next step.
@@ -31,12 +47,8 @@ impl Env {
     /// Stores occupancy and targets observed before the step, for its reward.
     pub(super) fn keep_targets(&mut self) {
         self.zone_steps.clear();
-        self.zone_steps.extend(self.zones.iter().enumerate().map(|(index, zone)| ZoneStep {
-            temperature: f64::NAN,
-            target: self.asked[index].1,
-            occupied: self.asked[index].0,
-            penalize_above_target: zone.penalize_above_target,
-        }));
+        let zones = self.zones.iter().zip(&self.asked);
+        self.zone_steps.extend(zones.map(|(zone, asked)| zone_step(f64::NAN, *asked, zone)));
     }
 
     /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
@@ -48,7 +60,7 @@ impl Env {
     }
 
     /// The reward of the step just observed; adds the step to the metrics.
-    pub(super) fn judge(&mut self, began: Moment) -> Reward {
+    pub(super) fn judge(&mut self, began: Moment, energy: &CarrierEnergy) -> Reward {
         for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
             step.temperature = self.observation[zone.slot];
         }
@@ -63,11 +75,27 @@ impl Env {
         let reward = self.reward.reward(&step);
         self.metrics.add(reward, &step, self.spaces.action.low(), self.spaces.action.high());
         let hours_per_step = 1.0 / f64::from(self.spaces.episode.steps_per_hour);
+        if let Some(kpis) = &mut self.metrics.kpis {
+            let of =
+                |carriers: &[Carrier]| carriers.iter().map(|carrier| energy[*carrier as usize]).sum::<f64>();
+            kpis.add(&self.zone_steps, DEMANDS.map(of), hours_per_step);
+        }
         let zones = self.zone_steps.iter().zip(&mut self.oscillations).zip(&mut self.metrics.zones);
         for ((step, oscillation), metrics) in zones {
             metrics.oscillating_steps += oscillation.add(step.temperature, step.target, hours_per_step);
         }
         reward
+    }
+
+    /// Starts the indicators of operation in the state just observed.
+    pub(super) fn begin_kpis(&mut self) {
+        if self.spaces.episode.task.is_operation() {
+            let zones = self.zones.iter().zip(&self.asked);
+            let outside = |(zone, asked): (&ControlledZone, &Asked)| {
+                zone_step(self.observation[zone.slot], *asked, zone).deviation().abs()
+            };
+            self.metrics.kpis = Some(Kpis::begin(zones.map(outside).sum()));
+        }
     }
 
     /// Adds the errors of faulty sensors to the observation, after the reward was computed from true temperatures.
@@ -98,11 +126,18 @@ impl Env {
         put(Shared::Electricity, energy[0]);
         put(Shared::Gas, energy[1]);
         for zone in 0..self.zones.len() {
-            let (occupied, target) = self.targets.at(zone, moment, engine.occupied(zone));
-            self.asked[zone] = (occupied, target);
-            if let (Some(occupancy), Target::Slot(slot)) = (space.occupancy(zone), space.target(zone)) {
-                self.observation[occupancy] = f64::from(u8::from(occupied));
-                self.observation[slot] = target;
+            let asked = self.targets.at(zone, moment, engine.occupied(zone));
+            self.asked[zone] = asked;
+            if let Some(occupancy) = space.occupancy(zone) {
+                self.observation[occupancy] = f64::from(u8::from(asked.occupied));
+            }
+            match space.target(zone) {
+                Target::Always(_) => {}
+                Target::Slot(slot) => self.observation[slot] = asked.pair.heating,
+                Target::Between([heating, cooling]) => {
+                    self.observation[heating] = asked.pair.heating;
+                    self.observation[cooling] = asked.pair.cooling;
+                }
             }
         }
         match self.observation.iter().position(|v| !v.is_finite()) {

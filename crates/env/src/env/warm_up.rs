@@ -12,6 +12,7 @@ use b2b_energyplus::Event;
 
 use super::Env;
 use super::engine::Engine;
+use super::observe::zone_step;
 use crate::Result;
 use crate::calendar::Moment;
 use crate::reward::ZoneStep;
@@ -31,15 +32,9 @@ impl Env {
                     let moment = Moment { day_of_year: first_day, hour };
                     self.zone_steps.clear();
                     for (index, zone) in self.zones.iter().enumerate() {
-                        let (occupied, target) = self.targets.at(index, moment, engine.occupied(index));
+                        let asked = self.targets.at(index, moment, engine.occupied(index));
                         let temperature = engine.simulation.read(engine.temperatures[zone.slot]);
-                        let penalize_above_target = zone.penalize_above_target;
-                        self.zone_steps.push(ZoneStep {
-                            temperature,
-                            target,
-                            occupied,
-                            penalize_above_target,
-                        });
+                        self.zone_steps.push(zone_step(temperature, asked, zone));
                     }
                     act(&spaces.building, &self.zone_steps, &mut self.action);
                     self.ventilate(engine);

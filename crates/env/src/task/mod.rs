@@ -10,6 +10,7 @@ use b2b_base::digest::sha256;
 use b2b_building::{Class, user_file};
 use serde::{Deserialize, Serialize};
 
+use crate::band::Band;
 use crate::comfort::Comfort;
 use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
@@ -29,8 +30,8 @@ pub use fuels::{Fuels, Hourly};
 ///
 /// | part | values |
 /// |---|---|
-/// | setpoints | `constant`, `constant:23` (°C), `occupancy`, `random`, `random:7` (seed) |
-/// | comfort | none (squared deviation, as in the paper), `deadband`, `deadband0.5` (K), `pmv` |
+/// | setpoints | `constant`, `constant:23` (°C), `occupancy`, `random`, `random:7` (seed), `operate`, `operate:21-24/15.6-28` (bands of heating and cooling setpoints, °C, with people and without) |
+/// | comfort | none (squared deviation, as in the paper; deviation from the band with `operate`), `deadband`, `deadband0.5` (K), `pmv`, `band30` (weight of a kelvin outside the band) |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 /// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
@@ -101,6 +102,11 @@ impl Default for Task {
     }
 }
 
+/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost.
+pub(crate) const OPERATION_WEIGHT: f64 = 20.0;
+/// Cost that counts as 1 in the tasks of operation where no cost of the guideline controller is known, currency/m² and hour.
+const TYPICAL_COST: f64 = 9e-4;
+
 /// Limit of weights, scales and prices: far above sensible values, yet sums over a year stay exact enough to compare.
 const LARGEST: f64 = 1e6;
 
@@ -108,6 +114,23 @@ impl Task {
     /// The six tasks of the paper: three modes of setpoints, without and with energy.
     pub const NAMED: [&str; 6] =
         ["constant", "occupancy", "random", "constant+energy0.5", "occupancy+energy0.5", "random+energy0.5"];
+
+    /// Returns a task of operation: hold a comfort band at low cost.
+    pub fn operate(band: Band) -> Self {
+        Self {
+            setpoints: Setpoints::Band { band },
+            comfort: Comfort::Band { weight: OPERATION_WEIGHT },
+            resource: Resource::COST,
+            energy_weight: 1.0,
+            comfort_band: 0.0,
+            ..Self::default()
+        }
+    }
+
+    /// Returns whether the task is one of operation: it has comfort bands instead of targets.
+    pub fn is_operation(&self) -> bool {
+        self.setpoints.is_band()
+    }
 
     /// Reads a task from a JSON file.
     ///
@@ -160,9 +183,12 @@ impl Task {
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
     /// [`EnergyScale`] of the class at `steps_per_hour`; otherwise 1.
     pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
-        let shipped =
-            || EnergyScale::of(class?, steps_per_hour).filter(|_| self.resource == Resource::ENERGY);
-        self.energy_scale.or_else(shipped).unwrap_or(1.0)
+        let usual = || match self.resource {
+            Resource::ENERGY => EnergyScale::of(class?, steps_per_hour),
+            Resource::COST if self.is_operation() => Some(TYPICAL_COST / f64::from(steps_per_hour)),
+            _ => None,
+        };
+        self.energy_scale.or_else(usual).unwrap_or(1.0)
     }
 
     /// Returns the SHA-256 of the task's JSON form, in hexadecimal. Tasks with equal hashes are equal.

@@ -42,10 +42,8 @@ mod tests {
     use crate::reward::ZoneStep;
     use crate::terms::{Amounts, Resource, Term};
 
-    const COOLED: ZoneStep =
-        ZoneStep { temperature: 23.0, target: 21.0, occupied: true, penalize_above_target: true };
-    const HEATED: ZoneStep =
-        ZoneStep { temperature: 20.0, target: 21.0, occupied: true, penalize_above_target: false };
+    const COOLED: ZoneStep = ZoneStep::with_target(23.0, 21.0, true, true);
+    const HEATED: ZoneStep = ZoneStep::with_target(20.0, 21.0, true, false);
 
     fn view(zones: &[ZoneStep]) -> StepView<'_> {
         let mut terms = Amounts::default();

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::Task;
+use super::{OPERATION_WEIGHT, Task};
+use crate::band::Band;
 use crate::comfort::{Comfort, Pmv};
 use crate::setpoints::Setpoints;
 use crate::terms::Resource;
@@ -28,14 +29,18 @@ impl Task {
             Setpoints::Occupancy { .. } => "occupancy".to_owned(),
             Setpoints::Random { seed: 0, .. } => "random".to_owned(),
             Setpoints::Random { seed, .. } => format!("random:{seed}"),
+            Setpoints::Band { band } => spelled_band(band),
         };
         let comfort = match &self.comfort {
+            Comfort::Band { weight } if self.is_operation() && *weight == OPERATION_WEIGHT => String::new(),
+            Comfort::Band { weight } => format!("+band{weight}"),
             Comfort::Squared => String::new(),
             Comfort::Deadband { half_width: 1.0 } => "+deadband".to_owned(),
             Comfort::Deadband { half_width } => format!("+deadband{half_width}"),
             Comfort::Pmv(_) => "+pmv".to_owned(),
         };
         let resource = match self.resource {
+            Resource::COST if self.is_operation() && self.energy_weight == 1.0 => String::new(),
             Resource::ENERGY if self.energy_weight == 0.0 => String::new(),
             resource => format!("+{}{}", resource.penalty().word, self.energy_weight),
         };
@@ -76,8 +81,10 @@ impl FromStr for Task {
         let no_number = |word: &str| error(format!(": `{word}` needs a number, such as {word}0.5"));
         let mut parts = text.split('+');
         let setpoints = parts.next().unwrap_or_default();
-        let mut task =
-            Self { setpoints: setpoints.parse().map_err(|()| unknown(setpoints))?, ..Self::default() };
+        let mut task = match setpoints.parse().map_err(|()| unknown(setpoints))? {
+            Setpoints::Band { band } => Self::operate(band),
+            setpoints => Self { setpoints, ..Self::default() },
+        };
         let (mut comfort, mut resource, mut ventilation) = (false, false, false);
         for part in parts {
             if part == FREE_VENTILATION {
@@ -111,11 +118,23 @@ impl FromStr for Task {
     }
 }
 
+/// The text form of the nearest band that has one.
+fn spelled_band(band: &Band) -> String {
+    match band {
+        Band::Presence { occupied: [heating, cooling], unoccupied: [setback, setup] } => {
+            format!("operate:{heating}-{cooling}/{setback}-{setup}")
+        }
+        Band::Own | Band::Hours { .. } => "operate".to_owned(),
+    }
+}
+
 /// Every word of a text form.
-const WORDS: [&str; 15] = [
+const WORDS: [&str; 17] = [
     "constant",
     "occupancy",
     "random",
+    "operate",
+    "band",
     "deadband",
     "pmv",
     "energy",
@@ -168,6 +187,7 @@ fn word_and_number(part: &str) -> Option<(&str, Option<f64>)> {
 
 fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
     match (word, number) {
+        ("band", weight) => Some(Comfort::Band { weight: weight.unwrap_or(OPERATION_WEIGHT) }),
         ("deadband", half_width) => Some(Comfort::Deadband { half_width: half_width.unwrap_or(1.0) }),
         ("pmv", None) => Some(Comfort::Pmv(Pmv::default())),
         _ => None,
@@ -208,6 +228,10 @@ mod tests {
             "occupancy+presence2+noise0.2",
             "constant+stuck0.1+fouling0.25",
             "random:3+deadband+energy0.5+free-ventilation",
+            "operate",
+            "operate:21-24/15.6-28",
+            "operate+band30+cost2",
+            "operate+energy0.5",
         ]) {
             assert_eq!(task(text).to_string(), text);
         }

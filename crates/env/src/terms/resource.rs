@@ -37,6 +37,9 @@ impl Resource {
     /// HVAC energy, as in the paper.
     pub const ENERGY: Self = Self(Term::Energy);
 
+    /// Energy cost.
+    pub const COST: Self = Self(Term::Cost);
+
     /// All, in the order of the terms.
     pub const ALL: [Self; RESOURCES] = {
         let mut all = [Self::ENERGY; RESOURCES];

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{Controls, PreparedBuilding};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Inputs;
@@ -78,7 +78,7 @@ impl<'a> Group<'a> {
     }
 
     /// The building; found by the first who asks.
-    fn located(&self, catalog: &Catalog) -> Result<Arc<Located>> {
+    fn located(&self, catalog: &Catalog, controls: Controls) -> Result<Arc<Located>> {
         let mut located = lock(&self.located);
         if let Some(located) = &*located {
             return Ok(Arc::clone(located));
@@ -87,7 +87,7 @@ impl<'a> Group<'a> {
         let found = catalog.find(&subject.name, &subject.placement, &mut Quiet)?;
         let site = subject.site(&found)?;
         let weather = found.weather.clone();
-        let source = Source::from(found);
+        let source = Source::from(found.under(controls));
         let made = Arc::new(Located { subject, site, weather, source: Arc::new(source) });
         *located = Some(Arc::clone(&made));
         Ok(made)
@@ -96,8 +96,8 @@ impl<'a> Group<'a> {
 
 impl Bench {
     /// A pool for the remaining episodes of a building.
-    pub(super) fn new(evaluation: &Evaluation<'_>, group: &Group<'_>) -> Result<Self> {
-        let located = group.located(evaluation.catalog)?;
+    pub(super) fn new(evaluation: &Evaluation<'_>, controls: Controls, group: &Group<'_>) -> Result<Self> {
+        let located = group.located(evaluation.catalog, controls)?;
         let source = match group.prepared.get() {
             Some(building) => Arc::new(Source::Prepared(Box::new(PreparedBuilding::clone(building)))),
             None => Arc::clone(&located.source),

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use b2b_building::Controls;
 use b2b_control::{Case, Controller, Kind, KindDescription, kind};
 use serde_json::Value;
 
@@ -92,6 +93,10 @@ impl Policy for BuiltIn {
 
     fn is_baseline(&self) -> bool {
         *self == Self::reactive()
+    }
+
+    fn controls(&self) -> Controls {
+        self.0.controls()
     }
 
     fn ignores_interface(&self) -> bool {

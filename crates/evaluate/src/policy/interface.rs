@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use b2b_building::Controls;
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
@@ -22,6 +23,11 @@ pub trait Policy: Sync {
     /// Returns whether the policy is the reactive controllers, which scores are relative to.
     fn is_baseline(&self) -> bool {
         false
+    }
+
+    /// Returns who controls the buildings of the policy.
+    fn controls(&self) -> Controls {
+        Controls::Actuators
     }
 
     /// Returns whether the policy observes and controls the whole building, whatever [`Interface`] it is given.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::Model;
+use b2b_building::{Controls, Model};
 use b2b_env::{ActionSpace, Environment};
 use b2b_workers::{
     Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
@@ -26,7 +26,15 @@ pub fn setting(case: &Case, period: &str) -> Setting {
 pub fn shed(case: &Case) -> Source {
     let model = Model::from_epjson(r#"{"Zone": {"Z": {}}}"#, Path::new("empty.epJSON")).unwrap();
     let (name, weather) = ("Shed".into(), case.weather.clone());
-    Source::Model { name, class: None, prototype: false, own: false, model: model.into(), weather }
+    Source::Model {
+        name,
+        class: None,
+        prototype: false,
+        own: false,
+        controls: Controls::default(),
+        model: model.into(),
+        weather,
+    }
 }
 
 pub fn vec_env(case: &Case, settings: Vec<Setting>, autoreset: Autoreset) -> VecEnv {

@@ -97,7 +97,7 @@ pub(in crate::hvac) fn split_thermostats(model: &mut Model) {
 }
 
 /// Returns the thermostat of a zone, with the zone list if it controls one.
-pub(in crate::hvac) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
+pub(crate) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
     model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
         let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
         if zones.eq_ignore_ascii_case(zone) {

@@ -1,0 +1,154 @@
+//! The bands of households, for houses whose thermostats have no setpoints of their own.
+//!
+//! The generated houses are controlled through their air, so that their thermostats stand where no zone gets to. What
+//! people set instead is drawn from surveys, by the name of the house:
+//!
+//! | what | values | source |
+//! |---|---|---|
+//! | heating while awake and at home | 20 to 22 °C in steps of 0.5 K | Statistics Canada, 11-402-x (2009): most set 20 to 22 °C awake |
+//! | heating at night | as by day, or 2 to 4 K lower in 53 % of the houses | the same: 53 % lower it at night, most to 16 to 18 °C |
+//! | heating while nobody is at home | as by day, or 2 to 3 K lower in half of the houses | utilities' advice: at most 3 K; with heat pumps, large setbacks call for backup heat |
+//! | cooling | 24 to 25.5 °C; 2 to 3 K higher while nobody is at home in half of the houses | ResStock, owner-occupied detached houses with central cooling: 75 to 78 °F |
+//! | night | from 22:00 or 23:00 to 6:00 or 7:00 | engineering judgment |
+
+use b2b_base::digest::sha256;
+use b2b_base::random::{stream, uniform};
+use rand_chacha::ChaCha8Rng;
+
+use super::{DAYS, Span, ZoneYear, schedules::PER_DAY};
+
+/// A heating setpoint at or below this, °C, with a cooling setpoint at or above the other, is out of reach.
+const OUT_OF_REACH: [f64; 2] = [10.0, 40.0];
+/// Name of the random stream.
+const STREAM: &str = "household band";
+/// Share of the households that lower heating at night.
+const LOWER_AT_NIGHT: f64 = 0.53;
+/// Share of the households that save while nobody is at home.
+const SAVE_WHEN_AWAY: f64 = 0.5;
+
+/// The setpoints of a household, °C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Household {
+    day: [f64; 2],
+    night: [f64; 2],
+    away: [f64; 2],
+    /// First and last hour of the day.
+    awake: [f64; 2],
+}
+
+impl Household {
+    /// Draws the setpoints of a house by its name.
+    fn of(name: &str) -> Self {
+        let digest = sha256(name);
+        let seed = u64::from_str_radix(&digest[..16], 16).unwrap_or_default();
+        let mut random = stream(STREAM, seed, 0);
+        let heating = step(&mut random, 20.0, 0.5, 5);
+        let cooling = step(&mut random, 24.0, 0.5, 4);
+        let lower = share(&mut random, LOWER_AT_NIGHT, 2.0, 5);
+        let away = share(&mut random, SAVE_WHEN_AWAY, 2.0, 3);
+        let rise = share(&mut random, SAVE_WHEN_AWAY, 2.0, 3);
+        Self {
+            day: [heating, cooling],
+            night: [heating - lower, cooling],
+            away: [heating - away, cooling + rise],
+            awake: [step(&mut random, 6.0, 1.0, 2), step(&mut random, 22.0, 1.0, 2)],
+        }
+    }
+
+    /// Returns the setpoints at an hour of the day.
+    fn at(&self, hour: f64, people: bool) -> [f64; 2] {
+        let awake = (self.awake[0]..self.awake[1]).contains(&hour);
+        match (awake, people) {
+            (false, _) => self.night,
+            (true, true) => self.day,
+            (true, false) => self.away,
+        }
+    }
+}
+
+/// Draws one of `count` values from `low` in equal steps.
+fn step(random: &mut ChaCha8Rng, low: f64, by: f64, count: u32) -> f64 {
+    low + by * (uniform(random) * f64::from(count)).floor()
+}
+
+/// Draws one of `count` values from `low` in steps of half a kelvin for a share of the households, and 0 for the others.
+fn share(random: &mut ChaCha8Rng, share: f64, low: f64, count: u32) -> f64 {
+    let saves = uniform(random) < share;
+    let value = step(random, low, 0.5, count);
+    if saves { value } else { 0.0 }
+}
+
+/// Gives the household's setpoints to the zones whose thermostat never asks for anything.
+pub(super) fn furnish(building: &str, years: Vec<ZoneYear>) -> Vec<ZoneYear> {
+    let household = Household::of(building);
+    let furnish = |year: ZoneYear| if is_out_of_reach(&year) { furnished(&year, &household) } else { year };
+    years.into_iter().map(furnish).collect()
+}
+
+/// Returns whether no zone gets to the setpoints.
+fn is_out_of_reach(year: &ZoneYear) -> bool {
+    let [low, high] = OUT_OF_REACH;
+    let beyond = |span: &Span| {
+        span.heating.is_some_and(|heating| heating <= low)
+            && span.cooling.is_some_and(|cooling| cooling >= high)
+    };
+    year.spans().all(beyond)
+}
+
+fn furnished(year: &ZoneYear, household: &Household) -> ZoneYear {
+    debug_assert_eq!(year.days.len(), DAYS);
+    ZoneYear::of_samples(PER_DAY, |index| {
+        let (day, hour) = (index / PER_DAY, 24.0 * (index % PER_DAY) as f64 / PER_DAY as f64);
+        let people = year.at(day as u32 + 1, hour).people;
+        let [heating, cooling] = household.at(hour, people);
+        Span { from: hour, heating: Some(heating), cooling: Some(cooling), people }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn households() -> Vec<Household> {
+        (0..1000).map(|number| Household::of(&format!("SingleFamilyHouse-{number:04}"))).collect()
+    }
+
+    #[test]
+    fn households_follow_the_surveys() {
+        let all = households();
+        let share = |condition: &dyn Fn(&Household) -> bool| {
+            all.iter().filter(|household| condition(household)).count() as f64 / all.len() as f64
+        };
+        // Three standard errors of a share of 0.5 among 1000 are 0.047.
+        assert!((share(&|h| h.night[0] < h.day[0]) - LOWER_AT_NIGHT).abs() < 0.047);
+        assert!((share(&|h| h.away[0] < h.day[0]) - SAVE_WHEN_AWAY).abs() < 0.047);
+        for household in &all {
+            let Household { day, night, away, .. } = household;
+            assert!((20.0..=22.0).contains(&day[0]) && (24.0..=25.5).contains(&day[1]), "{household:?}");
+            assert!(night[0] >= 16.0 && night[0] <= day[0] && away[0] >= 17.0, "{household:?}");
+            assert!(away[1] <= 28.5 && away[1] >= day[1], "{household:?}");
+        }
+        assert_eq!(Household::of("A"), Household::of("A"));
+        assert_ne!(Household::of("A"), Household::of("B"));
+    }
+
+    #[test]
+    fn only_a_thermostat_that_asks_for_nothing_is_furnished() {
+        let year = |heating, cooling| {
+            ZoneYear::of_samples(PER_DAY, |index| Span {
+                from: 0.0,
+                heating: Some(heating),
+                cooling,
+                people: index % PER_DAY > 60,
+            })
+        };
+        let hall = year(10.0, None);
+        let house = year(5.0, Some(90.0));
+        let [kept, drawn] = furnish("House", vec![hall.clone(), house]).try_into().unwrap();
+        assert_eq!(kept, hall);
+        let household = Household::of("House");
+        assert_eq!(drawn.at(1, 18.0).heating, Some(household.day[0]));
+        assert_eq!(drawn.at(1, 12.0).cooling, Some(household.away[1]));
+        assert_eq!(drawn.at(1, 3.0).heating, Some(household.night[0]));
+    }
+}

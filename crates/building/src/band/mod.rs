@@ -1,0 +1,223 @@
+//! Comfort bands of zones: the heating and the cooling setpoint that a building's own thermostats ask for, and when
+//! people are present.
+//!
+//! - [`ZoneYear`] is the year of a zone, by its own schedules.
+//! - A house has thermostats that no one set: [`household`] draws its bands from surveys.
+
+mod household;
+mod schedules;
+mod thermostat;
+
+use std::path::Path;
+
+use b2b_energyplus::Library;
+use serde::{Deserialize, Serialize};
+
+use crate::{Model, Result};
+use thermostat::Thermostat;
+
+/// Days of a year.
+const DAYS: usize = 365;
+
+/// What a zone's schedules ask for during a part of a day.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Span {
+    /// First hour of the part.
+    pub from: f64,
+    /// Heating setpoint, °C; `None` if nothing asks for heat.
+    pub heating: Option<f64>,
+    /// Cooling setpoint, °C; `None` if nothing asks for cooling.
+    pub cooling: Option<f64>,
+    /// Whether people are present.
+    pub people: bool,
+}
+
+/// The calendar year of a zone's schedules: setpoints of its thermostat, and presence of people.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ZoneYear {
+    /// The different days, each a sequence of spans from hour 0.
+    profiles: Vec<Vec<Span>>,
+    /// The profile of every day of the year.
+    days: Vec<u16>,
+}
+
+/// The next change of what a zone's schedules ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Hours until then.
+    pub hours: f64,
+    /// What follows.
+    pub next: Span,
+}
+
+impl ZoneYear {
+    /// Compresses the values of a year at regular times, `per_day` on each of its 365 days.
+    pub(crate) fn of_samples(per_day: usize, at: impl Fn(usize) -> Span) -> Self {
+        let mut year = Self::default();
+        for day in 0..DAYS {
+            let mut spans: Vec<Span> = Vec::new();
+            for number in 0..per_day {
+                let from = 24.0 * number as f64 / per_day as f64;
+                let span = Span { from, ..at(day * per_day + number) };
+                if spans.last().is_none_or(|last| !last.asks_the_same(&span)) {
+                    spans.push(span);
+                }
+            }
+            let known = year.profiles.iter().position(|profile| *profile == spans);
+            let index = known.unwrap_or_else(|| {
+                year.profiles.push(spans);
+                year.profiles.len() - 1
+            });
+            year.days.push(index as u16);
+        }
+        year
+    }
+
+    /// Returns whether nothing is known of the zone.
+    pub fn is_empty(&self) -> bool {
+        self.days.is_empty()
+    }
+
+    /// Returns the span of a day of the year (from 1) and an hour of the day. Hours may be beyond the day.
+    ///
+    /// # Panics
+    /// If the year is empty.
+    pub fn at(&self, day_of_year: u32, hour: f64) -> Span {
+        let (day, hour) = day_and_hour(day_of_year, hour);
+        let spans = self.day(day);
+        *spans.iter().rev().find(|span| span.from <= hour).unwrap_or(&spans[0])
+    }
+
+    /// Returns the next span, within `days` days, that satisfies a condition.
+    pub fn next(
+        &self,
+        day_of_year: u32,
+        hour: f64,
+        days: u32,
+        condition: impl Fn(&Span) -> bool,
+    ) -> Option<Change> {
+        let (first, hour) = day_and_hour(day_of_year, hour);
+        (0..=days).find_map(|later| {
+            let start = 24.0 * f64::from(later) - hour;
+            let spans = self.day(first + later as usize).iter();
+            let mut ahead = spans.map(|span| Change { hours: start + span.from, next: *span });
+            ahead.find(|change| change.hours > 0.0 && condition(&change.next))
+        })
+    }
+
+    /// Returns the next change of the setpoints within a week.
+    pub fn next_setpoints(&self, day_of_year: u32, hour: f64) -> Option<Change> {
+        let now = self.at(day_of_year, hour);
+        self.next(day_of_year, hour, 7, |span| (span.heating, span.cooling) != (now.heating, now.cooling))
+    }
+
+    /// Returns the hours until people are present, within a week; 0 if they are.
+    pub fn hours_to_people(&self, day_of_year: u32, hour: f64) -> Option<f64> {
+        if self.at(day_of_year, hour).people {
+            return Some(0.0);
+        }
+        self.next(day_of_year, hour, 7, |span| span.people).map(|change| change.hours)
+    }
+
+    /// Returns every span that the year has.
+    pub fn spans(&self) -> impl Iterator<Item = &Span> {
+        self.profiles.iter().flatten()
+    }
+
+    fn day(&self, day: usize) -> &[Span] {
+        &self.profiles[usize::from(self.days[day % self.days.len()])]
+    }
+}
+
+impl Span {
+    fn asks_the_same(&self, other: &Self) -> bool {
+        Self { from: other.from, ..*self } == *other
+    }
+}
+
+/// The day of the year from 0 and the hour within the day.
+fn day_and_hour(day_of_year: u32, hour: f64) -> (usize, f64) {
+    let days = (hour / 24.0).floor();
+    let day = (i64::from(day_of_year) - 1 + days as i64).rem_euclid(DAYS as i64);
+    (day as usize, hour - 24.0 * days)
+}
+
+/// Returns the years of zones by the schedules of a model, in the order of their names. A house is drawn from surveys, by
+/// the name of the building.
+///
+/// # Errors
+/// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
+pub(crate) fn years(
+    building: &str,
+    model: &Model,
+    zones: &[&str],
+    weather: &Path,
+    library: &Library,
+) -> Result<Vec<ZoneYear>> {
+    let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
+    let people: Vec<_> = crate::people::groups(model)?;
+    let of_zone = |zone: &str| {
+        let groups =
+            people.iter().filter(|group| group.people > 0.0 && group.zone.eq_ignore_ascii_case(zone));
+        groups.map(|group| group.schedule.clone()).collect::<Vec<_>>()
+    };
+    let present: Vec<Vec<String>> = zones.iter().map(|zone| of_zone(zone)).collect();
+    let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
+    names.extend(present.iter().flatten().map(String::as_str));
+    let sampled = schedules::Sampled::of(model, &names, weather, library)?;
+    let years = thermostats.iter().zip(&present).map(|(thermostat, present)| {
+        ZoneYear::of_samples(schedules::PER_DAY, |index| {
+            let [heating, cooling] =
+                thermostat.as_ref().map_or([None; 2], |thermostat| thermostat.at(&sampled, index));
+            let people = present.iter().any(|schedule| sampled.at(schedule, index) > 0.0);
+            Span { from: 0.0, heating, cooling, people }
+        })
+    });
+    Ok(household::furnish(building, years.collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weekdays 21 to 24 °C from 6 to 18 h, otherwise 15 to 30 °C; people from 8 to 17 h. Day 1 is a Sunday.
+    fn office() -> ZoneYear {
+        ZoneYear::of_samples(96, |index| {
+            let (day, hour) = (index / 96, (index % 96) as f64 / 4.0);
+            let weekday = !matches!(day % 7, 0 | 6);
+            let open = weekday && (6.0..18.0).contains(&hour);
+            let [heating, cooling] = if open { [21.0, 24.0] } else { [15.0, 30.0] };
+            let people = weekday && (8.0..17.0).contains(&hour);
+            Span { from: 0.0, heating: Some(heating), cooling: Some(cooling), people }
+        })
+    }
+
+    #[test]
+    fn a_year_has_the_days_that_differ() {
+        let year = office();
+        assert_eq!(year.profiles.len(), 2);
+        assert_eq!(year.spans().count(), 1 + 5);
+        assert_eq!(year.at(2, 5.99).heating, Some(15.0));
+        assert_eq!(year.at(2, 6.0).heating, Some(21.0));
+        assert!(!year.at(2, 7.99).people && year.at(2, 8.0).people);
+        assert_eq!(year.at(1, 24.0 + 6.0), year.at(2, 6.0));
+        assert_eq!(year.at(365, 24.0 + 6.0), year.at(1, 6.0), "the year begins anew");
+    }
+
+    #[test]
+    fn the_next_change_is_found_across_the_weekend() {
+        let year = office();
+        let change = year.next_setpoints(6, 19.0).unwrap();
+        assert_eq!((change.hours, change.next.heating), (5.0 + 48.0 + 6.0, Some(21.0)));
+        assert_eq!(year.hours_to_people(6, 17.0), Some(7.0 + 48.0 + 8.0));
+        assert_eq!(year.hours_to_people(6, 9.0), Some(0.0));
+        let constant = ZoneYear::of_samples(96, |_| Span {
+            from: 0.0,
+            heating: Some(10.0),
+            cooling: None,
+            people: false,
+        });
+        assert_eq!(constant.next_setpoints(1, 0.0), None);
+        assert_eq!(constant.hours_to_people(1, 0.0), None);
+    }
+}

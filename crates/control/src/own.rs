@@ -1,0 +1,44 @@
+//! The model's own controls: the engine runs the building as its author wrote it.
+
+use b2b_building::Controls;
+
+use crate::kind::{self, AnyController, Case};
+use crate::{Controller, Error, Result};
+
+/// Acts on nothing, in a building that keeps its own controls.
+#[derive(Clone, Debug)]
+pub struct Own;
+
+impl Controller for Own {
+    fn reset(&mut self) {}
+
+    fn act(&mut self, _observation: &[f64], _action: &mut [f64]) {}
+}
+
+/// The kind `own`.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "own"
+    }
+
+    fn help(&self) -> &'static str {
+        "the model's own thermostats and schedules, run by the engine"
+    }
+
+    fn controls(&self) -> Controls {
+        Controls::Own
+    }
+
+    fn controls_whole_building(&self) -> bool {
+        true
+    }
+
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        match case.action.len() {
+            0 => Ok(Box::new(Own)),
+            actuators => Err(Error::OwnControls { building: case.spaces.building.name.clone(), actuators }),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Key performance indicators of operation, as BOPTEST defines them, with its names and units.
+
+use serde::{Deserialize, Serialize};
+
+use crate::reward::ZoneStep;
+
+/// Length of the means whose largest is the peak demand, h.
+const DEMAND_HOURS: f64 = 0.25;
+/// Tolerance on sums of hours.
+const EPSILON: f64 = 1e-9;
+
+/// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over the observed
+/// moments, of which the first is the start of the episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Kpis {
+    /// Discomfort, K h, summed over the zones.
+    discomfort: f64,
+    /// Deviation outside the band at the last moment, K, summed over the zones.
+    outside: f64,
+    /// Electric demand, gas demand and district demand.
+    demands: [Demand; 3],
+}
+
+/// The largest mean demand over a quarter of an hour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Demand {
+    /// Wh/m² since the quarter began.
+    energy: f64,
+    /// Hours since the quarter began.
+    hours: f64,
+    /// W/m².
+    peak: f64,
+}
+
+impl Kpis {
+    /// Begins an episode in a state of the zones.
+    pub(crate) fn begin(outside: f64) -> Self {
+        Self { outside, ..Self::default() }
+    }
+
+    /// Adds a step: the zones at its end, and electricity, gas and district energy, Wh/m².
+    pub(crate) fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
+        let outside = zones.iter().map(|zone| zone.deviation().abs()).sum::<f64>();
+        self.discomfort += 0.5 * (self.outside + outside) * hours;
+        self.outside = outside;
+        for (demand, energy) in self.demands.iter_mut().zip(energy) {
+            demand.add(energy, hours);
+        }
+    }
+
+    /// Returns the discomfort, K h for each of a number of zones.
+    pub(crate) fn discomfort(&self, zones: usize) -> f64 {
+        self.discomfort / zones.max(1) as f64
+    }
+
+    /// Returns the peak demand of electricity (0), gas (1) or district energy (2), kW/m²; `None` if none was used.
+    pub(crate) fn peak(&self, carrier: usize) -> Option<f64> {
+        let peak = self.demands[carrier].peak;
+        (peak > 0.0).then_some(peak / 1000.0)
+    }
+}
+
+impl Demand {
+    fn add(&mut self, energy: f64, hours: f64) {
+        self.energy += energy;
+        self.hours += hours;
+        if self.hours >= DEMAND_HOURS - EPSILON {
+            self.peak = self.peak.max(self.energy / self.hours);
+            (self.energy, self.hours) = (0.0, 0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::band::Pair;
+
+    fn zone(temperature: f64) -> ZoneStep {
+        let pair = Pair { heating: 21.0, cooling: 24.0 };
+        ZoneStep { temperature, target: 22.5, pair, occupied: true, penalize_above_target: true }
+    }
+
+    #[test]
+    fn discomfort_is_the_integral_by_trapezoids() {
+        let mut kpis = Kpis::begin(0.0);
+        for temperature in [20.0, 19.0, 22.0] {
+            kpis.add(&[zone(temperature), zone(22.0)], [0.0; 3], 0.5);
+        }
+        // 0 → 1 → 2 → 0 K in three half hours, in one of two zones.
+        assert!((kpis.discomfort(2) - (0.5 + 1.5 + 1.0) * 0.5 / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn peak_demand_is_a_mean_over_a_quarter_of_an_hour() {
+        let mut kpis = Kpis::begin(0.0);
+        for energy in [1.0, 4.0, 1.0, 2.0, 2.0, 2.5] {
+            kpis.add(&[], [energy, 0.0, 0.0], 1.0 / 12.0);
+        }
+        // The second quarter has 6.5 Wh/m², the first 6.
+        assert!((kpis.peak(0).unwrap() - 6.5 / 0.25 / 1000.0).abs() < 1e-12);
+        assert_eq!(kpis.peak(1), None);
+    }
+}
