@@ -69,10 +69,6 @@ fn schedules_alone(model: &Model, names: &[String]) -> Model {
     let is_needed = |class: &str| NEEDED.iter().any(|needed| class.starts_with(needed));
     let others: Vec<String> = model.classes().filter(|class| !is_needed(class)).map(str::to_owned).collect();
     others.iter().for_each(|class| alone.remove_class(class));
-    alone.insert("Version", "Version", json!({}));
-    if let Some((name, version)) = model.objects("Version").first() {
-        alone.insert("Version", name, serde_json::Value::Object((*version).clone()));
-    }
     alone.insert("Building", "Schedules", json!({}));
     alone.insert("Timestep", "Timestep", json!({"number_of_timesteps_per_hour": PER_DAY / 24}));
     alone.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson());
