@@ -140,7 +140,7 @@ def _step_info(
         **dict(zip(_core.TERMS_IN_INFO, terms, strict=True)),
         "zone_temperature": temperatures,
         "zone_target": targets,
-        "zone_deviation": temperatures - targets,
+        "zone_deviation": layout.deviations_in(before, temperatures),
         "observation": after,
     }
     if layout.occupancies is not None:

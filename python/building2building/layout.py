@@ -38,8 +38,16 @@ class Layout:
         #: Target of every controlled zone, °C; ``None`` if targets change over time.
         self.constant_target = spaces.constant_target
         moving = self.constant_target is None
-        #: Observation slots of the controlled zones' targets; ``None`` if targets are constant.
+        #: Observation slots of the controlled zones' targets, or of their heating setpoints; ``None`` if targets are constant.
         self.targets = np.array([zone.target_slot for zone in controlled], dtype=int) if moving else None
+        slots = [(zone.target_slot, zone.cooling_setpoint_slot) for zone in controlled]
+        #: Observation slots of the controlled zones' cooling setpoints, or of their heating setpoints where nothing cools;
+        #: ``None`` in tasks without bands.
+        self.cooling_setpoints = (
+            np.array([low if high is None else high for low, high in slots], dtype=int)
+            if any(high is not None for _, high in slots)
+            else None
+        )
         #: Observation slots of the controlled zones' occupancies; ``None`` if targets are constant.
         self.occupancies = np.array([zone.occupancy_slot for zone in controlled], dtype=int) if moving else None
         #: Zone time steps per hour.
@@ -52,10 +60,32 @@ class Layout:
         self.outdoor_temperature = spaces.outdoor_temperature_slot
 
     def targets_in(self, observation: Array) -> Array:
-        """Returns the target of every controlled zone for the step after an observation or a batch of them, °C."""
+        """Returns the target of every controlled zone for the step after an observation or a batch of them, °C.
+
+        In a task with bands, the middle of the band.
+        """
         if self.targets is None:
             return np.full((*observation.shape[:-1], len(self.controlled_zones)), self.constant_target)
-        return observation[..., self.targets]
+        if self.cooling_setpoints is None:
+            return observation[..., self.targets]
+        return 0.5 * (observation[..., self.targets] + observation[..., self.cooling_setpoints])
+
+    def bands_in(self, observation: Array) -> tuple[Array, Array] | None:
+        """Returns the heating and the cooling setpoint of every controlled zone for the step after an observation, °C.
+
+        The cooling setpoint is infinite where nothing cools. ``None`` in tasks without bands.
+        """
+        if self.cooling_setpoints is None or self.targets is None:
+            return None
+        low, high = observation[..., self.targets], observation[..., self.cooling_setpoints]
+        return low, np.where(self.cooling_setpoints == self.targets, np.inf, high)
+
+    def deviations_in(self, observation: Array, temperatures: Array) -> Array:
+        """Returns the deviation of the zones' temperatures after the step, K: from the target, or from the band."""
+        bands = self.bands_in(observation)
+        if bands is None:
+            return temperatures - self.targets_in(observation)
+        return np.minimum(temperatures - bands[0], 0.0) + np.maximum(temperatures - bands[1], 0.0)
 
     def metadata(self) -> dict[str, Any]:
         """Returns names and units for the environment's ``metadata``."""

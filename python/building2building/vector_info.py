@@ -39,9 +39,10 @@ class Row:
     def temperatures(self) -> Array:
         return self._places[self.layout.temperatures]
 
-    @cached_property
-    def targets(self) -> Array | None:
-        return None if self.layout.targets is None else self._places[self.layout.targets]
+    @property
+    def observation(self) -> Array:
+        """Places of the building's own observation."""
+        return self._places
 
     @cached_property
     def occupancies(self) -> Array | None:
@@ -71,13 +72,14 @@ def step_info(
     count, zones = len(rows), max(len(row.temperatures) for row in rows)
     hour = hours(steps, steps_per_hour)
     energy = np.zeros((count, 2))
-    temperatures, targets = np.full((count, zones), np.nan), np.full((count, zones), np.nan)
+    temperatures, targets, deviations = (np.full((count, zones), np.nan) for _ in range(3))
     occupied = np.zeros((count, zones), dtype=bool)
     for i, row in enumerate(rows):
         own = slice(len(row.temperatures))
         energy[i] = after[i, row.energy]
         temperatures[i, own] = after[i, row.temperatures]
-        targets[i, own] = row.layout.constant_target if row.targets is None else before[i, row.targets]
+        targets[i, own] = row.layout.targets_in(before[i, row.observation])
+        deviations[i, own] = row.layout.deviations_in(before[i, row.observation], temperatures[i, own])
         occupied[i, own] = row.occupancies is None or before[i, row.occupancies] > 0.5
     info = {
         "building": np.array([row.spaces.name for row in rows], dtype=object),
@@ -88,7 +90,7 @@ def step_info(
         **dict(zip(_core.TERMS_IN_INFO, numbers.T[2:], strict=True)),
         "zone_temperature": temperatures,
         "zone_target": targets,
-        "zone_deviation": temperatures - targets,
+        "zone_deviation": deviations,
         "observation": after,
     }
     if any(row.occupancies is not None for row in rows):

@@ -93,8 +93,10 @@ pub struct Zone {
     own_controls: bool,
     /// Floor area, m².
     floor_area: f64,
-    /// Slot of its target; `None` if it has none or it is constant.
+    /// Slot of its target, or of its heating setpoint in a task with bands; `None` if it has none or it is constant.
     target_slot: Option<usize>,
+    /// Slot of its cooling setpoint; `None` in a task without bands and in a zone without cooling.
+    cooling_setpoint_slot: Option<usize>,
     /// Slot of its occupancy; `None` if it has no target slot.
     occupancy_slot: Option<usize>,
 }
@@ -226,10 +228,12 @@ impl Spaces {
         let zone = |(temperature_slot, zone): (usize, &b2b_building::Zone)| {
             let controlled = zone.conditioning != Conditioning::None;
             let number = if controlled { controlled_zones.next() } else { None };
-            let target_slot = number.and_then(|number| match observation.target(number) {
-                Target::Slot(slot) => Some(slot),
-                Target::Always(_) => None,
-            });
+            let (target_slot, cooling_setpoint_slot) =
+                number.map_or((None, None), |number| match observation.target(number) {
+                    Target::Slot(slot) => (Some(slot), None),
+                    Target::Between([heating, cooling]) => (Some(heating), Some(cooling)),
+                    Target::Always(_) => (None, None),
+                });
             Zone {
                 name: zone.name.clone(),
                 temperature_slot,
@@ -238,6 +242,7 @@ impl Spaces {
                 own_controls: zone.own_controls,
                 floor_area: zone.floor_area,
                 target_slot,
+                cooling_setpoint_slot,
                 occupancy_slot: number.and_then(|number| observation.occupancy(number)),
             }
         };

@@ -89,12 +89,22 @@ pub enum Error {
     },
     /// Text that is not a run period.
     #[error(
-        "invalid run period `{text}`; expected winter, summer, full_year or MM-DD..MM-DD \
-         with the first day before the last"
+        "invalid run period `{text}`; expected winter, summer, full_year, MM-DD..MM-DD with the first day before the last, or two \
+         weeks that the weather decides: peak-heating, typical-heating, peak-cooling, typical-cooling, mixed"
     )]
     RunPeriod {
         /// The text.
         text: String,
+    },
+    /// A weather file without the hours of a year.
+    #[error(
+        "{weather} has {hours} hourly temperatures; two weeks can be chosen only from a year of 8760; give the days as MM-DD..MM-DD"
+    )]
+    NotOneYear {
+        /// The weather file.
+        weather: PathBuf,
+        /// Its hours.
+        hours: usize,
     },
     /// A file could not be read or written.
     #[error("{path}: {source}")]

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::{Period, RunPeriod};
 use b2b_dataset::Catalog;
 use b2b_env::Resource;
 use b2b_env::Task;
@@ -47,8 +47,8 @@ pub struct Arguments {
     tasks: Vec<Task>,
     /// Run periods: winter, summer, full_year or MM-DD..MM-DD
     #[arg(long = "period", value_name = "PERIOD", num_args = 1..,
-          default_values_t = [RunPeriod::WINTER, RunPeriod::SUMMER, RunPeriod::FULL_YEAR])]
-    periods: Vec<RunPeriod>,
+          default_values_t = [Period::WINTER, Period::Days(RunPeriod::SUMMER), Period::Days(RunPeriod::FULL_YEAR)])]
+    periods: Vec<Period>,
     /// Zone time steps per hour
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog};
@@ -49,7 +49,7 @@ struct Trajectory {
     subject: Subject,
     place: String,
     weather_sha256: Option<String>,
-    period: RunPeriod,
+    period: Period,
     task: Task,
     controller: String,
     steps: usize,
@@ -164,7 +164,7 @@ impl Trajectory {
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
         let word = |key: &str| stored.word(key).with_context(not_ours);
         let (building, place) = (word("building")?, word("place")?.to_owned());
-        let period: RunPeriod = word("period")?.parse()?;
+        let period: Period = word("period")?.parse()?;
         let controller = word("controller")?.to_owned();
         let task: Task = serde_json::from_str(word("task_definition")?).with_context(not_ours)?;
         task.check()?;

@@ -11,6 +11,7 @@ pub mod region;
 pub mod site;
 mod station;
 mod sun;
+mod two_weeks;
 pub mod weather;
 mod zone;
 
@@ -22,5 +23,6 @@ pub use morph::{MORPH_VERSION, morph};
 pub use region::Region;
 pub use site::{DesignDay, Site};
 pub use station::{DesignConditions, MonthNormals, Station};
+pub use two_weeks::{TWO_WEEKS, TwoWeeks};
 pub use weather::{PLACES, Place};
 pub use zone::ClimateYear;

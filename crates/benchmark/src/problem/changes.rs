@@ -1,6 +1,6 @@
 //! Changes to a problem, such as other run periods or buildings.
 
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_dataset::BuildingId;
 use b2b_env::Task;
 use serde::Deserialize;
@@ -37,7 +37,7 @@ pub struct Changes {
     /// The test task among the six standard tasks; the other five are the training tasks.
     pub left_out: Option<String>,
     /// Run periods of training and test.
-    pub windows: Vec<RunPeriod>,
+    pub windows: Vec<Period>,
     /// Seeds.
     pub seeds: Vec<u64>,
     /// Zone time steps per hour.
@@ -96,7 +96,10 @@ impl Problem {
         let protocol = &mut self.protocol;
         if let Some(first) = changes.windows.first() {
             protocol.windows.clone_from(&changes.windows);
-            protocol.training_period = *first;
+            // Two weeks that differ by building are for tests.
+            if let Period::Days(first) = first {
+                protocol.training_period = *first;
+            }
         }
         if !changes.seeds.is_empty() {
             protocol.seeds.clone_from(&changes.seeds);

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use b2b_building::RunPeriod;
+use b2b_building::{Period, RunPeriod};
 use serde::{Deserialize, Serialize};
 
 use b2b_evaluate::HouseForm;
@@ -17,7 +17,7 @@ pub struct Protocol {
     /// Run period of the training environments.
     pub training_period: RunPeriod,
     /// Run periods of the tests, one episode each.
-    pub windows: Vec<RunPeriod>,
+    pub windows: Vec<Period>,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
     /// Seeds of training, and of stochastic policies.

@@ -1,6 +1,6 @@
 //! One side of a problem: buildings, tasks and actuators.
 
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_dataset::BuildingId;
 use b2b_dataset::BuildingName;
 use b2b_env::Spaces;
@@ -48,7 +48,7 @@ impl Side {
     pub fn episodes(
         &self,
         buildings: &[BuildingId],
-        windows: &[RunPeriod],
+        windows: &[Period],
         seeds: &[u64],
         steps_per_hour: u32,
     ) -> Vec<Episode> {

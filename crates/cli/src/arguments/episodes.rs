@@ -1,7 +1,7 @@
 //! Lists of episodes: every combination of building, run period, task and seed.
 
 use anyhow::Result;
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_env::Task;
 use b2b_evaluate::{Episode, Subject};
 
@@ -15,9 +15,10 @@ pub struct Episodes {
     buildings: Buildings,
     #[command(flatten)]
     location: Location,
-    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
-    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
-    periods: Vec<RunPeriod>,
+    /// Run periods: winter, summer, full_year or MM-DD..MM-DD; peak-heating, typical-heating, peak-cooling, typical-cooling
+    /// or mixed: two weeks that the weather of each building decides
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [Period::WINTER])]
+    periods: Vec<Period>,
     /// Random seeds of the policy, one episode each
     #[arg(long = "seed", value_name = "N", num_args = 1.., default_values_t = [0])]
     seeds: Vec<u64>,

@@ -7,7 +7,7 @@ use b2b_benchmark::Problem;
 use b2b_evaluate::HouseForm;
 
 use b2b_benchmark::problem::{Attributes, Changes, Fallback};
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_dataset::BuildingId;
 use b2b_env::Task;
 
@@ -51,7 +51,7 @@ struct ChangeArguments {
     left_out: Option<String>,
     /// Run periods of the test episodes: winter, summer, full_year or MM-DD..MM-DD
     #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
-    windows: Vec<RunPeriod>,
+    windows: Vec<Period>,
     /// Random seeds
     #[arg(long = "seed", value_name = "N", num_args = 1..)]
     seeds: Vec<u64>,

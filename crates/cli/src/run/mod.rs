@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::{Period, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::{Inputs, Resource, Spaces, Task, Trajectory};
 
@@ -34,9 +34,10 @@ pub struct Arguments {
     building: BuildingName,
     #[command(flatten)]
     location: Location,
-    /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included)
-    #[arg(long, default_value_t = RunPeriod::WINTER, value_name = "PERIOD")]
-    period: RunPeriod,
+    /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included); peak-heating, typical-heating,
+    /// peak-cooling, typical-cooling or mixed: two weeks that the weather decides
+    #[arg(long, default_value_t = Period::WINTER, value_name = "PERIOD")]
+    period: Period,
     /// Run only the first N hours of the run period (a multiple of 24)
     #[arg(long, value_name = "N")]
     hours: Option<u32>,
@@ -97,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         &arguments.location,
         arguments.json,
     )?;
-    let period = arguments.run_period()?;
+    let period = arguments.run_period(&prepared.weather)?;
     let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?);
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
     let mut controller = arguments.controller.build(&prepared, &spaces, arguments.json)?;
@@ -188,13 +189,14 @@ impl Author {
 
 impl Arguments {
     /// Returns the run period, shortened to `--hours`.
-    fn run_period(&self) -> Result<RunPeriod> {
-        let Some(hours) = self.hours else { return Ok(self.period) };
-        let (days, whole) = (hours / 24, self.period.days());
+    fn run_period(&self, weather: &Path) -> Result<RunPeriod> {
+        let period = self.period.in_weather(weather)?;
+        let Some(hours) = self.hours else { return Ok(period) };
+        let (days, whole) = (hours / 24, period.days());
         if hours % 24 != 0 || days == 0 || days > whole {
             bail!("--hours {hours}: expected a multiple of 24, at most {} for {}", whole * 24, self.period);
         }
-        Ok(self.period.part(0, days))
+        Ok(period.part(0, days))
     }
 
     /// Returns the trajectory of the reactive controllers in the same episode.

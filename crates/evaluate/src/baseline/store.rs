@@ -175,7 +175,7 @@ impl Baselines {
 
 #[cfg(test)]
 mod tests {
-    use b2b_building::RunPeriod;
+    use b2b_building::Period;
     use b2b_dataset::GENERATOR_VERSION;
     use b2b_energyplus::install::ENGINE_VERSION;
     use b2b_env::Task;
@@ -188,7 +188,7 @@ mod tests {
         Episode {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: task.parse().unwrap(),
-            period: RunPeriod::WINTER,
+            period: Period::WINTER,
             seed: 0,
             steps_per_hour: 12,
         }

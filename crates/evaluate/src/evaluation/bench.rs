@@ -120,14 +120,14 @@ impl Bench {
     }
 
     /// An episode of the building.
-    pub(super) fn setting(&self, episode: &Episode) -> Setting {
+    pub(super) fn setting(&self, episode: &Episode) -> Result<Setting> {
         let episode = b2b_env::EpisodeConfig {
             weather: self.located.weather.clone(),
-            period: episode.period,
+            period: episode.period.in_weather(&self.located.weather).map_err(b2b_env::Error::building)?,
             steps_per_hour: episode.steps_per_hour,
             task: episode.task.clone(),
         };
-        Setting { source: Arc::clone(&self.source), episode }
+        Ok(Setting { source: Arc::clone(&self.source), episode })
     }
 }
 

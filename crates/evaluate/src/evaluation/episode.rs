@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_env::Task;
 
 use crate::subject::Subject;
@@ -15,7 +15,7 @@ pub struct Episode {
     /// The task.
     pub task: Task,
     /// The run period.
-    pub period: RunPeriod,
+    pub period: Period,
     /// Seed of the policy.
     pub seed: u64,
     /// Zone time steps per hour; each is one step of the environment.

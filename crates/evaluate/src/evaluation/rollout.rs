@@ -20,7 +20,7 @@ pub(super) fn run(
     (number, episode): (usize, &Episode),
     work: &Work<'_>,
 ) -> Result<Finished> {
-    let mut environment = bench.workers.episode(&bench.setting(episode))?;
+    let mut environment = bench.workers.episode(&bench.setting(episode)?)?;
     let spaces = Arc::clone(environment.spaces());
     let context = EpisodeContext {
         subject: &bench.located.subject,

@@ -80,6 +80,7 @@ impl Environments<'_> {
         let subject = Subject { name: name.clone(), placement: self.config.training_set.placement()? };
         let site = subject.locate(&self.catalog, &mut Quiet)?;
         let (task, steps_per_hour) = (task.clone(), self.config.training_set.steps_per_hour);
+        let period = period.into();
         let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
         let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
         Ok((episode, baseline))
