@@ -17,19 +17,21 @@ pub enum Error {
         /// Number of its actuators.
         actuators: usize,
     },
-    /// A parameter of the reactive controllers outside its bounds.
+    /// A parameter of a controller outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
-    /// An unknown parameter of the reactive controllers.
-    #[error("unknown parameter `{name}` of the reactive controllers; expected one of {}", known.join(", "))]
+    /// An unknown parameter of a controller.
+    #[error("unknown parameter `{name}` of {controller}; expected one of {}", known.join(", "))]
     UnknownParameter {
+        /// The controller.
+        controller: &'static str,
         /// The name.
         name: String,
         /// The names of all parameters.
         known: Vec<&'static str>,
     },
     /// A file that does not hold parameters.
-    #[error("{path} is not a valid file of reactive controller parameters: {why}")]
+    #[error("{path} is not a valid file of controller parameters: {why}")]
     ParameterFile {
         /// The file.
         path: PathBuf,

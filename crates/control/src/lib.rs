@@ -1,8 +1,9 @@
-//! Controllers that do not learn: reactive control based on ASHRAE Guideline 36, constant and random actions, replay of
+//! Controllers that do not learn: sequences of ASHRAE Guideline 36, reactive control after the paper, constant and random actions, replay of
 //! recorded actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
+pub mod guideline36;
 mod kind;
 mod objective;
 mod own;
@@ -19,6 +20,7 @@ mod versions;
 pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
+pub use guideline36::{Guideline36, Guideline36Parameters};
 pub use kind::{AnyController, Case, Kind, KindDescription, kind};
 pub use objective::Objective;
 pub use own::Own;
@@ -32,8 +34,15 @@ pub use versions::{Versions, parameters_hash};
 
 /// The kinds of controllers that need no file.
 #[cfg(target_os = "linux")]
-pub static KINDS: [&dyn Kind; 5] =
-    [&reactive::Kind, &own::Kind, &random::Kind, &constant::Kind, &planner::Kind];
+pub static KINDS: [&dyn Kind; 6] = [
+    &guideline36::Kind,
+    &own::Kind,
+    &reactive::Kind,
+    &random::Kind,
+    &constant::Kind,
+    &planner::Kind,
+];
 /// The kinds of controllers that need no file.
 #[cfg(not(target_os = "linux"))]
-pub static KINDS: [&dyn Kind; 4] = [&reactive::Kind, &own::Kind, &random::Kind, &constant::Kind];
+pub static KINDS: [&dyn Kind; 5] =
+    [&guideline36::Kind, &own::Kind, &reactive::Kind, &random::Kind, &constant::Kind];

@@ -80,6 +80,7 @@ impl ReactiveParameters {
     /// [`Error::UnknownParameter`].
     pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
         let field = Self::parameter(name).ok_or_else(|| Error::UnknownParameter {
+            controller: "the reactive controllers",
             name: name.to_owned(),
             known: Self::TABLE.map(|field| field.parameter.name).to_vec(),
         })?;

@@ -1,0 +1,164 @@
+//! An air handler of several zones with reheat terminals (Guideline 36, 5.6 and 5.16): the sequences of the zones, the
+//! terminals and the air handler together.
+//!
+//! Not representable: static pressure reset, discharge temperatures of terminals, return and relief fans, and the stages of
+//! freeze protection that act on coils and dampers of the air handler.
+
+mod economizer;
+mod outdoor_air;
+mod supply_temperature;
+mod terminal;
+mod trim_respond;
+
+use b2b_building::hvac;
+
+use super::modes::{Mode, ZoneGroup};
+use super::parameters::AirLoopParameters;
+use super::points::{SiteInput, ZoneInput};
+use super::record::Entry;
+use super::zone::{Zone, ZoneRules};
+use economizer::{Economizer, HighLimit};
+use outdoor_air::{Air, OutdoorAir};
+use supply_temperature::{SupplyTemperature, SupplyTemperatureRules};
+use terminal::{TerminalInput, TerminalRules};
+pub use trim_respond::TrimRespond;
+
+/// Highest supply air temperature in cooling where summers are humid (climate zones 0A to 4A), °C.
+const HUMID_SUPPLY: f64 = 16.0;
+
+/// The sequences of an air loop.
+#[derive(Clone, Debug)]
+pub(super) struct AirLoop {
+    group: ZoneGroup,
+    zones: Vec<ServedZone>,
+    supply: SupplyTemperature,
+    economizer: Economizer,
+    outdoor_air: OutdoorAir,
+    /// Supply air temperature setpoint of the last step, °C.
+    setpoint: f64,
+    requests: f64,
+}
+
+/// A zone with its terminal.
+#[derive(Clone, Debug)]
+struct ServedZone {
+    zone: Zone,
+    terminal: TerminalRules,
+    /// Design flow, kg/s.
+    design_flow: f64,
+}
+
+impl AirLoop {
+    pub(super) fn new(
+        air_loop: &hvac::AirLoop,
+        parameters: &AirLoopParameters,
+        rules: ZoneRules,
+        climate_zone: Option<&str>,
+    ) -> Self {
+        let system: &dyn hvac::System = air_loop;
+        let limit = |actuator| {
+            let limits = system.outdoor_air_limits().into_iter();
+            limits.filter(|(index, _)| *index == actuator).map(|(_, limit)| limit).fold(0.0, f64::max)
+        };
+        let rules = ZoneRules { margins: [parameters.heating_margin, parameters.cooling_margin], ..rules };
+        let zones = air_loop.terminals.iter().enumerate().map(|(index, terminal)| ServedZone {
+            zone: Zone::new(rules),
+            terminal: TerminalRules {
+                minimum: limit(hvac::AirLoop::damper(index)).max(parameters.min_flow),
+                heating_max: parameters.heating_flow.min(terminal.heating_opening),
+                coil: [terminal.reheat.low, terminal.reheat.high],
+            },
+            design_flow: terminal.design_flow,
+        });
+        let limit_of_zone = HighLimit::of_zone(climate_zone);
+        let humid = limit_of_zone == HighLimit::of_zone(Some("4A"));
+        let highest = parameters.max_supply_temperature.min(if humid { HUMID_SUPPLY } else { f64::INFINITY });
+        Self {
+            group: ZoneGroup::default(),
+            zones: zones.collect(),
+            supply: SupplyTemperature::new(SupplyTemperatureRules {
+                cooling: [parameters.min_supply_temperature, highest.max(parameters.min_supply_temperature)],
+                trim_respond: parameters.trim_respond,
+                resets: parameters.supply_temperature_reset >= 0.5,
+                reach: [air_loop.supply_temperature.low, air_loop.supply_temperature.high],
+            }),
+            economizer: Economizer::new(limit_of_zone),
+            outdoor_air: OutdoorAir {
+                minimum: limit(hvac::AirLoop::OUTDOOR_AIR),
+                fan_rise: parameters.fan_rise,
+                fan_flow: air_loop.fan_flow,
+            },
+            setpoint: highest,
+            requests: 0.0,
+        }
+    }
+
+    /// Forgets everything.
+    pub(super) fn reset(&mut self) {
+        self.group = ZoneGroup::default();
+        self.supply.restart();
+        self.economizer.reset();
+        self.zones.iter_mut().for_each(|served| served.zone.reset());
+    }
+
+    /// Writes the action of a step.
+    pub(super) fn act(&mut self, site: SiteInput, inputs: &[ZoneInput], action: &mut [f64], hours: f64) {
+        for (served, input) in self.zones.iter_mut().zip(inputs) {
+            served.zone.observe(input, site.demand, hours);
+        }
+        let mode = self.group.step(self.zones.iter().map(|served| served.zone.need()));
+        self.requests = 0.0;
+        for served in &mut self.zones {
+            served.zone.control(mode, hours);
+            self.requests += served.zone.cooling_requests();
+        }
+        self.setpoint = self.supply.step(mode, site.outdoor_temperature, self.requests, hours);
+        action[hvac::AirLoop::SUPPLY_TEMPERATURE] = self.setpoint;
+        let (flow, return_air) = self.command_terminals(mode, action);
+        let cools = !mode.heats() && flow > 0.0;
+        let economizes = self.economizer.step(cools, site.outdoor_temperature, return_air, hours);
+        let outdoor = site.outdoor_temperature;
+        let air = Air { flow, supply: self.setpoint, return_air, outdoor, economizes };
+        action[hvac::AirLoop::OUTDOOR_AIR] = self.outdoor_air.step(mode, air);
+    }
+
+    /// Writes the commands of the terminals. Returns the supply flow (kg/s) and the temperature of the return air, °C.
+    fn command_terminals(&self, mode: Mode, action: &mut [f64]) -> (f64, f64) {
+        let (mut flow, mut heat, mut mean) = (0.0, 0.0, 0.0);
+        for (index, served) in self.zones.iter().enumerate() {
+            let need = served.zone.need();
+            let command = served.terminal.step(TerminalInput {
+                mode,
+                outputs: served.zone.outputs(),
+                may_heat: mode.allows(need.calls)[0],
+                temperature: need.temperature,
+                heating_aim: served.zone.aims().heating,
+                supply: self.setpoint,
+            });
+            action[hvac::AirLoop::damper(index)] = command.opening;
+            action[hvac::AirLoop::reheat(index)] = command.reheat;
+            flow += command.opening * served.design_flow;
+            heat += command.opening * served.design_flow * need.temperature;
+            mean += need.temperature / self.zones.len() as f64;
+        }
+        let return_air = if flow > 0.0 { heat / flow } else { mean };
+        (flow.min(self.outdoor_air.fan_flow), return_air)
+    }
+
+    /// Returns the zones, in order.
+    pub(super) fn zones(&self) -> impl Iterator<Item = &Zone> {
+        self.zones.iter().map(|served| &served.zone)
+    }
+
+    /// Returns the values of an entry of the record.
+    pub(super) fn value(&self, entry: Entry) -> f64 {
+        match entry {
+            Entry::Mode => self.group.mode().number(),
+            Entry::SupplyTemperature => self.setpoint,
+            Entry::HighestSupplyTemperature => self.supply.highest(),
+            Entry::Requests => self.requests,
+            Entry::Economizer => f64::from(u8::from(self.economizer.is_enabled())),
+            Entry::MinimumOutdoorAir => self.outdoor_air.minimum(self.group.mode()),
+        }
+    }
+}

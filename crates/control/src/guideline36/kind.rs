@@ -1,0 +1,65 @@
+//! The kind `guideline36`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use b2b_building::{Parameter, PreparedBuilding};
+use b2b_env::Task;
+use serde_json::Value;
+
+use super::{Guideline36, Guideline36Parameters, inputs};
+use crate::kind::{self, AnyController, Case};
+use crate::{Error, Result};
+
+/// The kind `guideline36`.
+pub struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "guideline36"
+    }
+
+    fn help(&self) -> &'static str {
+        "sequences of operation of ASHRAE Guideline 36"
+    }
+
+    fn controls_whole_building(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        Guideline36Parameters::TABLE.into_iter().map(|field| field.parameter).collect()
+    }
+
+    fn defaults(&self) -> Value {
+        to_json(&Guideline36Parameters::default())
+    }
+
+    /// The defaults, with the economizer of the building.
+    fn tuned(&self, building: &PreparedBuilding, _: &Task) -> Value {
+        let mut parameters = Guideline36Parameters::default();
+        parameters.unitary.economizer = f64::from(u8::from(inputs::has_economizer(building)));
+        to_json(&parameters)
+    }
+
+    fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
+        let read = serde_json::from_value::<Guideline36Parameters>(values);
+        let mut parameters = read.map_err(|error| Error::Values { why: error.to_string() })?;
+        changes.iter().try_for_each(|(name, value)| parameters.set(name, *value))?;
+        parameters.check()?;
+        Ok(to_json(&parameters))
+    }
+
+    fn read(&self, path: &Path) -> Result<Value> {
+        Ok(to_json(&Guideline36Parameters::read(path)?))
+    }
+
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        let parameters: Guideline36Parameters = kind::values(case)?;
+        Ok(Box::new(Guideline36::new(case.spaces, &parameters)))
+    }
+}
+
+fn to_json(parameters: &Guideline36Parameters) -> Value {
+    serde_json::to_value(parameters).expect("plain numbers always serialize")
+}

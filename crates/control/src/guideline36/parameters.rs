@@ -1,0 +1,254 @@
+//! Parameters of the guideline's sequences, with bounds and units. The defaults are the guideline's figures.
+
+use std::path::Path;
+
+use b2b_building::parameter::Field;
+use b2b_building::{Parameter, user_file};
+use serde::{Deserialize, Serialize};
+
+use super::air_loop::TrimRespond;
+use super::zone::{LoopGains, ZoneRules};
+use crate::{Error, Result};
+
+/// Parameters of the controller `guideline36`. Four of them are ablations: `air_loop.supply_temperature_reset` 0,
+/// `air_loop.min_flow` 0.3, `optimum_start` 0 and `setback` 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Guideline36Parameters {
+    /// Longest optimum start, h; 0 to 6, 0 without. 5.4.6.
+    pub optimum_start: f64,
+    /// Whether setpoints are relaxed in unoccupied hours, 0 or 1.
+    pub setback: f64,
+    /// Level of demand limiting, 0 to 3. 5.3.2.6.
+    pub demand_level: f64,
+    /// Parameters of units of a single zone.
+    pub unitary: UnitaryParameters,
+    /// Parameters of central air loops.
+    pub air_loop: AirLoopParameters,
+}
+
+/// Parameters of units of a single zone (5.18, 5.22).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct UnitaryParameters {
+    /// Gains of the zone loops.
+    pub gains: LoopGains,
+    /// Distance inside the band at which the loops aim, K; 0 to 1.
+    pub margin: f64,
+    /// Minimum flow while the fan runs, as a share of the design flow; 0.05 to 1. Coils need about 0.2.
+    pub min_flow: f64,
+    /// Largest flow in heating before the supply air gets hotter than its normal limit, as a share of the design flow; 0.05 to
+    /// 1. The guideline's default is half of the cooling flow; with heat pumps, more air of a lower temperature saves energy.
+    pub heating_flow: f64,
+    /// Supply air temperature above the heating setpoint up to which flow is not raised, K; 0 to 30. 11 K mixes well.
+    pub heating_lift: f64,
+    /// Supply air temperature in cooling down to which flow is not raised, °C; 10 to 20.
+    pub cooling_temperature: f64,
+    /// Whether the units have an economizer, 0 or 1.
+    pub economizer: f64,
+}
+
+/// Parameters of central air loops (5.6, 5.16).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AirLoopParameters {
+    /// Gains of the zone loops.
+    pub gains: LoopGains,
+    /// Distance above the heating setpoint at which the heating loop aims, K; 0 to 1.
+    pub heating_margin: f64,
+    /// Distance below the cooling setpoint at which the cooling loop aims, K; 0 to 1.
+    pub cooling_margin: f64,
+    /// Minimum flow of a terminal in occupied mode, as a share of its design flow; 0 to 1. At least what ventilation needs.
+    pub min_flow: f64,
+    /// Largest flow of a terminal that reheats (Vheat-max), as a share of its design flow; 0 to 1.
+    pub heating_flow: f64,
+    /// Lowest supply air temperature (Min_ClgSAT), °C; 5 to 20.
+    pub min_supply_temperature: f64,
+    /// Highest supply air temperature in cooling (Max_ClgSAT), °C; 10 to 30. At most 16 °C in climate zones 0A to 4A.
+    pub max_supply_temperature: f64,
+    /// Whether the supply air temperature is reset, 0 or 1; it is the lowest otherwise.
+    pub supply_temperature_reset: f64,
+    /// Temperature rise across the fan at its design flow, K; 0 to 5.
+    pub fan_rise: f64,
+    /// Reset of the supply air temperature by requests.
+    pub trim_respond: TrimRespond,
+}
+
+impl Default for Guideline36Parameters {
+    fn default() -> Self {
+        Self {
+            optimum_start: 3.0,
+            setback: 1.0,
+            demand_level: 0.0,
+            unitary: UnitaryParameters::default(),
+            air_loop: AirLoopParameters::default(),
+        }
+    }
+}
+
+impl Default for UnitaryParameters {
+    fn default() -> Self {
+        Self {
+            gains: LoopGains::default(),
+            margin: 0.2,
+            min_flow: 0.2,
+            heating_flow: 1.0,
+            heating_lift: 11.0,
+            cooling_temperature: 13.0,
+            economizer: 0.0,
+        }
+    }
+}
+
+impl Default for AirLoopParameters {
+    fn default() -> Self {
+        Self {
+            gains: LoopGains::default(),
+            heating_margin: 0.05,
+            cooling_margin: 0.2,
+            min_flow: 0.0,
+            heating_flow: 0.5,
+            min_supply_temperature: 12.0,
+            max_supply_temperature: 18.0,
+            supply_temperature_reset: 1.0,
+            fan_rise: 1.0,
+            trim_respond: TrimRespond::default(),
+        }
+    }
+}
+
+macro_rules! parameter {
+    ($name:literal, $unit:literal, $low:literal, $high:literal, $($level:ident).+) => {
+        Field::new(Parameter::new($name, $unit, $low, $high), |parameters| &mut parameters.$($level).+)
+    };
+}
+
+impl Guideline36Parameters {
+    /// All parameters. A name is the JSON keys joined by dots.
+    pub const TABLE: [Field<Self>; 26] = [
+        parameter!("optimum_start", "h", 0.0, 6.0, optimum_start),
+        parameter!("setback", "1", 0.0, 1.0, setback),
+        parameter!("demand_level", "1", 0.0, 3.0, demand_level),
+        parameter!("unitary.gains.proportional", "1/K", 0.001, 10.0, unitary.gains.proportional),
+        parameter!("unitary.gains.integral_time", "s", 60.0, 100_000.0, unitary.gains.integral_time),
+        parameter!("unitary.margin", "K", 0.0, 1.0, unitary.margin),
+        parameter!("unitary.min_flow", "1", 0.05, 1.0, unitary.min_flow),
+        parameter!("unitary.heating_flow", "1", 0.05, 1.0, unitary.heating_flow),
+        parameter!("unitary.heating_lift", "K", 0.0, 30.0, unitary.heating_lift),
+        parameter!("unitary.cooling_temperature", "°C", 10.0, 20.0, unitary.cooling_temperature),
+        parameter!("unitary.economizer", "1", 0.0, 1.0, unitary.economizer),
+        parameter!("air_loop.gains.proportional", "1/K", 0.001, 10.0, air_loop.gains.proportional),
+        parameter!("air_loop.gains.integral_time", "s", 60.0, 100_000.0, air_loop.gains.integral_time),
+        parameter!("air_loop.heating_margin", "K", 0.0, 1.0, air_loop.heating_margin),
+        parameter!("air_loop.cooling_margin", "K", 0.0, 1.0, air_loop.cooling_margin),
+        parameter!("air_loop.min_flow", "1", 0.0, 1.0, air_loop.min_flow),
+        parameter!("air_loop.heating_flow", "1", 0.0, 1.0, air_loop.heating_flow),
+        parameter!("air_loop.min_supply_temperature", "°C", 5.0, 20.0, air_loop.min_supply_temperature),
+        parameter!("air_loop.max_supply_temperature", "°C", 10.0, 30.0, air_loop.max_supply_temperature),
+        parameter!("air_loop.supply_temperature_reset", "1", 0.0, 1.0, air_loop.supply_temperature_reset),
+        parameter!("air_loop.fan_rise", "K", 0.0, 5.0, air_loop.fan_rise),
+        parameter!("air_loop.trim_respond.delay", "h", 0.0, 24.0, air_loop.trim_respond.delay),
+        parameter!(
+            "air_loop.trim_respond.ignored_requests",
+            "1",
+            0.0,
+            100.0,
+            air_loop.trim_respond.ignored_requests
+        ),
+        parameter!("air_loop.trim_respond.trim", "K/h", 0.0, 100.0, air_loop.trim_respond.trim),
+        parameter!("air_loop.trim_respond.respond", "K/h", 0.0, 100.0, air_loop.trim_respond.respond),
+        parameter!("air_loop.trim_respond.max_respond", "K/h", 0.0, 100.0, air_loop.trim_respond.max_respond),
+    ];
+
+    /// Sets a parameter by its name in [`Guideline36Parameters::TABLE`]; [`Guideline36Parameters::check`] checks its value.
+    ///
+    /// # Errors
+    /// [`Error::UnknownParameter`].
+    pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
+        let field = Self::TABLE.into_iter().find(|field| field.parameter.name == name);
+        let field = field.ok_or_else(|| Error::UnknownParameter {
+            controller: "guideline36",
+            name: name.to_owned(),
+            known: Self::TABLE.map(|field| field.parameter.name).to_vec(),
+        })?;
+        field.set(self, value);
+        Ok(())
+    }
+
+    /// Reads parameters from a JSON file; omitted fields keep their defaults.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`Guideline36Parameters::check`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let parameters: Self = user_file::parse_object(&text)
+            .map_err(|why| Error::ParameterFile { path: path.to_owned(), why })?;
+        parameters.check()?;
+        Ok(parameters)
+    }
+
+    /// Checks that every value is within the bounds of its parameter.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the first that is not.
+    pub fn check(&self) -> Result<()> {
+        Self::TABLE.iter().try_for_each(|field| field.check(self))?;
+        let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
+        let below_maximum =
+            Parameter::new("air_loop.min_supply_temperature", "°C", 5.0, max_supply_temperature);
+        Ok(below_maximum.check(min_supply_temperature)?)
+    }
+
+    /// Returns how zones are controlled, with the margins of no system.
+    pub(super) fn zone_rules(&self, gains: LoopGains) -> ZoneRules {
+        let setback = self.setback >= 0.5;
+        ZoneRules { gains, margins: [0.0; 2], optimum_start: self.optimum_start, setback }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names of all numbers in a JSON object, keys joined by dots.
+    fn names(value: &serde_json::Value, level: &str, found: &mut Vec<String>) {
+        match value.as_object() {
+            Some(object) => object.iter().for_each(|(key, value)| {
+                names(value, [level, key].join(".").trim_start_matches('.'), found);
+            }),
+            None => found.push(level.to_owned()),
+        }
+    }
+
+    #[test]
+    fn every_number_has_bounds_and_the_defaults_are_within() {
+        let mut found = Vec::new();
+        names(&serde_json::to_value(Guideline36Parameters::default()).unwrap(), "", &mut found);
+        found.sort();
+        let mut known: Vec<_> =
+            Guideline36Parameters::TABLE.iter().map(|field| field.parameter.name).collect();
+        known.sort_unstable();
+        assert_eq!(found, known);
+        Guideline36Parameters::default().check().unwrap();
+    }
+
+    #[test]
+    fn a_parameter_sets_the_field_of_its_name() {
+        for field in Guideline36Parameters::TABLE {
+            let mut parameters = Guideline36Parameters::default();
+            parameters.set(field.parameter.name, field.parameter.low).unwrap();
+            let json = serde_json::to_value(&parameters).unwrap();
+            let pointer = format!("/{}", field.parameter.name.replace('.', "/"));
+            assert_eq!(json.pointer(&pointer).unwrap(), field.parameter.low, "{pointer}");
+        }
+        let said = Guideline36Parameters::default().set("margin", 0.1).unwrap_err().to_string();
+        assert!(said.contains("`margin` of guideline36") && said.contains("unitary.margin"), "{said}");
+    }
+
+    #[test]
+    fn supply_temperatures_that_cross_are_rejected() {
+        let mut crossed = Guideline36Parameters::default();
+        crossed.air_loop.min_supply_temperature = 19.0;
+        assert!(crossed.check().unwrap_err().to_string().contains("min_supply_temperature"));
+    }
+}

@@ -1,0 +1,93 @@
+//! What the sequences read: the points of a zone and of the site at the beginning of a step.
+
+use super::zone::demand::DemandLevel;
+
+/// Heating and cooling setpoint of a zone, °C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoints {
+    /// Heating setpoint.
+    pub heating: f64,
+    /// Cooling setpoint; infinite for a zone without cooling.
+    pub cooling: f64,
+}
+
+impl Setpoints {
+    /// Returns the side of heating or of cooling.
+    pub(super) fn of(self, side: Side) -> f64 {
+        match side {
+            Side::Heating => self.heating,
+            Side::Cooling => self.cooling,
+        }
+    }
+}
+
+/// Heating or cooling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Raises the temperature to the heating setpoint.
+    Heating,
+    /// Lowers the temperature to the cooling setpoint.
+    Cooling,
+}
+
+impl Side {
+    /// Both sides, in the order of arrays by side.
+    pub(super) const BOTH: [Self; 2] = [Self::Heating, Self::Cooling];
+
+    /// Returns how far a temperature is outside a setpoint, K; negative inside.
+    pub(super) fn gap(self, temperature: f64, setpoint: f64) -> f64 {
+        match self {
+            Self::Heating => setpoint - temperature,
+            Self::Cooling => temperature - setpoint,
+        }
+    }
+}
+
+/// The next change of a zone's band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NextBand {
+    /// Time until the change, h.
+    pub hours: f64,
+    /// Heating setpoint after it, °C.
+    pub heating: f64,
+    /// Cooling setpoint after it, °C; infinite for a zone without cooling.
+    pub cooling: f64,
+}
+
+impl NextBand {
+    /// Returns the setpoints after the change.
+    pub(super) fn setpoints(self) -> Setpoints {
+        Setpoints { heating: self.heating, cooling: self.cooling }
+    }
+}
+
+/// Points of a zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneInput {
+    /// Air temperature, °C.
+    pub temperature: f64,
+    /// Scheduled heating setpoint, °C.
+    pub heating: f64,
+    /// Scheduled cooling setpoint, °C; infinite for a zone without cooling.
+    pub cooling: f64,
+    /// Whether people are present.
+    pub people: bool,
+    /// The next change of the setpoints, if the schedule has one.
+    pub next: Option<NextBand>,
+}
+
+impl ZoneInput {
+    /// Returns the scheduled setpoints.
+    pub(super) fn band(&self) -> Setpoints {
+        Setpoints { heating: self.heating, cooling: self.cooling }
+    }
+}
+
+/// Points of the site.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SiteInput {
+    /// Outdoor air temperature, °C.
+    pub outdoor_temperature: f64,
+    /// Level of demand limiting.
+    pub demand: DemandLevel,
+}

@@ -1,0 +1,227 @@
+//! A unit of a single zone (Guideline 36, 5.18.4 for air handlers, 5.22 for fan coils): staging of supply air temperature
+//! and flow.
+//!
+//! A loop output asks for a share of the unit's capacity. Capacity is staged: the supply air temperature at minimum flow,
+//! then the flow, then the supply air temperature to its limit. The guideline gives every stage a fixed share of the loop;
+//! here the shares follow from the capacities, so that the loop has the same gain everywhere. Its second heating stage is
+//! flow: a heat pump is more efficient with more air of a lower temperature, and supplemental heat starts only when the
+//! supply air must be hotter than the compressor can make it. That last stage, which the guideline does not have, is for
+//! the cold climates that it is not written for; it is locked out during optimum start, which begins earlier instead.
+//!
+//! With an economizer and outdoor air cool enough, cooling raises the flow of outdoor air (MedSpeed) ahead of the coil.
+//!
+//! While people are present, the fan of a unit with outdoor air runs at the flow that brings it in. Between the loops both
+//! coils are off: the setpoint is the temperature that the mixed air has, within limits that keep the zone in its band.
+//! Without outdoor air or without people, the fan is off between the loops (DeadbandSpeed 0).
+
+use b2b_building::hvac::Actuator;
+
+use super::modes::{Mode, ZoneGroup};
+use super::parameters::UnitaryParameters;
+use super::points::{SiteInput, ZoneInput};
+use super::record::Entry;
+use super::zone::{Zone, ZoneRules};
+
+/// Temperature rise across the fan at its design flow, K.
+const FAN_RISE: f64 = 0.8;
+/// Highest outdoor temperature for economizing in humid and in other climates, °C (MaxDPT).
+const ECONOMIZER_LIMIT: [f64; 2] = [17.0, 24.0];
+/// Outdoor temperatures relative to the zone at which MedSpeed is lowest and highest, K.
+const MEDIUM: [f64; 2] = [0.5, -6.0];
+
+/// Number of the action of the supply air flow.
+const FLOW: usize = 0;
+/// Number of the action of the supply air temperature.
+const SUPPLY_TEMPERATURE: usize = 1;
+
+/// A unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unit {
+    /// Design flow, kg/s.
+    pub(super) design_flow: f64,
+    /// Design minimum of outdoor air, as a share of the design flow.
+    pub(super) outdoor_air: f64,
+    /// Bounds of the supply air temperature, °C.
+    pub(super) supply: [f64; 2],
+    /// Highest outdoor temperature for economizing, °C; none without an economizer.
+    pub(super) economizer: Option<f64>,
+}
+
+impl Unit {
+    pub(super) fn new(
+        flow: &Actuator,
+        supply_temperature: &Actuator,
+        outdoor_air: f64,
+        economizes: bool,
+        climate_zone: Option<&str>,
+    ) -> Self {
+        let humid = climate_zone.is_some_and(|zone| zone.ends_with('A'));
+        Self {
+            design_flow: flow.high,
+            outdoor_air: (outdoor_air / flow.high).clamp(0.0, 1.0),
+            supply: [supply_temperature.low, supply_temperature.high],
+            economizer: economizes.then_some(ECONOMIZER_LIMIT[usize::from(!humid)]),
+        }
+    }
+}
+
+/// The sequences of a unit.
+#[derive(Clone, Debug)]
+pub(super) struct SingleZone {
+    unit: Unit,
+    parameters: UnitaryParameters,
+    group: ZoneGroup,
+    zone: Zone,
+    setpoint: f64,
+}
+
+/// A point of staging: flow, as a share of the design flow, and temperature difference, K. Their product is the capacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stage {
+    flow: f64,
+    difference: f64,
+}
+
+impl SingleZone {
+    pub(super) fn new(unit: Unit, parameters: &UnitaryParameters, rules: ZoneRules) -> Self {
+        let rules = ZoneRules { margins: [parameters.margin; 2], ..rules };
+        let parameters = parameters.clone();
+        Self { unit, parameters, group: ZoneGroup::default(), zone: Zone::new(rules), setpoint: 20.0 }
+    }
+
+    /// Forgets everything.
+    pub(super) fn reset(&mut self) {
+        self.group = ZoneGroup::default();
+        self.zone.reset();
+    }
+
+    /// Writes the action of a step.
+    pub(super) fn act(&mut self, site: SiteInput, input: &ZoneInput, action: &mut [f64], hours: f64) {
+        let need = self.zone.observe(input, site.demand, hours);
+        let mode = self.group.step(std::iter::once(need));
+        let outputs = self.zone.control(mode, hours);
+        let outdoor = site.outdoor_temperature;
+        let stage = match () {
+            () if outputs.heating > 0.0 => self.heat(mode, outputs.heating),
+            () if outputs.cooling > 0.0 => self.cool(mode, outputs.cooling, outdoor),
+            () => Stage { flow: self.ventilation_flow(mode), difference: 0.0 },
+        };
+        let aims = self.zone.aims();
+        self.setpoint = match () {
+            () if outputs.heating > 0.0 => aims.heating + stage.difference,
+            () => self.neutral(mode, stage.flow, outdoor).min(aims.cooling - stage.difference),
+        };
+        self.setpoint = self.setpoint.clamp(self.unit.supply[0], self.unit.supply[1]);
+        action[FLOW] = stage.flow * self.unit.design_flow;
+        action[SUPPLY_TEMPERATURE] = self.setpoint;
+    }
+
+    /// Returns the flow that brings in outdoor air, as a share of the design flow: 0 without people or outdoor air.
+    fn ventilation_flow(&self, mode: Mode) -> f64 {
+        match mode == Mode::Occupied && self.unit.outdoor_air > 0.0 {
+            true => self.unit.outdoor_air.max(self.parameters.min_flow),
+            false => 0.0,
+        }
+    }
+
+    /// Returns the least flow while a loop is on.
+    fn least_flow(&self, mode: Mode) -> f64 {
+        self.ventilation_flow(mode).max(self.parameters.min_flow)
+    }
+
+    /// Returns flow and lift above the aim for an output of the heating loop.
+    fn heat(&self, mode: Mode, output: f64) -> Stage {
+        let least = self.least_flow(mode);
+        let most = (self.unit.supply[1] - self.zone.aims().heating).max(0.0);
+        let lift = self.parameters.heating_lift.min(most);
+        let flow = self.parameters.heating_flow.max(least);
+        let capacity = if self.zone.preheats() { flow * lift } else { most };
+        staged(
+            (output * most).min(capacity),
+            [
+                Stage { flow: least, difference: 0.0 },
+                Stage { flow: least, difference: lift },
+                Stage { flow, difference: lift },
+                Stage { flow, difference: most },
+                Stage { flow: 1.0, difference: most },
+            ],
+        )
+    }
+
+    /// Returns flow and drop below the aim for an output of the cooling loop.
+    fn cool(&self, mode: Mode, output: f64, outdoor: f64) -> Stage {
+        let least = self.least_flow(mode);
+        let aim = self.zone.aims().cooling;
+        let most = (aim - self.unit.supply[0]).max(0.0);
+        let drop = (aim - self.parameters.cooling_temperature).clamp(0.0, most);
+        let medium = self.medium_flow(least, outdoor);
+        let free = if medium > least { (aim - outdoor - FAN_RISE).clamp(0.0, drop) } else { drop };
+        staged(
+            output * most,
+            [
+                Stage { flow: least, difference: 0.0 },
+                Stage { flow: least, difference: free },
+                Stage { flow: medium, difference: free },
+                Stage { flow: medium, difference: drop },
+                Stage { flow: 1.0, difference: drop },
+                Stage { flow: 1.0, difference: most },
+            ],
+        )
+    }
+
+    /// Returns the flow up to which outdoor air alone cools (MedSpeed): the least without an economizer.
+    fn medium_flow(&self, least: f64, outdoor: f64) -> f64 {
+        let Some(limit) = self.unit.economizer else { return least };
+        let temperature = self.zone.need().temperature;
+        let (warm, cold) = ((temperature + MEDIUM[0]).min(limit), (temperature + MEDIUM[1]).min(limit - 1.0));
+        least + (1.0 - least) * ((warm - outdoor) / (warm - cold)).clamp(0.0, 1.0)
+    }
+
+    /// Returns the setpoint with which both coils are off, °C: the temperature of the mixed air behind the fan. Its limits
+    /// let air in from colder the warmer the zone is in its band, and from warmer the colder it is.
+    fn neutral(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
+        let temperature = self.zone.need().temperature;
+        let outdoor_air = if mode == Mode::Occupied { self.unit.outdoor_air } else { 0.0 };
+        let share = if flow > 0.0 { (outdoor_air / flow).min(1.0) } else { 0.0 };
+        let mixed = temperature + share * (outdoor - temperature) + FAN_RISE * flow * flow;
+        let aims = self.zone.aims();
+        let position = ((temperature - aims.heating) / (aims.cooling - aims.heating)).clamp(0.0, 1.0);
+        let position = if position.is_nan() { 0.0 } else { position };
+        let between =
+            |cold: f64, warm: f64| if position > 0.0 { cold + position * (warm - cold) } else { cold };
+        let lowest = between(aims.heating, self.parameters.cooling_temperature.min(aims.heating));
+        let highest = between(aims.heating + self.parameters.heating_lift, aims.cooling);
+        mixed.clamp(lowest, highest.max(lowest))
+    }
+
+    /// Returns the zone.
+    pub(super) fn zone(&self) -> &Zone {
+        &self.zone
+    }
+
+    /// Returns the value of an entry of the record.
+    pub(super) fn value(&self, entry: Entry) -> f64 {
+        match entry {
+            Entry::Mode => self.group.mode().number(),
+            Entry::SupplyTemperature => self.setpoint,
+            Entry::MinimumOutdoorAir if self.group.mode() == Mode::Occupied => {
+                self.unit.outdoor_air * self.unit.design_flow
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Returns the point of staging at a capacity, K. From stage to stage either the flow or the difference grows.
+fn staged<const STAGES: usize>(capacity: f64, stages: [Stage; STAGES]) -> Stage {
+    for pair in stages.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        if capacity <= to.flow * to.difference {
+            return match from.flow == to.flow {
+                true => Stage { flow: from.flow, difference: capacity / from.flow },
+                false => Stage { flow: capacity / from.difference, difference: from.difference },
+            };
+        }
+    }
+    stages[STAGES - 1]
+}

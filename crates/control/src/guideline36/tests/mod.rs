@@ -1,0 +1,3 @@
+//! Closed loops with small models of rooms.
+
+pub(super) mod room;

@@ -1,0 +1,175 @@
+//! Optimum start (Guideline 36, 5.4.6; ASHRAE 90.1, 6.4.3.3.3): when recovery from setback must begin so that a zone is at
+//! its next setpoint in time.
+//!
+//! The rate at which a zone recovers is learned as in the Modelica Buildings Library (`OptimalStart`): the mean rate of the
+//! last three starts, at least 1 K/h, and a start at most 3 h ahead. Unlike there, the time is estimated at every step from
+//! the present temperature rather than once at 3 h, so that the drift of the zone until the start counts, and the rate is
+//! the rise that was reached rather than the one that was wanted.
+
+use super::super::points::Side;
+
+/// Starts that are remembered.
+const MEMORY: usize = 3;
+/// Rate before the first start, K/h: 3 K in 2 h, the recovery time of the baseline in BOPTEST's hydronic commercial case.
+const FIRST_RATE: f64 = 1.5;
+/// Lowest rate, K/h.
+const SLOWEST: f64 = 1.0;
+/// Shortest time over which a rate is measured, h: 120 s.
+const SHORTEST: f64 = 120.0 / 3600.0;
+/// Gap that needs no start, K.
+const NEGLIGIBLE: f64 = 0.1;
+/// Change of the next setpoint that makes it another one, K.
+const OTHER_GOAL: f64 = 0.01;
+
+/// A change of the setpoint ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) struct Goal {
+    /// Time until the change, h.
+    pub(in super::super) hours: f64,
+    /// Setpoint after it, °C.
+    pub(in super::super) setpoint: f64,
+}
+
+/// A start whose rate is being measured.
+#[derive(Clone, Copy, Debug)]
+struct Measurement {
+    setpoint: f64,
+    /// Gap to the setpoint when it began, K.
+    first_gap: f64,
+    /// Time since, h.
+    hours: f64,
+}
+
+/// Optimum start of one side of a zone.
+#[derive(Clone, Debug)]
+pub(in super::super) struct OptimumStart {
+    side: Side,
+    /// Longest time ahead of the change, h.
+    limit: f64,
+    /// Rates of the last starts, K/h, the oldest first.
+    rates: [f64; MEMORY],
+    starts: usize,
+    /// Setpoint for which the zone has been started ahead.
+    started: Option<f64>,
+    measured: Option<Measurement>,
+}
+
+impl OptimumStart {
+    pub(in super::super) fn new(side: Side, limit: f64) -> Self {
+        Self { side, limit, rates: [0.0; MEMORY], starts: 0, started: None, measured: None }
+    }
+
+    /// Returns whether the zone must recover now to the next setpoint, if that is narrower than the present one. To be
+    /// called at every step, of `hours`.
+    pub(in super::super) fn step(&mut self, temperature: f64, goal: Option<Goal>, hours: f64) -> bool {
+        self.measure(temperature, hours);
+        let Some(goal) = goal else {
+            self.started = None;
+            return false;
+        };
+        let same = self.started.is_some_and(|setpoint| (setpoint - goal.setpoint).abs() < OTHER_GOAL);
+        let gap = self.side.gap(temperature, goal.setpoint);
+        let begins = gap > NEGLIGIBLE && goal.hours <= self.start_time(gap);
+        if begins && !same {
+            self.measured = Some(Measurement { setpoint: goal.setpoint, first_gap: gap, hours: 0.0 });
+        }
+        self.started = (same || begins).then_some(goal.setpoint);
+        self.started.is_some()
+    }
+
+    /// Returns the time that a zone needs to close a gap (K), h.
+    fn start_time(&self, gap: f64) -> f64 {
+        (gap / self.rate()).min(self.limit)
+    }
+
+    /// Returns the mean rate of the last starts, K/h.
+    pub(in super::super) fn rate(&self) -> f64 {
+        let known = &self.rates[MEMORY - self.starts..];
+        match known.len() {
+            0 => FIRST_RATE,
+            count => (known.iter().sum::<f64>() / count as f64).max(SLOWEST),
+        }
+    }
+
+    /// Measures the rate of a start until the setpoint is reached, or for the longest time.
+    fn measure(&mut self, temperature: f64, hours: f64) {
+        let Some(mut measured) = self.measured else { return };
+        measured.hours += hours;
+        let gap = self.side.gap(temperature, measured.setpoint);
+        if gap > 0.0 && measured.hours < self.limit {
+            self.measured = Some(measured);
+            return;
+        }
+        self.measured = None;
+        let closed = measured.first_gap - gap.max(0.0);
+        self.rates.rotate_left(1);
+        self.rates[MEMORY - 1] = (closed / measured.hours.max(SHORTEST)).max(0.0);
+        self.starts = (self.starts + 1).min(MEMORY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: f64 = 1.0 / 12.0;
+
+    /// Runs a night and a morning from 16 °C with a change to 21 °C at 6:00, in a zone that warms by `rate` (K/h) from the
+    /// start on. Returns how long before the change it started, and its temperature at the change.
+    fn night(start: &mut OptimumStart, rate: f64) -> (f64, f64) {
+        let (mut temperature, mut ahead, mut at_change) = (16.0, 0.0, 0.0);
+        for step in 0..144 {
+            let hours = 6.0 - f64::from(step) * STEP;
+            let before = hours > 1e-9;
+            let started = start.step(temperature, before.then_some(Goal { hours, setpoint: 21.0 }), STEP);
+            if started && ahead == 0.0 {
+                ahead = hours;
+            }
+            at_change = if before { temperature } else { at_change };
+            let warms = started || !before;
+            temperature = if warms { (temperature + rate * STEP).min(21.0) } else { temperature };
+        }
+        (ahead, at_change)
+    }
+
+    #[test]
+    fn the_first_start_is_at_the_limit_and_the_later_ones_at_the_learned_rate() {
+        let mut start = OptimumStart::new(Side::Heating, 3.0);
+        let (ahead, _) = night(&mut start, 4.0);
+        assert!((ahead - 3.0).abs() < STEP, "5 K at 1.5 K/h, at most 3 h: {ahead}");
+        assert!((start.rate() - 4.0).abs() < 0.3, "{}", start.rate());
+        let (ahead, reached) = night(&mut start, 4.0);
+        assert!((ahead - 1.25).abs() < 1.5 * STEP, "5 K at 4 K/h: {ahead}");
+        assert!(reached > 20.6, "{reached}");
+    }
+
+    #[test]
+    fn the_rate_is_the_mean_of_the_last_three_starts_and_at_least_1_k_per_hour() {
+        let mut start = OptimumStart::new(Side::Heating, 3.0);
+        for rate in [8.0, 2.0, 2.0, 2.0] {
+            night(&mut start, rate);
+        }
+        assert!((start.rate() - 2.0).abs() < 0.2, "the first is forgotten: {}", start.rate());
+        for _ in 0..3 {
+            night(&mut start, 0.1);
+        }
+        assert_eq!(start.rate(), 1.0);
+    }
+
+    #[test]
+    fn a_zone_at_its_next_setpoint_is_not_started() {
+        for (side, temperature) in [(Side::Heating, 20.95), (Side::Heating, 25.0), (Side::Cooling, 20.0)] {
+            let mut start = OptimumStart::new(side, 3.0);
+            assert!(!start.step(temperature, Some(Goal { hours: STEP, setpoint: 21.0 }), STEP));
+        }
+        let mut start = OptimumStart::new(Side::Cooling, 3.0);
+        assert!(
+            start.step(29.0, Some(Goal { hours: 2.0, setpoint: 24.0 }), STEP),
+            "cooling recovers downward"
+        );
+        assert!(
+            start.step(23.0, Some(Goal { hours: 1.0, setpoint: 24.0 }), STEP),
+            "a start lasts to the change"
+        );
+    }
+}

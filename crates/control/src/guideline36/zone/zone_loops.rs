@@ -1,0 +1,176 @@
+//! The heating and the cooling loop of a zone (Guideline 36, 5.3.4 and 5.1.9): two proportional-integral loops, of which at
+//! most one is on.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::points::{Setpoints, Side};
+
+/// Gains of the loops.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoopGains {
+    /// Proportional gain, 1/K; 0.001 to 10.
+    pub proportional: f64,
+    /// Integral time, s; 60 to 100,000.
+    pub integral_time: f64,
+}
+
+impl Default for LoopGains {
+    /// The defaults of the Modelica Buildings Library.
+    fn default() -> Self {
+        Self { proportional: 0.1, integral_time: 900.0 }
+    }
+}
+
+/// A loop from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+struct Loop {
+    side: Side,
+    enabled: bool,
+    integral: f64,
+    output: f64,
+}
+
+impl Loop {
+    const fn new(side: Side) -> Self {
+        Self { side, enabled: false, integral: 0.0, output: 0.0 }
+    }
+
+    /// Enables the loop outside its setpoint; disables it inside, once its output has been 0 for a step.
+    fn step(&mut self, gains: LoopGains, temperature: f64, setpoint: f64, hours: f64) -> f64 {
+        let error = self.side.gap(temperature, setpoint);
+        if error > 0.0 {
+            self.enabled = true;
+        } else if self.output <= 0.0 {
+            self.stop();
+        }
+        if !self.enabled {
+            return 0.0;
+        }
+        let proportional = gains.proportional * error;
+        let change = proportional * hours * 3600.0 / gains.integral_time;
+        // Integrates only as far as the output has room.
+        let room = [-self.integral, 1.0 - proportional - self.integral];
+        self.integral += match change > 0.0 {
+            true => change.min(room[1].max(0.0)),
+            false => change.max(room[0]),
+        };
+        self.output = (proportional + self.integral).clamp(0.0, 1.0);
+        self.output
+    }
+
+    fn stop(&mut self) {
+        *self = Self::new(self.side);
+    }
+}
+
+/// Outputs of the loops of a zone, 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in super::super) struct Outputs {
+    pub(in super::super) heating: f64,
+    pub(in super::super) cooling: f64,
+}
+
+/// The loops of a zone.
+#[derive(Clone, Debug)]
+pub(in super::super) struct ZoneLoops {
+    gains: LoopGains,
+    heating: Loop,
+    cooling: Loop,
+}
+
+impl ZoneLoops {
+    pub(in super::super) fn new(gains: LoopGains) -> Self {
+        Self { gains, heating: Loop::new(Side::Heating), cooling: Loop::new(Side::Cooling) }
+    }
+
+    /// Returns the outputs for a temperature, °C. A side without a setpoint is off. While both loops are on, the one that is
+    /// leaving gives way.
+    pub(in super::super) fn step(
+        &mut self,
+        temperature: f64,
+        setpoints: Setpoints,
+        on: [bool; 2],
+        hours: f64,
+    ) -> Outputs {
+        let gains = self.gains;
+        let side = |own: &mut Loop, on: bool| {
+            let setpoint = setpoints.of(own.side);
+            if !on || !setpoint.is_finite() {
+                own.stop();
+                return 0.0;
+            }
+            own.step(gains, temperature, setpoint, hours)
+        };
+        let mut outputs =
+            Outputs { heating: side(&mut self.heating, on[0]), cooling: side(&mut self.cooling, on[1]) };
+        if outputs.heating > 0.0 && outputs.cooling > 0.0 {
+            let heats = temperature < setpoints.heating;
+            let leaving = if heats { &mut self.cooling } else { &mut self.heating };
+            leaving.stop();
+            *(if heats { &mut outputs.cooling } else { &mut outputs.heating }) = 0.0;
+        }
+        outputs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tests::room::Room;
+    use super::*;
+
+    const STEP: f64 = 1.0 / 12.0;
+    const BAND: Setpoints = Setpoints { heating: 21.0, cooling: 24.0 };
+    const ON: [bool; 2] = [true; 2];
+
+    #[test]
+    fn the_first_output_is_the_proportional_part_and_a_third_of_it_a_step_later() {
+        let mut loops = ZoneLoops::new(LoopGains::default());
+        let first = loops.step(20.0, BAND, ON, STEP);
+        assert!((first.heating - 0.1 * (1.0 + 300.0 / 900.0)).abs() < 1e-12, "{first:?}");
+        assert_eq!(first.cooling, 0.0);
+    }
+
+    #[test]
+    fn a_loop_is_off_between_the_setpoints_and_without_a_setpoint() {
+        let mut loops = ZoneLoops::new(LoopGains::default());
+        for temperature in [21.1, 22.5, 23.9] {
+            assert_eq!(loops.step(temperature, BAND, ON, STEP), Outputs::default());
+        }
+        let heater = Setpoints { heating: 21.0, cooling: f64::INFINITY };
+        assert_eq!(loops.step(40.0, heater, ON, STEP), Outputs::default());
+        assert_eq!(loops.step(10.0, BAND, [false; 2], STEP), Outputs::default());
+    }
+
+    #[test]
+    fn a_saturated_loop_leaves_saturation_as_soon_as_the_error_shrinks() {
+        let mut loops = ZoneLoops::new(LoopGains::default());
+        for _ in 0..1000 {
+            assert!(loops.step(12.0, BAND, ON, STEP).heating <= 1.0);
+        }
+        let steps = (0..20).position(|_| loops.step(21.5, BAND, ON, STEP).heating < 0.9);
+        assert!(steps.is_some_and(|steps| steps <= 2), "{steps:?}");
+        assert!(loops.step(21.5, BAND, ON, STEP).heating < 0.9);
+    }
+
+    #[test]
+    fn a_room_settles_at_the_setpoint_without_hunting() {
+        for (outdoor, setpoint) in [(-15.0, 21.0), (5.0, 21.0), (35.0, 24.0)] {
+            let mut room = Room::new(22.5);
+            room.soak(outdoor);
+            let mut loops = ZoneLoops::new(LoopGains::default());
+            let mut last: Vec<f64> = Vec::new();
+            for step in 0..288 {
+                let outputs = loops.step(room.air, BAND, ON, STEP);
+                room.step(outdoor, 8000.0 * (outputs.heating - outputs.cooling), STEP);
+                if step >= 216 {
+                    last.push(room.air);
+                }
+            }
+            let (low, high) =
+                last.iter().fold((f64::MAX, f64::MIN), |(low, high), &t| (low.min(t), high.max(t)));
+            assert!(high - low < 0.2, "at {outdoor} °C it swings from {low} to {high}");
+            assert!((last[0] - setpoint).abs() < 0.3, "at {outdoor} °C it holds {}", last[0]);
+        }
+    }
+}
