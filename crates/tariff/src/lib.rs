@@ -12,10 +12,10 @@
 //!
 //! let year = Year::starting_on(6); // 2017: 1 January is a Sunday
 //! let prices = Prices::new(Tariff::named("fpl-gsdt-1")?, year, &[], None)?;
-//! let mut bill = Bill::new(182, 195);
+//! let mut bill = Bill::new(184, 197);
 //! let mut energy = [0.0; Fuel::ALL.len()];
 //! energy[Fuel::Electricity as usize] = 0.5; // kWh
-//! let cost = bill.step(&prices, Moment { day: 182, hour: 14.0 }, &energy, 1.0 / 12.0);
+//! let cost = bill.step(&prices, Moment { day: 184, hour: 14.0 }, &energy, 1.0 / 12.0);
 //! assert!(cost.energy > 0.0 && cost.demand > 0.0);
 //! # Ok::<(), b2b_tariff::Error>(())
 //! ```
