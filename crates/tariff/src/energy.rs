@@ -28,6 +28,8 @@ pub(crate) struct EnergyTable {
     /// Names of prices on a bill.
     pub(crate) names: Vec<String>,
     pub(crate) classes: Vec<Class>,
+    /// Whether an entry has a price for every hour.
+    pub(crate) is_hourly: bool,
     /// Class by day of the year, kind of day and quarter-hour on the local clock.
     grid: Vec<u16>,
 }
@@ -52,7 +54,8 @@ impl EnergyTable {
     /// A fault of an entry; of two prices at a time; of none at a time, at the place of the electricity.
     pub(crate) fn of(entries: &[Spanned<EnergyFile>], blocks: usize, place: usize) -> Result<Self, Fault> {
         let grid = vec![NONE; index(DAYS + 1, false, 0)];
-        let mut table = Self { names: Vec::new(), classes: Vec::new(), grid };
+        let is_hourly = entries.iter().any(|entry| entry.get_ref().hourly.is_some());
+        let mut table = Self { names: Vec::new(), classes: Vec::new(), is_hourly, grid };
         let (rest, timed): (Vec<_>, Vec<_>) = entries.iter().partition(|entry| is_rest(entry.get_ref()));
         for entry in timed {
             table.put(entry, blocks, &[])?;

@@ -152,6 +152,27 @@ impl Tariff {
         self.cold.is_some()
     }
 
+    /// Returns what the bill consists of, in words, such as `2 energy prices`, `blocks`, `demand charge`.
+    pub fn traits(&self) -> Vec<String> {
+        let prices =
+            self.energy.names.len() - usize::from(self.events.is_some()) - usize::from(self.cold.is_some());
+        let energy = match prices {
+            _ if self.energy.is_hourly => "hourly prices".into(),
+            1 => "one energy price".into(),
+            _ => format!("{prices} energy prices"),
+        };
+        let has_ratchet = self.charges.iter().any(|charge| charge.ratchet.is_some());
+        let others = [
+            (self.blocks.count > 1, "blocks"),
+            (self.has_demand_charge(), "demand charge"),
+            (has_ratchet, "ratchet"),
+            (self.events.is_some(), "winter events"),
+            (self.cold.is_some(), "a price while it is cold"),
+        ];
+        let others = others.into_iter().filter(|(has, _)| *has).map(|(_, word)| word.to_owned());
+        std::iter::once(energy).chain(others).collect()
+    }
+
     /// Returns whether peaks are billed.
     pub fn has_demand_charge(&self) -> bool {
         !self.charges.is_empty()

@@ -1,9 +1,7 @@
 //! Bills of real tariffs, worked out by hand from the utility's figures.
 
-mod common;
-
+use crate::common::{YEAR, assert_cost, day, electricity, part, prices, run};
 use b2b_tariff::{Bill, Event, Fuel, Moment};
-use common::{YEAR, assert_cost, day, electricity, part, prices, run};
 
 #[test]
 fn ten_kilowatts_in_january_under_rate_m() {

@@ -1,11 +1,9 @@
 //! What holds for every bill: its steps sum up to it, and it equals the bill of the whole trajectory.
 
-mod common;
-
 use std::collections::BTreeMap;
 
+use crate::common::{STEP, YEAR, assert_cost, day, electricity, part, prices, run};
 use b2b_tariff::{Bill, Event, Moment, PREVIEW, Prices, Tariff};
-use common::{STEP, YEAR, assert_cost, day, electricity, part, prices, run};
 
 /// A load that changes every step, with peaks at changing hours.
 fn wavy(at: Moment) -> f64 {
@@ -47,8 +45,10 @@ fn rate_g_of_a_trajectory_equals_the_sum_of_the_steps() {
     let (bill, _) = run(&prices, first, last, load);
     let mut months: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
     for day in first..=last {
-        let month =
-            [day >= common::day(4, 1), day >= common::day(5, 1)].into_iter().filter(|after| *after).count();
+        let month = [day >= crate::common::day(4, 1), day >= crate::common::day(5, 1)]
+            .into_iter()
+            .filter(|after| *after)
+            .count();
         for quarter in 0..96 {
             let at = |step: u32| Moment { day, hour: f64::from(quarter * 3 + step) * STEP };
             let mean = (0..3).map(|step| load(at(step))).sum::<f64>() / 3.0;
