@@ -1,6 +1,7 @@
 //! The bill of an episode, kept up to date step by step.
 
 use crate::calendar::{MONTH_DAYS, Moment, QUARTERS, month_of, month_start};
+use crate::charge::Charge;
 use crate::energy::Class;
 use crate::file::Per;
 use crate::fuel::{ByFuel, Fuel};
@@ -120,6 +121,21 @@ impl Bill {
         }
         let limit = self.scale(prices, day);
         blocks.up_to[..blocks.count - 1].iter().filter(|end| **end * limit <= self.block_energy).count()
+    }
+
+    /// Returns the mean power in kW of a quarter-hour up to which no demand charge grows at a moment: the least of the peaks
+    /// that are billed anyway, or free, over the charges that apply then. Infinite if none does.
+    pub fn free_power(&self, prices: &Prices, at: Moment) -> f64 {
+        let applying = prices.charges_at(quarter(at));
+        let is_new_month = self.day == 0 || month_of(at.day) != self.month;
+        let charges =
+            prices.tariff.charges.iter().enumerate().filter(|(index, _)| applying & 1 << index != 0);
+        let free = charges.map(|(index, charge)| {
+            let peak = |index: usize| if is_new_month { 0.0 } else { self.peaks[index] };
+            let subtracted = (0..MAX_CHARGES).filter(|other| charge.excess_over & 1 << other != 0).map(peak);
+            peak(index).max(self.least(charge, index)).max(charge.above + subtracted.fold(0.0, f64::max))
+        });
+        free.fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the cost of the episode until now.
@@ -249,13 +265,18 @@ impl Bill {
     /// Returns the billed kW of a charge in the running month and their cost.
     fn charge(&self, prices: &Prices, index: usize) -> Amount {
         let charge = &prices.tariff.charges[index];
-        let least = charge.ratchet.as_ref().map_or(0.0, |ratchet| ratchet.share * self.ratchets[index]);
+        let least = self.least(charge, index);
         let subtracted = (0..MAX_CHARGES).filter(|other| charge.excess_over & 1 << other != 0);
         let subtracted = subtracted.map(|other| self.peaks[other]).fold(0.0, f64::max);
         let share = self.shares[index];
         let billed = (self.peaks[index].max(least) - subtracted - charge.above).max(0.0);
         let quantity = if share > 0.0 { billed } else { 0.0 };
         Amount { quantity, cost: quantity * charge.price * share }
+    }
+
+    /// Returns the kW of a charge that a ratchet bills anyway.
+    fn least(&self, charge: &Charge, index: usize) -> f64 {
+        charge.ratchet.as_ref().map_or(0.0, |ratchet| ratchet.share * self.ratchets[index])
     }
 
     /// Returns the days of a month that the episode covers and that are among a charge's dates, in months.

@@ -110,7 +110,7 @@ impl Year {
         let first = month_start(month);
         let days = first..first + MONTH_DAYS[month];
         let mut matching = days.filter(|day| self.weekday(*day) == weekday);
-        let found = if ordinal < 4 { matching.nth(ordinal as usize) } else { matching.last() };
+        let found = if ordinal < 4 { matching.nth(ordinal as usize) } else { matching.next_back() };
         found.expect("every month has four of each weekday")
     }
 }

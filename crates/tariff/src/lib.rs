@@ -4,7 +4,8 @@
 //! - [`Tariff`] is a file: `Tariff::named("hq-m")` is a shipped one, [`Tariff::read`] a user's own.
 //! - [`Prices`] lays it out in a calendar year, with the [`Event`]s that [`Tariff::events`] chooses, and gives prices now and
 //!   in the next 24 hours.
-//! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill.
+//! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill. [`Bill::block`] and
+//!   [`Bill::free_power`] are what a controller may know of it.
 //! - [`Emissions`] gives kg of CO₂ equivalent per kWh by carrier and hour.
 //!
 //! ```

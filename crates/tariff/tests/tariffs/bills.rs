@@ -118,6 +118,36 @@ fn steps_of_an_hour_or_a_minute_are_billed_alike() {
 }
 
 #[test]
+fn free_power_is_what_may_be_used_without_a_higher_bill() {
+    let prices = prices("hq-g", &[], None);
+    let at = |day, hour| Moment { day, hour };
+    let mut bill = Bill::new(day(3, 31), day(4, 30));
+    assert_eq!(bill.free_power(&prices, at(day(3, 31), 0.0)), 50.0, "the first 50 kW are free");
+    bill.step(&prices, at(day(3, 31), 0.0), &electricity(100.0), 1.0);
+    assert_eq!(bill.free_power(&prices, at(day(3, 31), 1.0)), 100.0);
+    // April bills 65 % of the winter's peak anyway.
+    let first = bill.step(&prices, at(day(4, 1), 0.0), &electricity(10.0), 1.0);
+    assert_cost(first.demand, 15.0 * 22.071);
+    let free = bill.free_power(&prices, at(day(4, 1), 1.0));
+    assert_eq!(free, 65.0);
+    assert_eq!(bill.step(&prices, at(day(4, 1), 1.0), &electricity(free), 1.0).demand, 0.0);
+    assert!(bill.step(&prices, at(day(4, 1), 2.0), &electricity(free + 1.0), 1.0).demand > 20.0);
+    let fpl = crate::common::prices("fpl-gsdt-1", &[], None);
+    assert_eq!(Bill::new(1, 5).free_power(&fpl, at(1, 3.0)), f64::INFINITY, "off-peak");
+}
+
+#[test]
+fn a_block_of_every_day_begins_anew_at_midnight() {
+    let text = "title = \"a\"\nplace = \"b\"\ncustomers = \"any\"\ncurrency = \"USD\"\n\
+        source = { document = \"c\", date = \"d\" }\n[electricity]\ndaylight_time = false\n\
+        blocks = { per = \"day\", up_to = [10, 20] }\nenergy = [{ name = \"e\", price = [0.1, 0.2, 0.4] }]\n";
+    let tariff = Tariff::parse("test", "test.toml", text).unwrap();
+    let prices = Prices::new(tariff, YEAR, &[], None).unwrap();
+    let (bill, _) = run(&prices, 1, 2, |at| if at.day == 1 { 1.0 } else { 0.5 });
+    assert_cost(bill.total(&prices), 10.0 * 0.1 + 10.0 * 0.2 + 4.0 * 0.4 + 10.0 * 0.1 + 2.0 * 0.2);
+}
+
+#[test]
 fn a_copy_continues_as_the_original() {
     let prices = in_2017("hq-g");
     let (bill, _) = run(&prices, 15, 40, wavy);
