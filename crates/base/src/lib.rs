@@ -1,5 +1,5 @@
 //! What all crates share: files written atomically, locks of folders, temporary folders that end with their owner, digests,
-//! random streams, and the fingerprint of the machine's arithmetic.
+//! random streams, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
 
 pub mod aside;
 pub mod digest;
@@ -8,3 +8,4 @@ pub mod folder_lock;
 pub mod machine;
 pub mod random;
 pub mod scratch;
+pub mod suggestion;

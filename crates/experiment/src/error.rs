@@ -111,11 +111,3 @@ impl From<b2b_evaluate::Error> for Error {
 pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error + '_ {
     |source| Error::Io { path: path.to_owned(), source }
 }
-
-/// Returns the most similar of some names, quoted; empty if none is similar.
-pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let similarity = |known: &str| strsim::jaro_winkler(known, name);
-    let near = known.filter(|known| similarity(known) > 0.75);
-    let near = near.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
-    near.map_or_else(String::new, |near| format!("`{near}`"))
-}

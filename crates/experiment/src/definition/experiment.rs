@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use b2b_base::suggestion::nearest;
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, Row, Split};
 use serde::{Deserialize, Serialize};
 
 use super::agent::Agent;
 use super::budget::Budget;
-use crate::error::{Error, Result, nearest};
+use crate::error::{Error, Result};
 
 /// Name of the reactive controllers beside those of agents.
 pub const REACTIVE: &str = "reactive";

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use b2b_base::suggestion::nearest;
+
 use super::experiment::Experiment;
 use super::validation;
-use crate::error::{Error, Result, at, nearest};
+use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
 const SHIPPED: [(&str, &str); 12] = [

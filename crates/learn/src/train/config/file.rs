@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use b2b_base::suggestion::with_suggestion;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::suggestion::with_suggestion;
 use super::train_config::TrainConfig;
 use crate::error::{Error, Result, at};
 use crate::learners::{Kind, LearnerChoice, kinds};

@@ -11,7 +11,6 @@ mod file;
 mod noise;
 mod one_or_many;
 mod rewards;
-mod suggestion;
 mod tasks;
 mod train_config;
 mod training_set;

@@ -1,0 +1,42 @@
+//! Suggestions for misspelled names.
+
+/// Similarity from which on a name is suggested.
+const SIMILAR: f64 = 0.75;
+
+/// Returns the most similar of some names, quoted; empty if none is similar.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let similarity = |known: &str| strsim::jaro_winkler(known, name);
+    let near = known.into_iter().filter(|known| similarity(known) > SIMILAR);
+    let near = near.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    near.map_or_else(String::new, |near| format!("`{near}`"))
+}
+
+/// Adds the most similar of the expected keys to serde's message about an unknown one.
+pub fn with_suggestion(message: &str) -> String {
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let Some((unknown, expected)) = quoted.split_first().filter(|_| message.contains("unknown")) else {
+        return message.to_owned();
+    };
+    match nearest(unknown, expected.iter().copied()).as_str() {
+        "" => message.to_owned(),
+        near => format!("{message}; did you mean {near}?"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_similar_name_is_suggested_and_another_is_not() {
+        assert_eq!(nearest("hq-n", ["flat", "hq-m"]), "`hq-m`");
+        assert_eq!(nearest("zzz", ["flat", "hq-m"]), "");
+    }
+
+    #[test]
+    fn an_unknown_key_gets_the_nearest_of_the_expected() {
+        let message = "unknown field `prise`, expected one of `price`, `hours`";
+        assert_eq!(with_suggestion(message), format!("{message}; did you mean `price`?"));
+        assert_eq!(with_suggestion("missing field `price`"), "missing field `price`");
+    }
+}

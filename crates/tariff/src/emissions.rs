@@ -1,0 +1,116 @@
+//! Emission profiles: kg of CO₂ equivalent per kWh by carrier, season and hour.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::calendar::{Moment, month_of};
+use crate::error::{Fault, Result, read};
+use crate::fuel::{EMISSIONS, Fuel, FuelValues, Fuels};
+use crate::tariff::Source;
+
+/// An emission profile.
+#[derive(Clone, Debug)]
+pub struct Emissions {
+    /// Name: `frcc-average` of a shipped one, or the name of the file without its extension.
+    pub name: String,
+    /// What it is of.
+    pub title: String,
+    /// Where it applies.
+    pub place: String,
+    /// Average or marginal.
+    pub rate: Rate,
+    /// Where the figures come from.
+    pub source: Source,
+    /// kg/kWh of electricity by season and hour.
+    electricity: [[f64; 24]; 4],
+    fuels: FuelValues,
+}
+
+/// Which emissions a kWh of electricity stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rate {
+    /// The average of what the grid generates: for an account of what was used.
+    Average,
+    /// What a lasting change of the load changes, new plants included: for a comparison of controllers.
+    LongRunMarginal,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EmissionsFile {
+    title: String,
+    place: String,
+    rate: Rate,
+    source: Source,
+    electricity: toml::Spanned<ElectricityFile>,
+    #[serde(default)]
+    fuels: Fuels,
+}
+
+/// kg/MWh, one value or by season and hour.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ElectricityFile {
+    flat: Option<f64>,
+    winter: Option<[f64; 24]>,
+    spring: Option<[f64; 24]>,
+    summer: Option<[f64; 24]>,
+    autumn: Option<[f64; 24]>,
+}
+
+impl Emissions {
+    /// Reads an emission profile from a TOML file.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line for what is not a profile.
+    pub fn read(path: &Path) -> Result<Self> {
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Self::parse(&name, &path.display().to_string(), &read(path)?)
+    }
+
+    /// Returns the emission profile of a TOML text. `file` is what errors name.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) with the line.
+    pub fn parse(name: &str, file: &str, text: &str) -> Result<Self> {
+        Self::of_text(name, text).map_err(|fault| fault.of(file, text))
+    }
+
+    fn of_text(name: &str, text: &str) -> Result<Self, Fault> {
+        let file: EmissionsFile = toml::from_str(text)?;
+        let place = file.electricity.span().start;
+        let electricity = file.electricity.get_ref().kg_per_kwh().map_err(|why| Fault::at(place, why))?;
+        Ok(Self {
+            name: name.to_owned(),
+            title: file.title,
+            place: file.place,
+            rate: file.rate,
+            source: file.source,
+            electricity,
+            fuels: EMISSIONS.with(&file.fuels).map_err(|why| Fault::at(place, why))?,
+        })
+    }
+
+    /// Returns kg of CO₂ equivalent per kWh of a carrier at a moment. Hours are of standard time; seasons begin in December,
+    /// March, June and September.
+    pub fn at(&self, fuel: Fuel, at: Moment) -> f64 {
+        let season = (month_of(at.day) + 1) % 12 / 3;
+        self.fuels.at(fuel, self.electricity[season][at.hour as usize % 24])
+    }
+}
+
+impl ElectricityFile {
+    fn kg_per_kwh(&self) -> Result<[[f64; 24]; 4], String> {
+        let per_mwh = match (self.flat, self.winter, self.spring, self.summer, self.autumn) {
+            (Some(flat), None, None, None, None) => [[flat; 24]; 4],
+            (None, Some(winter), Some(spring), Some(summer), Some(autumn)) => [winter, spring, summer, autumn],
+            _ => return Err("[electricity] needs either `flat` or all of `winter`, `spring`, `summer` and `autumn`, in kg/MWh".into()),
+        };
+        if let Some(value) = per_mwh.iter().flatten().find(|value| !value.is_finite() || **value < 0.0) {
+            return Err(format!("[electricity] has {value} kg/MWh; expected numbers of at least 0"));
+        }
+        Ok(per_mwh.map(|season| season.map(|value| value / 1000.0)))
+    }
+}

@@ -1,0 +1,119 @@
+//! Events: hours of a winter with a high price, announced the day before.
+
+use b2b_base::random::{stream, uniform};
+use toml::Spanned;
+
+use crate::calendar::{DAYS, Date, Year};
+use crate::energy::{Class, EnergyTable};
+use crate::error::Fault;
+use crate::file::EventsFile;
+use crate::span::{Dates, Days, Hours};
+use crate::tariff::Tariff;
+
+/// Largest difference, in K, between a day's mean temperature and what the choice of a seed takes it for: what the forecast
+/// and the rest of the grid leave open.
+const UNCERTAINTY: f64 = 2.0;
+
+/// When a utility may call events and what they cost.
+#[derive(Clone, Debug)]
+pub(crate) struct EventRule {
+    /// Class of the price.
+    pub(crate) class: u16,
+    dates: Dates,
+    days: Days,
+    hours: Vec<Hours>,
+    most_per_day: u32,
+    most_hours: f64,
+    /// Hour of the day before, on the local clock, from which an event is known.
+    pub(crate) notice: f64,
+    never: Vec<Date>,
+}
+
+/// An event of a year, on the local clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Day of the year, 1 to 365.
+    pub day: u32,
+    /// First hour, 0 to 24.
+    pub from: f64,
+    /// Hour at which it ends.
+    pub to: f64,
+}
+
+impl EventRule {
+    /// Returns the rule of a file and adds its price.
+    ///
+    /// # Errors
+    /// A fault at the table.
+    pub(crate) fn of(file: &Spanned<EventsFile>, energy: &mut EnergyTable) -> Result<Self, Fault> {
+        let place = file.span().start;
+        let file = file.get_ref();
+        let notice = file.notice.filter(|notice| (0.0..=24.0).contains(notice)).ok_or_else(|| {
+            Fault::at(
+                place,
+                "[electricity.events] needs `notice`: the hour of the day before by which events are announced, 0 to 24, such as \
+                 `notice = 15`",
+            )
+        })?;
+        let given = file.most_hours;
+        if file.hours.is_empty() || file.most_per_day == 0 || !given.is_finite() || given <= 0.0 {
+            let why = "[electricity.events] allows no event; expected `hours`, `most_per_day` and `most_hours` above 0";
+            return Err(Fault::at(place, why));
+        }
+        Ok(Self {
+            class: energy.add("event", Class::flat(file.price, false), place)?,
+            dates: file.dates.clone(),
+            days: file.days,
+            hours: file.hours.clone(),
+            most_per_day: file.most_per_day,
+            most_hours: file.most_hours,
+            notice,
+            never: file.never.clone(),
+        })
+    }
+
+    fn permits(&self, day: u32, weekend: bool) -> bool {
+        let excluded = self.never.iter().any(|never| never.day == day);
+        self.dates.contain(day) && self.days.contain(weekend) && !excluded
+    }
+}
+
+impl Tariff {
+    /// Chooses the events of a year from its daily mean outdoor temperatures in °C.
+    ///
+    /// The permitted times of the coldest permitted days are events, until the hours that the tariff allows in a winter are
+    /// used up; the January to March and the December of the year count as one winter. With a seed, each time's temperature
+    /// is taken for up to 2 K lower or higher than it is, drawn uniformly, so that the choice is not by temperature alone.
+    /// The same arguments give the same events. They come in the order of their times; a tariff without events has none.
+    pub fn events(&self, year: Year, daily_means: &[f64; DAYS as usize], seed: Option<u64>) -> Vec<Event> {
+        let Some(rule) = &self.events else { return Vec::new() };
+        let mut random = seed.map(|seed| stream("events", seed, 0));
+        let mut candidates = Vec::new();
+        for (day, mean) in (1..).zip(daily_means) {
+            for hours in &rule.hours {
+                // Drawn for every day, so that a draw does not depend on the days before.
+                let error = random.as_mut().map_or(0.0, |random| (2.0 * uniform(random) - 1.0) * UNCERTAINTY);
+                if rule.permits(day, self.is_weekend(year, day)) {
+                    candidates.push((mean + error, day, *hours));
+                }
+            }
+        }
+        candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.from.cmp(&b.2.from)));
+        let (mut chosen, mut used) = (Vec::<Event>::new(), 0.0);
+        for (_, day, hours) in candidates {
+            let same_day = chosen.iter().filter(|event| event.day == day).count();
+            if same_day < rule.most_per_day as usize && used + hours.length() <= rule.most_hours {
+                used += hours.length();
+                let [from, to] = [hours.from, hours.to].map(|quarter| f64::from(quarter) / 4.0);
+                chosen.push(Event { day, from, to });
+            }
+        }
+        chosen.sort_by(|a, b| a.day.cmp(&b.day).then(a.from.total_cmp(&b.from)));
+        chosen
+    }
+
+    /// Returns whether a day of a year is a Saturday, a Sunday or one of the tariff's holidays.
+    pub(crate) fn is_weekend(&self, year: Year, day: u32) -> bool {
+        year.weekday(day) >= 5 || self.holidays.iter().any(|holiday| year.day_of(*holiday) == day)
+    }
+}

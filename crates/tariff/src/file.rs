@@ -1,0 +1,125 @@
+//! The TOML form of a tariff.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::calendar::{Date, Holiday};
+use crate::fuel::Fuels;
+use crate::span::{Dates, Days, Hours};
+use crate::tariff::{Customers, Source};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TariffFile {
+    pub(crate) title: String,
+    pub(crate) place: String,
+    pub(crate) customers: Customers,
+    pub(crate) currency: String,
+    pub(crate) source: Source,
+    pub(crate) electricity: Spanned<ElectricityFile>,
+    pub(crate) fuels: Option<Spanned<Fuels>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ElectricityFile {
+    pub(crate) daylight_time: bool,
+    #[serde(default)]
+    pub(crate) holidays: Vec<Holiday>,
+    pub(crate) month_days: Option<u32>,
+    pub(crate) blocks: Option<Spanned<BlocksFile>>,
+    pub(crate) energy: Vec<Spanned<EnergyFile>>,
+    #[serde(default)]
+    pub(crate) demand: Vec<Spanned<DemandFile>>,
+    pub(crate) events: Option<Spanned<EventsFile>>,
+    pub(crate) cold: Option<Spanned<ColdFile>>,
+}
+
+/// Blocks of energy with prices of their own.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BlocksFile {
+    pub(crate) per: Per,
+    pub(crate) up_to: Vec<f64>,
+}
+
+/// What the kWh of a block are counted over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Per {
+    /// So many kWh every day.
+    Day,
+    /// So many kWh times the days of the month, counted over the month.
+    DayOfMonth,
+    /// So many kWh every month.
+    Month,
+}
+
+/// An energy price of some dates, days and hours.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EnergyFile {
+    pub(crate) name: String,
+    #[serde(default = "Dates::all")]
+    pub(crate) dates: Dates,
+    #[serde(default)]
+    pub(crate) days: Days,
+    pub(crate) hours: Option<Vec<Hours>>,
+    pub(crate) price: Option<Price>,
+    pub(crate) hourly: Option<Vec<f64>>,
+}
+
+/// One price, or one for each block.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(crate) enum Price {
+    One(f64),
+    Blocks(Vec<f64>),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DemandFile {
+    pub(crate) name: String,
+    #[serde(default = "Dates::all")]
+    pub(crate) dates: Dates,
+    #[serde(default)]
+    pub(crate) days: Days,
+    pub(crate) hours: Option<Vec<Hours>>,
+    pub(crate) price: f64,
+    #[serde(default)]
+    pub(crate) above: f64,
+    pub(crate) excess_over: Option<String>,
+    pub(crate) ratchet: Option<Ratchet>,
+}
+
+/// The least share of an earlier peak that is billed.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Ratchet {
+    pub(crate) share: f64,
+    pub(crate) dates: Dates,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EventsFile {
+    pub(crate) price: f64,
+    pub(crate) dates: Dates,
+    #[serde(default)]
+    pub(crate) days: Days,
+    pub(crate) hours: Vec<Hours>,
+    pub(crate) most_per_day: u32,
+    pub(crate) most_hours: f64,
+    pub(crate) notice: Option<f64>,
+    #[serde(default)]
+    pub(crate) never: Vec<Date>,
+}
+
+/// Another price while it is colder outdoors.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ColdFile {
+    pub(crate) below: f64,
+    pub(crate) price: f64,
+}

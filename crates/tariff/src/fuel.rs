@@ -1,0 +1,134 @@
+//! Energy carriers and the values of those that a tariff or an emission profile does not give.
+
+use serde::Deserialize;
+
+/// An energy carrier. The order is that of `b2b_building::Carrier`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fuel {
+    /// Electricity.
+    Electricity,
+    /// Natural gas.
+    Gas,
+    /// Propane.
+    Propane,
+    /// Heating oil, diesel and gasoline.
+    FuelOil,
+    /// Coal, wood and other fuels.
+    OtherFuel,
+    /// Hot water or steam of a district.
+    DistrictHeating,
+    /// Chilled water of a district.
+    DistrictCooling,
+}
+
+/// An amount for each carrier, in the order of [`Fuel::ALL`].
+pub type ByFuel = [f64; Fuel::ALL.len()];
+
+/// Efficiency of the boilers of a district.
+const BOILER: f64 = 0.8;
+/// Coefficient of performance of the chillers of a district.
+const CHILLER: f64 = 5.0;
+
+/// Values of the carriers other than electricity, as a file gives them.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Fuels {
+    gas: Option<f64>,
+    propane: Option<f64>,
+    fuel_oil: Option<f64>,
+    other_fuel: Option<f64>,
+    district_heating: Option<f64>,
+    district_cooling: Option<f64>,
+}
+
+/// Values of the carriers other than electricity, per kWh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FuelValues {
+    gas: f64,
+    propane: f64,
+    fuel_oil: f64,
+    other_fuel: f64,
+    district_heating: Option<f64>,
+    district_cooling: Option<f64>,
+}
+
+/// US dollars per kWh: natural gas of US commercial consumers, 2023, 11.1 $ per thousand cubic feet (EIA, Natural Gas
+/// Monthly); propane at 2.7 $/gal and heating oil at 4 $/gal (US winter 2022-23), wood pellets at 300 $/ton. The same as
+/// of tasks without a tariff.
+pub(crate) const PRICES: FuelValues = FuelValues::of([0.0365, 0.10, 0.10, 0.06]);
+/// kg of CO₂ per kWh: 40 CFR 98, table C-1, kg per million Btu: natural gas 53.06, propane 62.87, distillate fuel oil No. 2
+/// 73.96, wood 93.80. The same as of tasks without an emission profile.
+pub(crate) const EMISSIONS: FuelValues = FuelValues::of([0.181, 0.215, 0.252, 0.320]);
+
+impl Fuel {
+    /// All carriers.
+    pub const ALL: [Self; 7] = [
+        Self::Electricity,
+        Self::Gas,
+        Self::Propane,
+        Self::FuelOil,
+        Self::OtherFuel,
+        Self::DistrictHeating,
+        Self::DistrictCooling,
+    ];
+
+    /// Returns the name on a bill.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Electricity => "electricity",
+            Self::Gas => "natural gas",
+            Self::Propane => "propane",
+            Self::FuelOil => "fuel oil",
+            Self::OtherFuel => "other fuel",
+            Self::DistrictHeating => "district heating",
+            Self::DistrictCooling => "district cooling",
+        }
+    }
+}
+
+impl FuelValues {
+    const fn of([gas, propane, fuel_oil, other_fuel]: [f64; 4]) -> Self {
+        Self { gas, propane, fuel_oil, other_fuel, district_heating: None, district_cooling: None }
+    }
+
+    /// Returns these values with those that a file gives.
+    ///
+    /// # Errors
+    /// What is wrong with a value that is negative or not finite.
+    pub(crate) fn with(self, given: &Fuels) -> Result<Self, String> {
+        let named = [
+            ("gas", given.gas),
+            ("propane", given.propane),
+            ("fuel_oil", given.fuel_oil),
+            ("other_fuel", given.other_fuel),
+            ("district_heating", given.district_heating),
+            ("district_cooling", given.district_cooling),
+        ];
+        for (name, value) in named {
+            if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
+                return Err(format!("`{name}` is {value}; expected a number of at least 0"));
+            }
+        }
+        Ok(Self {
+            gas: given.gas.unwrap_or(self.gas),
+            propane: given.propane.unwrap_or(self.propane),
+            fuel_oil: given.fuel_oil.unwrap_or(self.fuel_oil),
+            other_fuel: given.other_fuel.unwrap_or(self.other_fuel),
+            district_heating: given.district_heating,
+            district_cooling: given.district_cooling,
+        })
+    }
+
+    /// Returns the value of a carrier where electricity has a given one.
+    pub(crate) fn at(&self, fuel: Fuel, electricity: f64) -> f64 {
+        match fuel {
+            Fuel::Electricity => electricity,
+            Fuel::Gas => self.gas,
+            Fuel::Propane => self.propane,
+            Fuel::FuelOil => self.fuel_oil,
+            Fuel::OtherFuel => self.other_fuel,
+            Fuel::DistrictHeating => self.district_heating.unwrap_or(self.gas / BOILER),
+            Fuel::DistrictCooling => self.district_cooling.unwrap_or(electricity / CHILLER),
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The prices of a calendar year: a tariff laid out by quarter-hour on the clock of the simulation.
+
+use crate::calendar::{DAY, DAYS, Moment, QUARTERS, Year};
+use crate::energy::Class;
+use crate::error::{Error, Result};
+use crate::events::{Event, EventRule};
+use crate::fuel::{ByFuel, Fuel};
+use crate::tariff::Tariff;
+
+/// Hours of a preview.
+pub const PREVIEW: usize = 24;
+
+/// The prices of a tariff in a year. Looking up a price does not allocate.
+#[derive(Clone, Debug)]
+pub struct Prices {
+    pub(crate) tariff: Tariff,
+    /// Class by quarter-hour of the year in standard time, without events.
+    usual: Box<[u16]>,
+    /// Class by quarter-hour, with events.
+    classes: Box<[u16]>,
+    /// Demand charges that apply, a bit each, by quarter-hour.
+    charges: Box<[u8]>,
+    year: Year,
+}
+
+impl Prices {
+    /// Lays out a tariff in a year.
+    ///
+    /// `outdoor` are the outdoor temperatures in °C of the 8760 hours of the year in standard time; only tariffs with a price
+    /// while it is cold need them.
+    ///
+    /// # Errors
+    /// [`Error::Inputs`] for missing temperatures or another number of them, and for an event outside the year.
+    pub fn new(tariff: Tariff, year: Year, events: &[Event], outdoor: Option<&[f64]>) -> Result<Self> {
+        let inputs = |why: String| Error::Inputs { tariff: tariff.name.clone(), why };
+        let hours = DAYS as usize * 24;
+        match outdoor {
+            None if tariff.needs_temperatures() => {
+                return Err(inputs(
+                    "has a price while it is cold; give the outdoor temperatures of the year".into(),
+                ));
+            }
+            Some(given) if given.len() != hours => {
+                return Err(inputs(format!("got {} outdoor temperatures; expected {hours}", given.len())));
+            }
+            _ => {}
+        }
+        if let Some(event) = events.iter().find(|event| !(1..=DAYS).contains(&event.day)) {
+            return Err(inputs(format!("got an event on day {}; expected 1 to {DAYS}", event.day)));
+        }
+        let mut usual = vec![0; QUARTERS].into_boxed_slice();
+        let mut charges = vec![0; QUARTERS].into_boxed_slice();
+        let weekends: Vec<bool> = (1..=DAYS).map(|day| tariff.is_weekend(year, day)).collect();
+        for standard in 0..QUARTERS as u32 {
+            let (day, quarter) = local(&tariff, year, standard);
+            let weekend = weekends[day as usize - 1];
+            let at = standard as usize;
+            usual[at] = tariff.energy.at(day, weekend, quarter);
+            if let (Some(cold), Some(outdoor)) = (tariff.cold, outdoor)
+                && outdoor[at / 4] < cold.below
+            {
+                usual[at] = cold.class;
+            }
+            let applying =
+                tariff.charges.iter().enumerate().filter(|(_, charge)| charge.applies(day, weekend, quarter));
+            charges[at] = applying.fold(0, |bits, (bit, _)| bits | 1 << bit);
+        }
+        let mut classes = usual.clone();
+        if let Some(rule) = &tariff.events {
+            put_events(&mut classes, rule, events, |standard| local(&tariff, year, standard));
+        }
+        Ok(Self { tariff, usual, classes, charges, year })
+    }
+
+    /// Returns the tariff.
+    pub fn tariff(&self) -> &Tariff {
+        &self.tariff
+    }
+
+    /// Returns the price of electricity per kWh at a moment, in a block of energy (0 is the first).
+    pub fn electricity(&self, at: Moment, block: usize) -> f64 {
+        self.class(quarter(at)).price(block)
+    }
+
+    /// Returns the price per kWh of a carrier at a moment; of electricity, in the first block.
+    pub fn price(&self, fuel: Fuel, at: Moment) -> f64 {
+        self.tariff.fuels.at(fuel, self.electricity(at, 0))
+    }
+
+    /// Fills in the price of electricity per kWh now and in 1 to 23 hours, in a block of energy, as it is known now: an event
+    /// only from the notice on, prices while it is cold by the weather as it will be. After the end of the year comes its
+    /// beginning.
+    pub fn preview(&self, now: Moment, block: usize, ahead: &mut [f64; PREVIEW]) {
+        let now = quarter(now);
+        for (hours, price) in ahead.iter_mut().enumerate() {
+            let at = (now + hours * 4) % QUARTERS;
+            let class = if self.is_known(now, at) { self.classes[at] } else { self.usual[at] };
+            *price = self.tariff.energy.classes[usize::from(class)].price(block);
+        }
+    }
+
+    /// Returns whether an event applies at a moment.
+    pub fn is_event(&self, at: Moment) -> bool {
+        let at = quarter(at);
+        self.classes[at] != self.usual[at]
+    }
+
+    /// Returns whether what is called for a quarter-hour of the year has been announced by another.
+    fn is_known(&self, now: usize, at: usize) -> bool {
+        let Some(rule) = self.tariff.events.as_ref().filter(|_| self.classes[at] != self.usual[at]) else {
+            return true;
+        };
+        let (today, quarter) = local(&self.tariff, self.year, now as u32);
+        let (day, _) = local(&self.tariff, self.year, at as u32);
+        let days_ahead = (day + DAYS - today) % DAYS;
+        days_ahead == 0 || days_ahead == 1 && f64::from(quarter) / 4.0 >= rule.notice
+    }
+
+    /// Returns the prices at a quarter-hour of the year.
+    pub(crate) fn class(&self, quarter: usize) -> &Class {
+        &self.tariff.energy.classes[usize::from(self.classes[quarter])]
+    }
+
+    /// Returns the demand charges that apply at a quarter-hour of the year, a bit each.
+    pub(crate) fn charges_at(&self, quarter: usize) -> u8 {
+        self.charges[quarter]
+    }
+
+    /// Returns the prices of all carriers where electricity has a given one.
+    pub(crate) fn of_fuels(&self, electricity: f64) -> ByFuel {
+        Fuel::ALL.map(|fuel| self.tariff.fuels.at(fuel, electricity))
+    }
+}
+
+impl Class {
+    /// Returns the price per kWh in a block.
+    pub(crate) fn price(&self, block: usize) -> f64 {
+        self.prices[block.min(self.prices.len() - 1)]
+    }
+}
+
+/// Returns the quarter-hour of the year of a moment.
+pub(crate) fn quarter(at: Moment) -> usize {
+    // Hours come from sums of steps: half a second is rounding.
+    ((at.quarters() + 5e-4) as usize) % QUARTERS
+}
+
+/// Returns the day of the year and the quarter-hour of the day on the tariff's clock of a quarter-hour of the year in
+/// standard time.
+fn local(tariff: &Tariff, year: Year, standard: u32) -> (u32, u32) {
+    let advance = if tariff.daylight_time { year.advance(standard) } else { 0 };
+    let quarter = (standard + advance) % QUARTERS as u32;
+    (quarter / DAY + 1, quarter % DAY)
+}
+
+fn put_events(classes: &mut [u16], rule: &EventRule, events: &[Event], local: impl Fn(u32) -> (u32, u32)) {
+    for (standard, class) in classes.iter_mut().enumerate() {
+        let (day, quarter) = local(standard as u32);
+        let hour = f64::from(quarter) / 4.0;
+        if events.iter().any(|event| event.day == day && (event.from..event.to).contains(&hour)) {
+            *class = rule.class;
+        }
+    }
+}

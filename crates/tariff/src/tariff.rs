@@ -1,0 +1,218 @@
+//! A tariff: what a file says, checked and laid out by day, kind of day and quarter-hour.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::calendar::Holiday;
+use crate::charge::{Charge, charges};
+use crate::energy::{Class, EnergyTable};
+use crate::error::{Fault, Result, read};
+use crate::events::EventRule;
+use crate::file::{BlocksFile, ColdFile, ElectricityFile, Per, TariffFile};
+use crate::fuel::{FuelValues, PRICES};
+
+/// Most prices by blocks of energy.
+pub(crate) const MAX_BLOCKS: usize = 4;
+/// Most names of energy prices, with those of events and cold.
+pub(crate) const MAX_NAMES: usize = 16;
+/// Most demand charges.
+pub(crate) const MAX_CHARGES: usize = 8;
+
+/// A tariff.
+#[derive(Clone, Debug)]
+pub struct Tariff {
+    /// Name: `hq-d` of a shipped one, or the name of the file without its extension.
+    pub name: String,
+    /// The utility and its name of the tariff.
+    pub title: String,
+    /// Where it applies.
+    pub place: String,
+    /// Whom it is for.
+    pub customers: Customers,
+    /// Currency of all prices, such as `USD`.
+    pub currency: String,
+    /// Where the figures come from.
+    pub source: Source,
+    pub(crate) energy: EnergyTable,
+    pub(crate) blocks: Blocks,
+    pub(crate) charges: Vec<Charge>,
+    pub(crate) events: Option<EventRule>,
+    pub(crate) cold: Option<Cold>,
+    pub(crate) fuels: FuelValues,
+    pub(crate) holidays: Vec<Holiday>,
+    pub(crate) daylight_time: bool,
+    pub(crate) month_days: Option<u32>,
+}
+
+/// Whom a tariff is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Customers {
+    /// Homes.
+    Homes,
+    /// Businesses.
+    Businesses,
+    /// Anybody: made for comparisons, no utility's own.
+    Any,
+}
+
+/// Where the figures of a file come from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// The document or record.
+    pub document: String,
+    /// Date from which the figures are in force, or of the document.
+    pub date: String,
+    /// Address.
+    pub url: Option<String>,
+    /// What was left out or assumed.
+    pub note: Option<String>,
+}
+
+/// Blocks of energy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks {
+    pub(crate) per: Per,
+    /// kWh at which each block ends; infinite for the last.
+    pub(crate) up_to: [f64; MAX_BLOCKS],
+    /// Number of blocks.
+    pub(crate) count: usize,
+}
+
+/// The price while it is cold.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cold {
+    /// Outdoor temperature below which it applies, °C.
+    pub(crate) below: f64,
+    /// Its class.
+    pub(crate) class: u16,
+}
+
+impl Tariff {
+    /// Reads a tariff from a TOML file.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line for what is not a tariff.
+    pub fn read(path: &Path) -> Result<Self> {
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Self::parse(&name, &path.display().to_string(), &read(path)?)
+    }
+
+    /// Returns the tariff of a TOML text. `file` is what errors name.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) with the line.
+    pub fn parse(name: &str, file: &str, text: &str) -> Result<Self> {
+        Self::of_text(name, text).map_err(|fault| fault.of(file, text))
+    }
+
+    fn of_text(name: &str, text: &str) -> Result<Self, Fault> {
+        let file: TariffFile = toml::from_str(text)?;
+        let (place, electricity) = (file.electricity.span().start, file.electricity.into_inner());
+        let blocks = Blocks::of(electricity.blocks.as_ref())?;
+        let mut energy = EnergyTable::of(&electricity.energy, blocks.count, place)?;
+        let events = electricity.events.as_ref();
+        let events = events.map(|events| EventRule::of(events, &mut energy)).transpose()?;
+        let cold = electricity.cold.as_ref();
+        let cold = cold.map(|cold| Cold::of(cold, &mut energy)).transpose()?;
+        Ok(Self {
+            name: name.to_owned(),
+            title: file.title,
+            place: file.place,
+            customers: file.customers,
+            currency: file.currency,
+            source: file.source,
+            blocks,
+            charges: charges(&electricity.demand)?,
+            events,
+            cold,
+            fuels: match file.fuels {
+                None => PRICES,
+                Some(given) => {
+                    PRICES.with(given.get_ref()).map_err(|why| Fault::at(given.span().start, why))?
+                }
+            },
+            month_days: month_days(&electricity, place)?,
+            energy,
+            holidays: electricity.holidays,
+            daylight_time: electricity.daylight_time,
+        })
+    }
+
+    /// Returns whether events may be called.
+    pub fn has_events(&self) -> bool {
+        self.events.is_some()
+    }
+
+    /// Returns whether a price depends on the outdoor temperature.
+    pub fn needs_temperatures(&self) -> bool {
+        self.cold.is_some()
+    }
+
+    /// Returns what the bill consists of, in words, such as `2 energy prices`, `blocks`, `demand charge`.
+    pub fn traits(&self) -> Vec<String> {
+        let prices =
+            self.energy.names.len() - usize::from(self.events.is_some()) - usize::from(self.cold.is_some());
+        let energy = match prices {
+            _ if self.energy.is_hourly => "hourly prices".into(),
+            1 => "one energy price".into(),
+            _ => format!("{prices} energy prices"),
+        };
+        let has_ratchet = self.charges.iter().any(|charge| charge.ratchet.is_some());
+        let others = [
+            (self.blocks.count > 1, "blocks"),
+            (self.has_demand_charge(), "demand charge"),
+            (has_ratchet, "ratchet"),
+            (self.events.is_some(), "winter events"),
+            (self.cold.is_some(), "a price while it is cold"),
+        ];
+        let others = others.into_iter().filter(|(has, _)| *has).map(|(_, word)| word.to_owned());
+        std::iter::once(energy).chain(others).collect()
+    }
+
+    /// Returns whether peaks are billed.
+    pub fn has_demand_charge(&self) -> bool {
+        !self.charges.is_empty()
+    }
+}
+
+fn month_days(electricity: &ElectricityFile, place: usize) -> Result<Option<u32>, Fault> {
+    match electricity.month_days {
+        Some(days) if !(28..=31).contains(&days) => {
+            Err(Fault::at(place, format!("`month_days` is {days}; expected 28 to 31, or leave it out")))
+        }
+        days => Ok(days),
+    }
+}
+
+impl Blocks {
+    fn of(file: Option<&Spanned<BlocksFile>>) -> Result<Self, Fault> {
+        let mut up_to = [f64::INFINITY; MAX_BLOCKS];
+        let Some(file) = file else { return Ok(Self { per: Per::Month, up_to, count: 1 }) };
+        let given = &file.get_ref().up_to;
+        let rising =
+            given.iter().all(|end| end.is_finite() && *end > 0.0) && given.is_sorted_by(|a, b| a < b);
+        if given.is_empty() || given.len() >= MAX_BLOCKS || !rising {
+            let why =
+                format!("`up_to` is {given:?}; expected one to {} rising numbers of kWh", MAX_BLOCKS - 1);
+            return Err(Fault::at(file.span().start, why));
+        }
+        up_to[..given.len()].copy_from_slice(given);
+        Ok(Self { per: file.get_ref().per, up_to, count: given.len() + 1 })
+    }
+}
+
+impl Cold {
+    fn of(file: &Spanned<ColdFile>, energy: &mut EnergyTable) -> Result<Self, Fault> {
+        let place = file.span().start;
+        let file = file.get_ref();
+        if !file.below.is_finite() {
+            return Err(Fault::at(place, format!("`below` is {}; expected a temperature in °C", file.below)));
+        }
+        let class = energy.add("cold", Class::flat(file.price, true), place)?;
+        Ok(Self { below: file.below, class })
+    }
+}

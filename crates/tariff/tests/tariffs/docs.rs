@@ -1,0 +1,85 @@
+//! The lists and the example in docs/tariffs.md are those of the data.
+//!
+//! `B2B_RECORD_DOCS=1 cargo test -p b2b-tariff docs` writes the lists.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use b2b_tariff::{Customers, Emissions, Prices, Tariff};
+
+use crate::common::YEAR;
+
+fn path() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/tariffs.md")
+}
+
+#[test]
+fn the_page_of_tariffs_lists_the_shipped_ones() {
+    let page = std::fs::read_to_string(path()).unwrap();
+    let expected = with_table(&with_table(&page, &tariffs()), &profiles());
+    if std::env::var_os("B2B_RECORD_DOCS").is_some() {
+        std::fs::write(path(), &expected).unwrap();
+    }
+    let remedy = "run `B2B_RECORD_DOCS=1 cargo test -p b2b-tariff docs`";
+    assert!(std::fs::read_to_string(path()).unwrap() == expected, "docs/tariffs.md is out of date: {remedy}");
+}
+
+fn tariffs() -> String {
+    let mut table = String::from(
+        "| tariff | utility and rate | place | for | has | source, in force |\n|---|---|---|---|---|---|\n",
+    );
+    for tariff in Tariff::names().map(|name| Tariff::named(name).unwrap()) {
+        let whom = match tariff.customers {
+            Customers::Homes => "homes",
+            Customers::Businesses => "businesses",
+            Customers::Any => "comparisons",
+        };
+        let source = linked(&tariff.source.document, tariff.source.url.as_deref());
+        let Tariff { name, title, place, source: own, .. } = &tariff;
+        let traits = tariff.traits().join(", ");
+        writeln!(table, "| `{name}` | {title} | {place} | {whom} | {traits} | {source}, {} |", own.date)
+            .unwrap();
+    }
+    table
+}
+
+fn profiles() -> String {
+    let mut table = String::from("| profile | of | source, year |\n|---|---|---|\n");
+    for profile in Emissions::names().map(|name| Emissions::named(name).unwrap()) {
+        let Emissions { name, title, place, source, .. } = &profile;
+        let document = linked(&source.document, source.url.as_deref());
+        writeln!(table, "| `{name}` | {title}: {place} | {document}, {} |", source.date).unwrap();
+    }
+    table
+}
+
+fn linked(document: &str, url: Option<&str>) -> String {
+    url.map_or_else(|| document.to_owned(), |url| format!("[{document}]({url})"))
+}
+
+/// Returns a page with the table that has the same header replaced.
+fn with_table(page: &str, table: &str) -> String {
+    let header = table.lines().next().unwrap();
+    let begin = page.find(header).unwrap_or_else(|| panic!("docs/tariffs.md has no table `{header}`"));
+    let end = page[begin..].find("\n\n").map_or(page.len(), |length| begin + length + 1);
+    format!("{}{table}{}", &page[..begin], &page[end..])
+}
+
+#[test]
+fn the_example_of_a_tariff_is_one() {
+    let page = std::fs::read_to_string(path()).unwrap();
+    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let tariff = Tariff::parse("example", "docs/tariffs.md", example).unwrap();
+    assert!(tariff.has_events() && tariff.has_demand_charge() && tariff.needs_temperatures());
+    let events = tariff.events(YEAR, &[-20.0; 365], None);
+    assert!(!events.is_empty());
+    Prices::new(tariff, YEAR, &events, Some(&[0.0; 8760])).unwrap();
+}
+
+#[test]
+fn the_page_of_tariffs_has_at_most_900_words_beside_its_tables() {
+    let page = std::fs::read_to_string(path()).unwrap();
+    let words: usize =
+        page.lines().filter(|line| !line.starts_with('|')).map(|line| line.split_whitespace().count()).sum();
+    assert!(words <= 900, "{words} words");
+}

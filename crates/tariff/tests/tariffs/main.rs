@@ -1,0 +1,7 @@
+//! Tests of tariffs from outside.
+
+mod bills;
+mod common;
+mod docs;
+mod files;
+mod real_tariffs;
