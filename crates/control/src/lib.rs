@@ -34,14 +34,8 @@ pub use versions::{Versions, parameters_hash};
 
 /// The kinds of controllers that need no file.
 #[cfg(target_os = "linux")]
-pub static KINDS: [&dyn Kind; 6] = [
-    &guideline36::Kind,
-    &own::Kind,
-    &reactive::Kind,
-    &random::Kind,
-    &constant::Kind,
-    &planner::Kind,
-];
+pub static KINDS: [&dyn Kind; 6] =
+    [&guideline36::Kind, &own::Kind, &reactive::Kind, &random::Kind, &constant::Kind, &planner::Kind];
 /// The kinds of controllers that need no file.
 #[cfg(not(target_os = "linux"))]
 pub static KINDS: [&dyn Kind; 5] =

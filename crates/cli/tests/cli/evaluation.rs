@@ -156,7 +156,7 @@ fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
     let found = catalog.find(&episode.subject.name, &episode.subject.placement, &mut Quiet).unwrap();
     let setting = b2b_env::EpisodeConfig {
         weather: found.weather.clone(),
-        period: episode.period,
+        period: episode.period.in_weather(&found.weather).unwrap(),
         steps_per_hour: episode.steps_per_hour,
         task: episode.task.clone(),
     };

@@ -2,9 +2,9 @@
 
 use b2b_building::PreparedBuilding;
 use b2b_climate::EpwFile;
-use b2b_env::{ObservationSpace, Spaces, Target};
+use b2b_env::{Bands, ObservationSpace, Spaces, Target};
 
-use super::points::{SiteInput, ZoneInput};
+use super::points::{NextBand, SiteInput, ZoneInput};
 use super::zone::demand::DemandLevel;
 
 /// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
@@ -18,6 +18,35 @@ pub(super) struct ZoneSlots {
     /// Slot of the occupancy; a task without it counts as always occupied.
     occupancy: Option<usize>,
     cools: bool,
+    /// Index among the controlled zones.
+    controlled: usize,
+}
+
+/// The bands of a building's zones with the slots of the time, as a building management system knows them.
+#[derive(Clone, Debug)]
+pub(super) struct Schedules {
+    /// `None` in a task with targets.
+    bands: Option<Bands>,
+    day_of_year: usize,
+    time_of_day: usize,
+}
+
+impl Schedules {
+    pub(super) fn of(spaces: &Spaces) -> Self {
+        let space = &spaces.observation;
+        Self {
+            bands: Bands::new(&spaces.episode.task.setpoints, &spaces.building),
+            day_of_year: space.day_of_year(),
+            time_of_day: space.time_of_day(),
+        }
+    }
+
+    /// Returns the next change of a controlled zone's setpoints.
+    fn next(&self, zone: usize, observation: &[f64]) -> Option<NextBand> {
+        let (day, hour) = (observation[self.day_of_year] as u32, observation[self.time_of_day]);
+        let next = self.bands.as_ref()?.next(zone, day, hour)?;
+        Some(NextBand { hours: next.hours, heating: next.pair.heating, cooling: next.pair.cooling })
+    }
 }
 
 impl ZoneSlots {
@@ -28,18 +57,24 @@ impl ZoneSlots {
             target: space.target(controlled),
             occupancy: space.occupancy(controlled),
             cools,
+            controlled,
         }
     }
 
     /// Returns the points of the zone.
-    pub(super) fn read(&self, observation: &[f64]) -> ZoneInput {
-        let target = self.target.of(observation);
+    pub(super) fn read(&self, observation: &[f64], schedules: &Schedules) -> ZoneInput {
+        let has_bands = schedules.bands.is_some();
+        let mut pair = self.target.pair_of(observation, has_bands);
+        if !has_bands {
+            pair.heating -= HALF_BAND;
+            pair.cooling = if self.cools { pair.cooling + HALF_BAND } else { f64::INFINITY };
+        }
         ZoneInput {
             temperature: observation[self.temperature],
-            heating: target - HALF_BAND,
-            cooling: if self.cools { target + HALF_BAND } else { f64::INFINITY },
+            heating: pair.heating,
+            cooling: pair.cooling,
             people: self.occupancy.is_none_or(|slot| observation[slot] > 0.5),
-            next: None,
+            next: schedules.next(self.controlled, observation),
         }
     }
 }

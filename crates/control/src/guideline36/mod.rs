@@ -41,7 +41,7 @@ pub use zone::demand::DemandLevel;
 
 use air_loop::AirLoop;
 use heater::Heater;
-use inputs::{SiteSlots, ZoneSlots};
+use inputs::{Schedules, SiteSlots, ZoneSlots};
 use record::{Entry, Record};
 use single_zone::{SingleZone, Unit};
 
@@ -50,6 +50,7 @@ use single_zone::{SingleZone, Unit};
 pub struct Guideline36 {
     systems: Vec<ControlledSystem>,
     site: SiteSlots,
+    schedules: Schedules,
     /// Length of a step, h.
     hours: f64,
     /// Points of the zones of a system.
@@ -94,6 +95,7 @@ impl Guideline36 {
         Self {
             systems,
             site: SiteSlots::of(&spaces.observation, demand),
+            schedules: Schedules::of(spaces),
             hours: 1.0 / f64::from(spaces.episode.steps_per_hour),
             points: Vec::with_capacity(zones),
             record,
@@ -116,7 +118,7 @@ impl Controller for Guideline36 {
         let mut writer = self.record.writer();
         for ControlledSystem { sequences, actions, zones } in &mut self.systems {
             self.points.clear();
-            self.points.extend(zones.iter().map(|zone| zone.read(observation)));
+            self.points.extend(zones.iter().map(|zone| zone.read(observation, &self.schedules)));
             sequences.act(site, &self.points, &mut action[actions.clone()], self.hours);
             let entries = sequences.entries();
             match sequences {
