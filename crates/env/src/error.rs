@@ -159,6 +159,9 @@ pub enum Error {
         /// Reason.
         why: String,
     },
+    /// An error of a tariff or an emission profile.
+    #[error(transparent)]
+    Tariff(#[from] b2b_tariff::Error),
     /// A band whose setpoints cross.
     #[error(
         "the band `{name}` heats to {heating} °C and cools to {cooling} °C; expected a cooling setpoint at least {least} K \

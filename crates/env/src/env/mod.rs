@@ -20,6 +20,7 @@ use tempfile::TempDir;
 use self::engine::Engine;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
+use crate::billing::Billing;
 use crate::calendar::Season;
 use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
@@ -62,6 +63,7 @@ pub struct Env {
     interlock: Interlock,
     impairment: Option<Impairment>,
     attendance: Option<Attendance>,
+    billing: Billing,
     /// What is asked of each controlled zone for the next step.
     asked: Vec<Asked>,
     /// The controlled zones in the last step.
@@ -124,6 +126,13 @@ impl Env {
                 spaces.building.model(),
                 spaces.episode.steps_per_hour,
             )?,
+            billing: Billing::new(
+                task,
+                &spaces.episode.weather,
+                spaces.episode.period,
+                spaces.building.conditioned_floor_area,
+                spaces.episode.steps_per_hour,
+            )?,
             asked: vec![Asked::UNKNOWN; zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -170,6 +179,7 @@ impl Env {
         self.metrics = new_metrics(&self.zones, &self.spaces);
         self.oscillations.fill(Oscillation::default());
         self.reward.reset();
+        self.billing.restart();
         if let Some(history) = &mut self.history {
             history.clear();
         }
@@ -247,7 +257,7 @@ impl Env {
             if is_operation { engine.energy_of_end_uses(floor_area) } else { engine.energy(floor_area) };
         let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
-        self.terms = self.measure(engine, &by_carrier, began.hour);
+        self.terms = self.measure(engine, &by_carrier, began);
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;

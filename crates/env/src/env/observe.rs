@@ -52,11 +52,13 @@ impl Env {
     }
 
     /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
-    pub(super) fn measure(&self, engine: &Engine, energy: &CarrierEnergy, hour: f64) -> Amounts {
+    pub(super) fn measure(&mut self, engine: &Engine, energy: &CarrierEnergy, began: Moment) -> Amounts {
+        let Moment { day_of_year, hour } = began;
+        let billed = self.billing.step(day_of_year, hour, energy);
         let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
         let hours = 1.0 / f64::from(*steps_per_hour);
         let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
-        Measured { energy, end_uses, task, hour, hours, so_far: &self.metrics.terms }.amounts()
+        Measured { energy, end_uses, billed, task, hour, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The reward of the step just observed; adds the step to the metrics.

@@ -3,6 +3,7 @@
 mod fuels;
 mod reward;
 mod spelling;
+mod tariff;
 
 use std::path::Path;
 
@@ -22,6 +23,7 @@ use crate::ventilation::Ventilation;
 use crate::{Error, Result};
 use fuels::{EMISSIONS, PRICES};
 pub use fuels::{Fuels, Hourly};
+pub use tariff::DataFile;
 
 /// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
 ///
@@ -33,6 +35,7 @@ pub use fuels::{Fuels, Hourly};
 /// | setpoints | `constant`, `constant:23` (°C), `occupancy`, `random`, `random:7` (seed), `operate`, `operate:21-24/15.6-28` (bands of heating and cooling setpoints, °C, with people and without) |
 /// | comfort | none (squared deviation, as in the paper; deviation from the band with `operate`), `deadband`, `deadband0.5` (K), `pmv`, `band30` (weight of a kelvin outside the band) |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
+/// | tariff | none (constant prices), a name such as `tou` or `hq-m`, a TOML file |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 /// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
 /// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
@@ -62,6 +65,12 @@ pub struct Task {
     pub prices: Fuels,
     /// Emission factors, kg CO₂/kWh.
     pub emissions: Fuels,
+    /// Tariff, which replaces the prices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tariff: Option<DataFile>,
+    /// Hourly emission profile, which replaces the emission factors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emission_profile: Option<DataFile>,
     /// Presence of people.
     #[serde(skip_serializing_if = "Presence::is_scheduled")]
     pub presence: Presence,
@@ -96,6 +105,8 @@ impl Default for Task {
             comfort_band: 1.0,
             prices: PRICES,
             emissions: EMISSIONS,
+            tariff: None,
+            emission_profile: None,
             presence: Presence::default(),
             faults: Faults::default(),
         }
@@ -140,8 +151,7 @@ impl Task {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let task: Self =
             user_file::parse_object(&text).map_err(|why| Error::TaskFile { path: path.to_owned(), why })?;
-        task.check()?;
-        Ok(task)
+        task.complete()
     }
 
     /// Parses a task from a user's text: the short form, a JSON object, or the path of a JSON file.
@@ -152,13 +162,20 @@ impl Task {
     pub fn from_text(text: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
             let task: Self = user_file::parse_object(text).map_err(|why| Error::InvalidTask { why })?;
-            task.check()?;
-            return Ok(task);
+            return task.complete();
         }
         match Path::new(text).extension() {
             Some(extension) if extension == "json" => Self::read(Path::new(text)),
             _ => text.parse(),
         }
+    }
+
+    /// Adds the text of the files that it names, and checks it.
+    fn complete(mut self) -> Result<Self> {
+        self.tariff = self.tariff.map(DataFile::with_text).transpose()?;
+        self.emission_profile = self.emission_profile.map(DataFile::with_text).transpose()?;
+        self.check()?;
+        Ok(self)
     }
 
     /// Checks that every number is finite and within its limits.
@@ -174,6 +191,8 @@ impl Task {
                 within(name, value, low, LARGEST)?;
             }
         }
+        self.tariff.as_ref().map_or(Ok(()), |tariff| tariff.tariff().map(drop))?;
+        self.emission_profile.as_ref().map_or(Ok(()), |profile| profile.emissions().map(drop))?;
         self.presence.check()?;
         self.faults.check()?;
         self.setpoints.check()?;

@@ -1,9 +1,12 @@
 //! The short text form of a task: see [`Task`].
 
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 
-use super::{OPERATION_WEIGHT, Task};
+use b2b_tariff::Tariff;
+
+use super::{DataFile, OPERATION_WEIGHT, Task};
 use crate::band::Band;
 use crate::comfort::{Comfort, Pmv};
 use crate::setpoints::Setpoints;
@@ -44,6 +47,7 @@ impl Task {
             Resource::ENERGY if self.energy_weight == 0.0 => String::new(),
             resource => format!("+{}{}", resource.penalty().word, self.energy_weight),
         };
+        let tariff = self.tariff.as_ref().map_or_else(String::new, |tariff| format!("+{}", tariff.name()));
         let ventilation = match self.ventilation {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
@@ -51,7 +55,7 @@ impl Task {
         let mut task = self.clone();
         let disturbances = task.disturbances().into_iter().filter(|(_, value)| **value != 0.0);
         let disturbances: String = disturbances.map(|(word, value)| format!("+{word}{value}")).collect();
-        format!("{setpoints}{comfort}{resource}{ventilation}{disturbances}")
+        format!("{setpoints}{comfort}{resource}{tariff}{ventilation}{disturbances}")
     }
 }
 
@@ -91,6 +95,12 @@ impl FromStr for Task {
                 task.ventilation = Ventilation::Free;
                 if std::mem::replace(&mut ventilation, true) {
                     return Err(twice(part));
+                }
+                continue;
+            }
+            if let Some(tariff) = tariff_of(part)? {
+                if task.tariff.replace(tariff).is_some() {
+                    return Err(error(format!(": `{part}` is a second tariff")));
                 }
                 continue;
             }
@@ -152,7 +162,8 @@ const WORDS: [&str; 17] = [
 /// Returns a question with the word most similar to a misspelled one; empty if none is similar.
 fn suggestion(part: &str) -> String {
     let given = word_and_number(part).map_or(part, |(word, _)| word);
-    let near = WORDS.into_iter().map(|word| (strsim::damerau_levenshtein(word, given), word)).min();
+    let words = WORDS.into_iter().map(|word| (word, given)).chain(Tariff::names().map(|name| (name, part)));
+    let near = words.map(|(word, given)| (strsim::damerau_levenshtein(word, given), word)).min();
     let near = near.filter(|(distance, word)| *distance > 0 && distance * 3 <= word.len());
     near.map_or_else(String::new, |(_, word)| format!(": did you mean {word}?"))
 }
@@ -183,6 +194,15 @@ fn word_and_number(part: &str) -> Option<(&str, Option<f64>)> {
         "" => Some((word, None)),
         number => Some((word, Some(number.parse().ok()?))),
     }
+}
+
+/// Returns the tariff that a part names: one that ships with this software, or a file.
+fn tariff_of(part: &str) -> Result<Option<DataFile>> {
+    if part.ends_with(".toml") {
+        return DataFile::read(Path::new(part)).map(Some);
+    }
+    let known = Tariff::names().find(|name| *name == part);
+    Ok(known.map(|name| DataFile::Shipped(name.to_owned())))
 }
 
 fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
@@ -232,6 +252,8 @@ mod tests {
             "operate:21-24/15.6-28",
             "operate+band30+cost2",
             "operate+energy0.5",
+            "operate+tou",
+            "operate:21-24/15.6-28+cost2+hq-m",
         ]) {
             assert_eq!(task(text).to_string(), text);
         }

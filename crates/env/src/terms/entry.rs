@@ -3,6 +3,7 @@
 use b2b_building::{CarrierEnergy, EndUseEnergy};
 
 use super::{Amounts, Totals};
+use crate::billing::Billed;
 use crate::task::Task;
 
 /// The definition of a [`Term`](super::Term).
@@ -31,6 +32,8 @@ pub struct Measured<'a> {
     pub energy: &'a CarrierEnergy,
     /// The same by end use. Losses of a building's transformer are in `energy` alone.
     pub end_uses: &'a EndUseEnergy,
+    /// What the task's tariff and emission profile decide.
+    pub billed: Billed,
     /// The task.
     pub task: &'a Task,
     /// Hour of the day at which the step began, from 0.

@@ -1,0 +1,122 @@
+//! What the energy of an episode costs under its tariff, and emits under its profile.
+
+use std::path::Path;
+
+use b2b_building::{CarrierEnergy, RunPeriod};
+use b2b_climate::EpwFile;
+use b2b_tariff::{Bill, DAYS, Emissions, Moment, Part, Prices, Year};
+
+use crate::task::Task;
+use crate::{Error, Result};
+
+/// Weekday of 1 January of the calendar year, a Sunday.
+const FIRST_WEEKDAY: u32 = 6;
+
+/// The bill of an episode and its prices.
+#[derive(Clone, Debug)]
+pub(crate) struct Billing {
+    prices: Option<Prices>,
+    emissions: Option<Emissions>,
+    bill: Bill,
+    period: RunPeriod,
+    /// m².
+    floor_area: f64,
+    /// Length of a step, h.
+    hours: f64,
+}
+
+/// Cost and emissions of a step where a tariff or a profile decides them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Billed {
+    /// Cost, currency/m².
+    pub cost: Option<f64>,
+    /// Emissions, g CO₂/m².
+    pub emissions: Option<f64>,
+}
+
+impl Billing {
+    /// Returns the bill of a task; without tariff and profile it bills nothing.
+    ///
+    /// # Errors
+    /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.
+    pub(crate) fn new(
+        task: &Task,
+        weather: &Path,
+        period: RunPeriod,
+        floor_area: f64,
+        steps_per_hour: u32,
+    ) -> Result<Self> {
+        let prices = task.tariff.as_ref().map(|tariff| {
+            let tariff = tariff.tariff()?;
+            let year = Year::starting_on(FIRST_WEEKDAY);
+            let outdoor = EpwFile::open(weather).map_err(Error::building)?.dry_bulbs();
+            let events = if tariff.has_events() {
+                tariff.events(year, &daily_means(&outdoor), None)
+            } else {
+                Vec::new()
+            };
+            let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());
+            Ok::<_, Error>(Prices::new(tariff, year, &events, outdoor)?)
+        });
+        let emissions = task.emission_profile.as_ref().map(|profile| profile.emissions());
+        Ok(Self {
+            prices: prices.transpose()?,
+            emissions: emissions.transpose()?,
+            bill: Self::empty(period),
+            period,
+            floor_area,
+            hours: 1.0 / f64::from(steps_per_hour),
+        })
+    }
+
+    fn empty(period: RunPeriod) -> Bill {
+        Bill::new(period.first().day_of_year(), period.last().day_of_year())
+    }
+
+    /// Begins an episode.
+    pub(crate) fn restart(&mut self) {
+        self.bill = Self::empty(self.period);
+    }
+
+    /// Adds a step that began at a moment, with its energy, Wh/m².
+    pub(crate) fn step(&mut self, day_of_year: u32, hour: f64, energy: &CarrierEnergy) -> Billed {
+        let at = Moment { day: day_of_year, hour };
+        let kwh = energy.map(|energy| energy.max(0.0) * self.floor_area / 1000.0);
+        let cost = self
+            .prices
+            .as_ref()
+            .map(|prices| self.bill.step(prices, at, &kwh, self.hours).total() / self.floor_area);
+        let emitted = |profile: &Emissions| {
+            let carriers = b2b_tariff::Fuel::ALL.into_iter().zip(energy);
+            // kg/kWh is g/Wh.
+            carriers.map(|(fuel, energy)| profile.at(fuel, at) * energy).sum()
+        };
+        Billed { cost, emissions: self.emissions.as_ref().map(emitted) }
+    }
+
+    /// Writes the electricity prices of the hours ahead, currency/kWh, as they are known at a moment.
+    pub(crate) fn preview(
+        &self,
+        day_of_year: u32,
+        hour: f64,
+        ahead: &mut [f64; b2b_tariff::PREVIEW],
+    ) -> bool {
+        let at = Moment { day: day_of_year, hour };
+        let Some(prices) = &self.prices else { return false };
+        prices.preview(at, self.bill.block(prices, at), ahead);
+        true
+    }
+
+    /// Returns the parts of the bill so far; none without a tariff.
+    pub(crate) fn parts(&self) -> Vec<Part> {
+        self.prices.as_ref().map_or_else(Vec::new, |prices| self.bill.parts(prices))
+    }
+}
+
+/// The daily means of a year's hourly temperatures.
+fn daily_means(hourly: &[f64]) -> [f64; DAYS as usize] {
+    std::array::from_fn(|day| {
+        let hours = &hourly[(24 * day).min(hourly.len())..(24 * day + 24).min(hourly.len())];
+        hours.iter().sum::<f64>() / hours.len().max(1) as f64
+    })
+}

@@ -1,0 +1,76 @@
+//! The tariff and the emission profile of a task.
+
+use std::path::Path;
+
+use b2b_tariff::{Emissions, Tariff};
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Result};
+
+/// A file that ships with this software, by its name, or a user's own with its text, so that a stored task is complete.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+pub enum DataFile {
+    /// Ships with this software.
+    Shipped(String),
+    /// A user's own.
+    Own {
+        /// Name of the file.
+        name: String,
+        /// Its text.
+        toml: String,
+    },
+}
+
+impl DataFile {
+    /// Reads a user's file.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let toml =
+            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self::Own { name, toml })
+    }
+
+    /// Returns it with its text if it is the path of a user's file.
+    ///
+    /// # Errors
+    /// As [`DataFile::read`].
+    pub(super) fn with_text(self) -> Result<Self> {
+        match &self {
+            Self::Shipped(path) if path.ends_with(".toml") => Self::read(Path::new(path)),
+            _ => Ok(self),
+        }
+    }
+
+    /// Returns its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Shipped(name) | Self::Own { name, .. } => name,
+        }
+    }
+
+    /// Returns it as a tariff.
+    ///
+    /// # Errors
+    /// [`Error::Tariff`] for an unknown name, or with the line of an error.
+    pub fn tariff(&self) -> Result<Tariff> {
+        Ok(match self {
+            Self::Shipped(name) => Tariff::named(name)?,
+            Self::Own { name, toml } => Tariff::parse(name, &format!("{name}.toml"), toml)?,
+        })
+    }
+
+    /// Returns it as an emission profile.
+    ///
+    /// # Errors
+    /// As [`DataFile::tariff`].
+    pub fn emissions(&self) -> Result<Emissions> {
+        Ok(match self {
+            Self::Shipped(name) => Emissions::named(name)?,
+            Self::Own { name, toml } => Emissions::parse(name, &format!("{name}.toml"), toml)?,
+        })
+    }
+}
