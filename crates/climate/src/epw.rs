@@ -15,6 +15,8 @@ const COLUMNS: usize = 35;
 const FLAGS: usize = 5;
 /// Column of the dry-bulb temperature.
 const DRY_BULB: usize = 6;
+/// Column of the global horizontal radiation.
+const GLOBAL_RADIATION: usize = 13;
 /// Plausible values: column, quantity and limits, and the value that stands for a missing one. The first are beyond the
 /// records on Earth.
 const LIMITS: [(usize, &str, [f64; 2], f64); 4] = [
@@ -53,12 +55,23 @@ pub fn check(text: &str, path: &Path) -> Result<usize> {
 /// Returns the dry-bulb temperatures at the end of each hour of a year without 29 February, °C, of an EPW text that
 /// [`check`] accepts.
 pub fn dry_bulbs(text: &str) -> Vec<f64> {
+    column(text, DRY_BULB)
+}
+
+/// Returns the mean global horizontal radiation of each hour of a year without 29 February, W/m², of an EPW text that
+/// [`check`] accepts.
+pub fn global_radiation(text: &str) -> Vec<f64> {
+    column(text, GLOBAL_RADIATION)
+}
+
+/// Returns the values of a column beyond the first three, without those of 29 February.
+fn column(text: &str, column: usize) -> Vec<f64> {
     let hour = |line: &str| {
         let mut columns = line.split(',');
         let [_, month, day] = std::array::from_fn(|_| columns.next().unwrap_or_default().trim());
         let is_leap_day = month.parse() == Ok(2) && day.parse() == Ok(29);
-        let dry_bulb = columns.nth(DRY_BULB - 3)?.trim().parse().ok();
-        dry_bulb.filter(|_| !is_leap_day)
+        let value = columns.nth(column - 3)?.trim().parse().ok();
+        value.filter(|_| !is_leap_day)
     };
     text.lines().skip(HEADER_LINES).filter_map(hour).collect()
 }

@@ -95,6 +95,11 @@ impl EpwFile {
     pub fn dry_bulbs(&self) -> Vec<f64> {
         epw::dry_bulbs(&self.text)
     }
+
+    /// Returns the mean global horizontal radiation of each hour of a year without 29 February, W/m².
+    pub fn global_radiation(&self) -> Vec<f64> {
+        epw::global_radiation(&self.text)
+    }
 }
 
 impl Stamp {

@@ -6,6 +6,7 @@ use b2b_building::{CarrierEnergy, RunPeriod};
 use b2b_climate::EpwFile;
 use b2b_tariff::{Bill, DAYS, Emissions, Moment, Part, Prices, Year};
 
+use crate::engine_report::BillPart;
 use crate::task::Task;
 use crate::{Error, Result};
 
@@ -108,8 +109,11 @@ impl Billing {
     }
 
     /// Returns the parts of the bill so far; none without a tariff.
-    pub(crate) fn parts(&self) -> Vec<Part> {
-        self.prices.as_ref().map_or_else(Vec::new, |prices| self.bill.parts(prices))
+    pub(crate) fn parts(&self) -> Vec<BillPart> {
+        let part =
+            |Part { name, quantity, unit, cost }| BillPart { name, quantity, unit: unit.to_owned(), cost };
+        let parts = self.prices.as_ref().map(|prices| self.bill.parts(prices));
+        parts.into_iter().flatten().map(part).collect()
     }
 }
 

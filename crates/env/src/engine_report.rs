@@ -2,7 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The engine's side of a finished episode.
+/// A part of the bill of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BillPart {
+    /// Name: of a price of the tariff, a demand charge or a carrier.
+    pub name: String,
+    /// kWh of energy, or kW of a demand charge, of the HVAC of the whole building.
+    pub quantity: f64,
+    /// `kWh` or `kW`.
+    pub unit: String,
+    /// Cost in the tariff's currency.
+    pub cost: f64,
+}
+
+/// The engine's side of a finished episode, with its bill.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EngineReport {
     /// Number of warnings.
@@ -19,4 +32,7 @@ pub struct EngineReport {
     /// Names of the controlled zones that are never occupied: occupancy setpoints always leave them at the unoccupied
     /// target.
     pub never_occupied: Vec<String>,
+    /// Parts of the bill; none without a tariff.
+    #[serde(default)]
+    pub bill: Vec<BillPart>,
 }

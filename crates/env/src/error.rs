@@ -159,6 +159,17 @@ pub enum Error {
         /// Reason.
         why: String,
     },
+    /// A preview in a task with targets.
+    #[error("a preview needs comfort bands; expected a task such as operate+preview")]
+    PreviewWithoutBands,
+    /// A preview of a weather file that is not a year.
+    #[error("the preview needs the 8760 hours of a year; {weather} has {hours}")]
+    PreviewWeather {
+        /// The weather file.
+        weather: std::path::PathBuf,
+        /// Its hours.
+        hours: usize,
+    },
     /// An error of a tariff or an emission profile.
     #[error(transparent)]
     Tariff(#[from] b2b_tariff::Error),

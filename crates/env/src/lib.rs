@@ -31,6 +31,7 @@ mod morphology;
 mod observation;
 mod oscillation;
 mod presence;
+mod preview;
 mod random;
 mod reward;
 mod role_observation;
@@ -51,7 +52,7 @@ pub use billing::Billed;
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;
 pub use energy_scale::EnergyScale;
-pub use engine_report::EngineReport;
+pub use engine_report::{BillPart, EngineReport};
 pub use env::{Env, Snapshot};
 pub use environment::{Environment, Step};
 pub use episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
@@ -62,6 +63,7 @@ pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
 pub use presence::Presence;
+pub use preview::{PREVIEW_HOURS, Preview};
 pub use reward::{
     InfoNumbers, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, from_numbers, to_info_numbers,
     to_numbers,

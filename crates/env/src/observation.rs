@@ -6,7 +6,8 @@ use b2b_building::morphology::{Observed, Owner};
 use b2b_building::{Conditioning, PreparedBuilding};
 
 use crate::band::Pair;
-use crate::setpoints::Setpoints;
+use crate::preview::PREVIEW_HOURS;
+use crate::task::Task;
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,10 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
+/// With bands, a heating and a cooling setpoint take the place of the target. With a preview, the next setpoints of every
+/// controlled zone with the hours until then follow, and 24 electricity prices, outdoor temperatures and solar radiations
+/// of the hours ahead.
+///
 /// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
@@ -39,6 +44,8 @@ pub struct ObservationSpace {
     constant_target: Option<f64>,
     /// Slots of each controlled zone for what the task asks of it; empty with constant targets.
     asked: Vec<AskedSlots>,
+    /// First slot of the preview.
+    ahead: Option<usize>,
 }
 
 /// Slots of a controlled zone for what the task asks of it.
@@ -149,8 +156,69 @@ const SHARED_SLOTS: [SharedSlot; SHARED] = [
     ),
 ];
 
+/// Gives the slots of a preview: the next setpoints of every controlled zone, then prices and weather of the hours ahead.
+fn preview_slots(
+    building: &PreparedBuilding,
+    mut give: impl FnMut((String, Owner, Observed, &'static str, (f64, f64), &'static str)),
+) {
+    const BY_SCHEDULE: &str = "schedules, next change within a week";
+    for (number, zone) in building.zones.iter().enumerate() {
+        if zone.conditioning == Conditioning::None {
+            continue;
+        }
+        let owner = Owner::Zone(number);
+        let name = |word: &str| format!("{} {word}", zone.name);
+        let temperature = (0.0, 50.0);
+        give((
+            name("next heating setpoint"),
+            owner,
+            Observed::NextHeatingSetpoint,
+            "°C",
+            temperature,
+            BY_SCHEDULE,
+        ));
+        if zone.conditioning == Conditioning::HeatingAndCooling {
+            let quantity = Observed::NextCoolingSetpoint;
+            give((name("next cooling setpoint"), owner, quantity, "°C", temperature, BY_SCHEDULE));
+        }
+        give((
+            name("hours to next setpoints"),
+            owner,
+            Observed::HoursToChange,
+            "h",
+            (0.0, 168.0),
+            BY_SCHEDULE,
+        ));
+    }
+    let hours = 1..=PREVIEW_HOURS;
+    for (word, owner, quantity, unit, bounds, source) in [
+        (
+            "electricity price",
+            Owner::Energy,
+            Observed::PriceAhead,
+            "1/kWh",
+            (-10.0, 10.0),
+            "tariff, by the hour",
+        ),
+        (
+            "outdoor temperature",
+            Owner::Weather,
+            Observed::OutdoorTemperatureAhead,
+            "°C",
+            (-60.0, 60.0),
+            "forecast",
+        ),
+        ("solar radiation", Owner::Weather, Observed::SolarAhead, "W/m²", (0.0, 1500.0), "forecast"),
+    ] {
+        for hour in hours.clone() {
+            give((format!("{word} {hour} h ahead"), owner, quantity, unit, bounds, source));
+        }
+    }
+}
+
 impl ObservationSpace {
-    pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32, setpoints: &Setpoints) -> Self {
+    pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32, task: &Task) -> Self {
+        let setpoints = &task.setpoints;
         let energy = MAX_POWER / f64::from(steps_per_hour);
         let slot = |name: &str, (owner, quantity), unit, (low, high), source| Slot {
             name: name.into(),
@@ -202,13 +270,20 @@ impl ObservationSpace {
             };
             asked.push(AskedSlots { occupancy, target });
         }
-        Self { slots, zones: building.zones.len(), constant_target, asked }
+        let ahead = task.preview.map(|_| {
+            let first = slots.len();
+            preview_slots(building, |(name, owner, quantity, unit, bounds, source)| {
+                slots.push(slot(&name, (owner, quantity), unit, bounds, source));
+            });
+            first
+        });
+        Self { slots, zones: building.zones.len(), constant_target, asked, ahead }
     }
 
     /// Returns a space of arbitrary slots.
     #[cfg(test)]
     pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
-        Self { slots, zones: 0, constant_target: Some(21.0), asked: Vec::new() }
+        Self { slots, zones: 0, constant_target: Some(21.0), asked: Vec::new(), ahead: None }
     }
 
     /// The slots in order.
@@ -283,6 +358,11 @@ impl ObservationSpace {
             Some(target) => Target::Always(target),
             None => self.asked[controlled_zone].target,
         }
+    }
+
+    /// First slot of the preview, if the task has one: see [`ObservationSpace`].
+    pub fn preview(&self) -> Option<usize> {
+        self.ahead
     }
 
     pub(crate) fn shared(&self, slot: Shared) -> usize {

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::band::{Band, Bands, Pair};
+use crate::band::{Band, Bands, NextPair, Pair};
 use crate::calendar::{Moment, Season};
 use crate::limits::within;
 use crate::random::stream;
@@ -262,6 +262,11 @@ impl Targets {
         }
         let (occupied, target) = self.target(zone, moment, people);
         Asked { occupied, target, pair: Pair { heating: target, cooling: target } }
+    }
+
+    /// Returns the next change of a zone's setpoints in a task with bands.
+    pub(crate) fn next(&self, zone: usize, day_of_year: u32, hour: f64) -> Option<NextPair> {
+        self.bands.as_ref()?.next(zone, day_of_year, hour)
     }
 
     fn target(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {

@@ -63,7 +63,7 @@ impl Spaces {
     pub fn new(building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Self {
         Self {
             action: ActionSpace::of(&building),
-            observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints),
+            observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task),
             episode,
             building,
         }

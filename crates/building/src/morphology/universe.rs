@@ -38,6 +38,18 @@ pub enum Observed {
     HeatingSetpoint,
     /// Cooling setpoint of a zone's comfort band, °C.
     CoolingSetpoint,
+    /// Heating setpoint of a zone after its next change, °C.
+    NextHeatingSetpoint,
+    /// Cooling setpoint of a zone after its next change, °C.
+    NextCoolingSetpoint,
+    /// Hours until the next change of a zone's setpoints.
+    HoursToChange,
+    /// Electricity price of an hour ahead, currency/kWh.
+    PriceAhead,
+    /// Outdoor temperature of an hour ahead, °C.
+    OutdoorTemperatureAhead,
+    /// Solar radiation of an hour ahead, W/m².
+    SolarAhead,
     /// Whether a zone is occupied, 0 or 1.
     Occupancy,
     /// Outdoor air temperature, °C.

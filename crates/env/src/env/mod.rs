@@ -29,6 +29,7 @@ use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
 use crate::presence::Attendance;
+use crate::preview::Forecast;
 use crate::reward::{Reward, RewardFunction, ZoneStep};
 use crate::setpoints::{Asked, Targets};
 use crate::spaces::{EpisodeConfig, Spaces};
@@ -64,6 +65,7 @@ pub struct Env {
     impairment: Option<Impairment>,
     attendance: Option<Attendance>,
     billing: Billing,
+    forecast: Option<Forecast>,
     /// What is asked of each controlled zone for the next step.
     asked: Vec<Asked>,
     /// The controlled zones in the last step.
@@ -133,6 +135,10 @@ impl Env {
                 spaces.building.conditioned_floor_area,
                 spaces.episode.steps_per_hour,
             )?,
+            forecast: task
+                .preview
+                .map(|preview| Forecast::new(preview, &spaces.episode.weather))
+                .transpose()?,
             asked: vec![Asked::UNKNOWN; zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -363,6 +369,7 @@ impl Env {
             severe_messages: severes.map(|message| message.text.clone()).collect(),
             meters: self.engine_meters().ok(),
             never_occupied: self.never_occupied.clone(),
+            bill: self.billing.parts(),
         }
     }
 

@@ -4,9 +4,11 @@ use b2b_building::{Carrier, CarrierEnergy};
 
 use super::Env;
 use super::engine::Engine;
+use crate::band::NextPair;
 use crate::calendar::Moment;
 use crate::kpis::Kpis;
 use crate::observation::{Shared, Target};
+use crate::preview::PREVIEW_HOURS;
 use crate::reward::{Reward, StepView, ZoneStep};
 use crate::setpoints::Asked;
 use crate::spaces::EpisodeConfig;
@@ -14,6 +16,8 @@ use crate::terms::{Amounts, Measured};
 use crate::zones::ControlledZone;
 use crate::{Error, Result};
 
+/// Hours until the next change of setpoints where there is none, a week.
+const LONGEST_PREVIEW: f64 = 168.0;
 /// The carriers of the demands of electricity, gas and district heat.
 const DEMANDS: [&[Carrier]; 3] = [
     &[Carrier::Electricity],
@@ -89,6 +93,38 @@ impl Env {
         reward
     }
 
+    /// Writes the preview, if the task has one.
+    fn look_ahead(&mut self, Moment { day_of_year, hour }: Moment) {
+        let (Some(first), Some(forecast)) = (self.spaces.observation.preview(), &self.forecast) else {
+            return;
+        };
+        let mut slot = first;
+        let mut put = |value: f64| {
+            self.observation[slot] = value;
+            slot += 1;
+        };
+        for (zone, asked) in self.asked.iter().enumerate() {
+            let next = self.targets.next(zone, day_of_year, hour);
+            let NextPair { hours, pair } =
+                next.unwrap_or(NextPair { hours: LONGEST_PREVIEW, pair: asked.pair });
+            put(pair.heating);
+            if pair.cooling.is_finite() {
+                put(pair.cooling);
+            }
+            put(hours.min(LONGEST_PREVIEW));
+        }
+        let mut values = [[0.0; PREVIEW_HOURS]; 3];
+        let [prices, temperatures, solar] = &mut values;
+        if !self.billing.preview(day_of_year, hour, prices) {
+            let constant = &self.spaces.episode.task.prices.electricity;
+            for (ahead, price) in prices.iter_mut().enumerate() {
+                *price = constant.at(hour + ahead as f64);
+            }
+        }
+        forecast.write(day_of_year, hour, temperatures, solar);
+        values.iter().flatten().for_each(|value| put(*value));
+    }
+
     /// Starts the indicators of operation in the state just observed.
     pub(super) fn begin_kpis(&mut self) {
         if self.spaces.episode.task.is_operation() {
@@ -142,6 +178,8 @@ impl Env {
                 }
             }
         }
+        self.look_ahead(moment);
+        let space = &self.spaces.observation;
         match self.observation.iter().position(|v| !v.is_finite()) {
             None => Ok(()),
             Some(slot) => Err(Error::ObservationNotFinite {

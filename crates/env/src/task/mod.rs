@@ -17,6 +17,7 @@ use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
 use crate::limits::within;
 use crate::presence::Presence;
+use crate::preview::Preview;
 use crate::setpoints::Setpoints;
 use crate::terms::Resource;
 use crate::ventilation::Ventilation;
@@ -36,6 +37,7 @@ pub use tariff::DataFile;
 /// | comfort | none (squared deviation, as in the paper; deviation from the band with `operate`), `deadband`, `deadband0.5` (K), `pmv`, `band30` (weight of a kelvin outside the band) |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | tariff | none (constant prices), a name such as `tou` or `hq-m`, a TOML file |
+/// | preview | none, `preview` (next setpoints; prices and weather of the next 24 hours), with bands only |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 /// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
 /// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
@@ -71,6 +73,9 @@ pub struct Task {
     /// Hourly emission profile, which replaces the emission factors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emission_profile: Option<DataFile>,
+    /// What the observation has of the hours ahead, in a task with bands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preview: Option<Preview>,
     /// Presence of people.
     #[serde(skip_serializing_if = "Presence::is_scheduled")]
     pub presence: Presence,
@@ -107,6 +112,7 @@ impl Default for Task {
             emissions: EMISSIONS,
             tariff: None,
             emission_profile: None,
+            preview: None,
             presence: Presence::default(),
             faults: Faults::default(),
         }
@@ -193,6 +199,12 @@ impl Task {
         }
         self.tariff.as_ref().map_or(Ok(()), |tariff| tariff.tariff().map(drop))?;
         self.emission_profile.as_ref().map_or(Ok(()), |profile| profile.emissions().map(drop))?;
+        if let Some(preview) = &self.preview {
+            if !self.is_operation() {
+                return Err(Error::PreviewWithoutBands);
+            }
+            preview.check()?;
+        }
         self.presence.check()?;
         self.faults.check()?;
         self.setpoints.check()?;

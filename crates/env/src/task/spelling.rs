@@ -9,11 +9,14 @@ use b2b_tariff::Tariff;
 use super::{DataFile, OPERATION_WEIGHT, Task};
 use crate::band::Band;
 use crate::comfort::{Comfort, Pmv};
+use crate::preview::Preview;
 use crate::setpoints::Setpoints;
 use crate::terms::Resource;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
 
+/// The part of a task with a preview.
+const PREVIEW: &str = "preview";
 /// The part of a task without the ventilation interlock.
 const FREE_VENTILATION: &str = "free-ventilation";
 
@@ -48,6 +51,7 @@ impl Task {
             resource => format!("+{}{}", resource.penalty().word, self.energy_weight),
         };
         let tariff = self.tariff.as_ref().map_or_else(String::new, |tariff| format!("+{}", tariff.name()));
+        let preview = self.preview.map_or_else(String::new, |_| format!("+{PREVIEW}"));
         let ventilation = match self.ventilation {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
@@ -55,7 +59,7 @@ impl Task {
         let mut task = self.clone();
         let disturbances = task.disturbances().into_iter().filter(|(_, value)| **value != 0.0);
         let disturbances: String = disturbances.map(|(word, value)| format!("+{word}{value}")).collect();
-        format!("{setpoints}{comfort}{resource}{tariff}{ventilation}{disturbances}")
+        format!("{setpoints}{comfort}{resource}{tariff}{preview}{ventilation}{disturbances}")
     }
 }
 
@@ -94,6 +98,12 @@ impl FromStr for Task {
             if part == FREE_VENTILATION {
                 task.ventilation = Ventilation::Free;
                 if std::mem::replace(&mut ventilation, true) {
+                    return Err(twice(part));
+                }
+                continue;
+            }
+            if part == PREVIEW {
+                if task.preview.replace(Preview::default()).is_some() {
                     return Err(twice(part));
                 }
                 continue;
@@ -139,7 +149,8 @@ fn spelled_band(band: &Band) -> String {
 }
 
 /// Every word of a text form.
-const WORDS: [&str; 17] = [
+const WORDS: [&str; 18] = [
+    PREVIEW,
     "constant",
     "occupancy",
     "random",
@@ -253,6 +264,7 @@ mod tests {
             "operate+band30+cost2",
             "operate+energy0.5",
             "operate+tou",
+            "operate+tou+preview",
             "operate:21-24/15.6-28+cost2+hq-m",
         ]) {
             assert_eq!(task(text).to_string(), text);

@@ -1,0 +1,130 @@
+//! The preview: what a building management system knows of the hours ahead, as a part of the observation.
+//!
+//! For every controlled zone the next change of its setpoints by the schedules, and for the building the electricity
+//! price, the outdoor temperature and the solar radiation of the next 24 hours, one value an hour.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use b2b_base::random::standard_normal;
+use b2b_climate::EpwFile;
+use serde::{Deserialize, Serialize};
+
+use crate::limits::within;
+use crate::random::stream;
+use crate::{Error, Result};
+
+/// Hours ahead of prices and weather.
+pub const PREVIEW_HOURS: usize = 24;
+const HOURS_OF_YEAR: usize = 8760;
+/// The first of the random streams of forecasts, one for each hour of the year.
+const FIRST_STREAM: u64 = 1 << 41;
+
+/// The preview of a task. The errors of the weather forecast grow with the square root of the time ahead.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Preview {
+    /// Standard deviation of the error of the outdoor temperature 24 hours ahead, K.
+    pub temperature_error: f64,
+    /// Standard deviation of the error of the solar radiation 24 hours ahead, as a share of it.
+    pub solar_error: f64,
+    /// Random seed of the errors.
+    pub seed: u64,
+}
+
+/// The weather forecast of an episode.
+#[derive(Clone, Debug)]
+pub(crate) struct Forecast {
+    preview: Preview,
+    /// Outdoor temperature at the end of every hour of the year, °C.
+    temperatures: Arc<[f64]>,
+    /// Mean global horizontal radiation of every hour of the year, W/m².
+    solar: Arc<[f64]>,
+}
+
+impl Preview {
+    pub(crate) fn check(&self) -> Result<()> {
+        within("temperature_error", self.temperature_error, 0.0, 20.0)?;
+        within("solar_error", self.solar_error, 0.0, 2.0)
+    }
+}
+
+impl Forecast {
+    /// Returns the forecast of a weather file.
+    ///
+    /// # Errors
+    /// [`Error::Building`] if the file cannot be read; [`Error::PreviewWeather`] if it is not a year.
+    pub(crate) fn new(preview: Preview, weather: &Path) -> Result<Self> {
+        let file = EpwFile::open(weather).map_err(Error::building)?;
+        let (temperatures, solar) = (file.dry_bulbs(), file.global_radiation());
+        match [temperatures.len(), solar.len()] {
+            [HOURS_OF_YEAR, HOURS_OF_YEAR] => {
+                Ok(Self { preview, temperatures: temperatures.into(), solar: solar.into() })
+            }
+            [hours, _] => Err(Error::PreviewWeather { weather: weather.to_owned(), hours }),
+        }
+    }
+
+    /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar radiation
+    /// (W/m²) in each.
+    pub(crate) fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
+        let now = 24 * (day_of_year as usize - 1) + hour as usize;
+        let mut random = stream(self.preview.seed, FIRST_STREAM + now as u64);
+        let step = 1.0 / (PREVIEW_HOURS as f64).sqrt();
+        let mut errors = [0.0; 2];
+        for ahead in 0..PREVIEW_HOURS {
+            let at = (now + ahead) % HOURS_OF_YEAR;
+            for (error, size) in
+                errors.iter_mut().zip([self.preview.temperature_error, self.preview.solar_error])
+            {
+                *error += size * step * standard_normal(&mut random);
+            }
+            temperatures[ahead] = self.temperatures[at] + errors[0];
+            solar[ahead] = (self.solar[at] * (1.0 + errors[1])).max(0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn forecast(preview: Preview) -> Forecast {
+        let temperatures: Vec<f64> = (0..HOURS_OF_YEAR).map(|hour| hour as f64 / 100.0).collect();
+        Forecast { preview, temperatures: temperatures.into(), solar: vec![500.0; HOURS_OF_YEAR].into() }
+    }
+
+    fn of(preview: Preview, day: u32, hour: f64) -> [[f64; PREVIEW_HOURS]; 2] {
+        let mut values = [[0.0; PREVIEW_HOURS]; 2];
+        let [temperatures, solar] = &mut values;
+        forecast(preview).write(day, hour, temperatures, solar);
+        values
+    }
+
+    #[test]
+    fn without_errors_the_forecast_is_the_weather() {
+        let [temperatures, solar] = of(Preview::default(), 2, 3.9);
+        assert_eq!((temperatures[0], temperatures[23], solar[5]), (0.27, 0.50, 500.0));
+        let [wrapped, _] = of(Preview::default(), 365, 23.0);
+        assert_eq!((wrapped[0], wrapped[1]), (87.59, 0.0), "the year begins anew");
+    }
+
+    #[test]
+    fn errors_grow_with_time_ahead_and_follow_the_seed() {
+        let preview = Preview { temperature_error: 2.0, solar_error: 0.3, seed: 1 };
+        assert_eq!(of(preview, 10, 0.0), of(preview, 10, 0.5), "a forecast holds for an hour");
+        assert_ne!(of(preview, 10, 0.0), of(Preview { seed: 2, ..preview }, 10, 0.0));
+        let deviation = |ahead: usize| {
+            let square = |hour: u32| {
+                let (with, without) = (
+                    of(preview, 1 + hour / 24, f64::from(hour % 24)),
+                    of(Preview::default(), 1 + hour / 24, f64::from(hour % 24)),
+                );
+                (with[0][ahead] - without[0][ahead]).powi(2)
+            };
+            ((0..2000).map(square).sum::<f64>() / 2000.0).sqrt()
+        };
+        assert!((deviation(23) - 2.0).abs() < 0.15, "{}", deviation(23));
+        assert!((deviation(5) - 1.0).abs() < 0.08, "{}", deviation(5));
+    }
+}
