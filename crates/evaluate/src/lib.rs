@@ -12,6 +12,7 @@ pub mod any_number;
 mod baseline;
 mod error;
 mod evaluation;
+mod operation;
 mod output;
 mod panics;
 mod parquet_file;
@@ -33,6 +34,7 @@ pub use evaluation::{
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
     read_stages, relative_energy, relative_resource, write_episodes, write_stages,
 };
+pub use operation::{OperationMeans, OperationTable};
 pub use output::read_rows;
 pub use panics::panic_message;
 pub use parquet_file::read_parquet;

@@ -5,6 +5,7 @@ use b2b_env::EpisodeMetrics;
 use serde::Serialize;
 
 use crate::evaluation::{Row, relative_energy, relative_resource};
+use crate::operation::OperationMeans;
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
@@ -75,6 +76,9 @@ pub struct Group {
     pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
+    /// Cost, energy, discomfort and peak; `None` in tasks without bands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operation: Option<OperationMeans>,
 }
 
 impl Results {
@@ -137,6 +141,7 @@ impl Group {
             relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
             relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
+            operation: OperationMeans::of_rows(strata.iter().copied().flatten().copied()),
         }
     }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use b2b_env::Task;
 use b2b_evaluate::statistics::{Aggregate, score_text};
-use b2b_evaluate::{Baselines, Folder, Group, Results, Summary, Window};
+use b2b_evaluate::{Baselines, Folder, Group, OperationTable, Results, Summary, Window};
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
@@ -105,8 +105,10 @@ fn run(arguments: &Run) -> Result<ExitCode> {
 
 /// Returns the text report.
 fn text(summary: &Summary, files: &[PathBuf]) -> String {
-    let mut text: String =
-        summary.windows.iter().map(|window| window_text(&summary.policy, window)).collect();
+    let mut text =
+        OperationTable::of(summary).map_or_else(String::new, |table| operation_text(summary, table));
+    let windows = summary.windows.iter().filter(|window| !window.is_operation());
+    text.extend(windows.map(|window| window_text(&summary.policy, window)));
     for lost in &summary.lost {
         text += &format!("failed: {lost}\n");
     }
@@ -115,6 +117,17 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     }
     let files: Vec<_> = files.iter().map(|file| format!("  {}", file.display())).collect();
     text + &files.join("\n")
+}
+
+/// Returns cost, energy, discomfort and peak of the tasks with bands, a row for each period.
+fn operation_text(summary: &Summary, OperationTable { header, rows }: OperationTable) -> String {
+    let mut table = Table::with_header(header.into_iter().map(str::to_owned).collect());
+    rows.into_iter().for_each(|row| table.push(row));
+    let Summary { policy, episodes, .. } = summary;
+    format!(
+        "{policy}, {episodes} episodes\nmeans over episodes (score: interquartile mean; lower is better, baseline = 1)\n\n{}\n\n",
+        table.text()
+    )
 }
 
 /// Returns the scores of one run period and task.

@@ -29,7 +29,7 @@ use std::ops::Range;
 
 use b2b_building::Conditioning;
 use b2b_building::hvac::{Sequence, System, SystemLayout};
-use b2b_env::{Controller, Spaces};
+use b2b_env::{Controller, Decisions, Spaces};
 
 pub use air_loop::TrimRespond as Guideline36Reset;
 pub(crate) use kind::Kind;
@@ -42,7 +42,7 @@ pub use zone::demand::DemandLevel;
 use air_loop::AirLoop;
 use heater::Heater;
 use inputs::{Schedules, SiteSlots, ZoneSlots};
-use record::{Entry, Record};
+use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
 
 /// The guideline's sequences, one set per system of a building.
@@ -55,7 +55,8 @@ pub struct Guideline36 {
     hours: f64,
     /// Points of the zones of a system.
     points: Vec<ZoneInput>,
-    record: Record,
+    /// Modes ([`Mode::number`]), setpoints, requests and loops of the last step.
+    record: Decisions,
 }
 
 /// A system with its sequences.
@@ -78,10 +79,10 @@ impl Guideline36 {
     /// Creates the sequences of all systems of a building.
     pub fn new(spaces: &Spaces, parameters: &Guideline36Parameters) -> Self {
         let climate_zone = inputs::climate_zone(spaces);
-        let mut record = Record::default();
+        let mut record = Decisions::default();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let sequences = Sequences::of(system, parameters, climate_zone.as_deref());
-            record.add(system.name(), sequences.entries(), &system.zones());
+            record::add(&mut record, system.name(), sequences.entries(), &system.zones());
             let cools = system.conditioning() == Conditioning::HeatingAndCooling;
             let slots = layout
                 .zones
@@ -101,11 +102,6 @@ impl Guideline36 {
             record,
         }
     }
-
-    /// Returns what was decided in the last step: modes ([`Mode::number`]), setpoints, requests and loops, by name.
-    pub fn record(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.record.iter()
-    }
 }
 
 impl Controller for Guideline36 {
@@ -115,7 +111,7 @@ impl Controller for Guideline36 {
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         let site = self.site.read(observation);
-        let mut writer = self.record.writer();
+        let mut writer = Writer::new(&mut self.record);
         for ControlledSystem { sequences, actions, zones } in &mut self.systems {
             self.points.clear();
             self.points.extend(zones.iter().map(|zone| zone.read(observation, &self.schedules)));
@@ -131,6 +127,10 @@ impl Controller for Guideline36 {
                 }
             }
         }
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        Some(&self.record)
     }
 }
 

@@ -115,6 +115,16 @@ pub(super) fn energy_vs_comfort(data: Value, height: u32, wide: bool) -> Chart {
     Chart { title: "Energy vs. comfort".into(), note: note.into(), height, wide, data, layout }
 }
 
+/// Returns the chart of cost and discomfort in tasks with bands, with these traces.
+pub(super) fn cost_vs_discomfort(data: Value, height: u32, wide: bool) -> Chart {
+    let layout = json!({
+        "xaxis": {"title": {"text": "cost (per m²)"}, "rangemode": "tozero", "zeroline": false},
+        "yaxis": {"title": {"text": "discomfort (K·h per zone)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    let note = "one point per episode; lower left is better";
+    Chart { title: "Cost vs. discomfort".into(), note: note.into(), height, wide, data, layout }
+}
+
 /// Names an episode in two lines, for hover labels.
 pub(super) fn hover_name(info: &EpisodeInfo) -> String {
     let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;

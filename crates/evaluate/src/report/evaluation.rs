@@ -8,6 +8,7 @@ use super::deviation_chart::StepDeviations;
 use super::evaluation_charts;
 use super::hourly_chart;
 use crate::evaluation::{Finished, Row};
+use crate::operation::{OperationMeans, OperationTable};
 use crate::results::Results;
 use crate::scores::RESOLUTION;
 use crate::statistics::{Aggregate, score_text};
@@ -35,7 +36,7 @@ pub fn write(
     let data = json!({
         "title": format!("{} on {} episodes", summary.policy, summary.episodes),
         "tiles": tiles(summary),
-        "tables": summary.windows.iter().map(table).collect::<Vec<_>>(),
+        "tables": tables(summary),
         "lost": summary.lost.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "drawings": charts,
         "footer": footer(summary),
@@ -72,8 +73,9 @@ fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Ve
 
 /// Returns pairs of a label and a value.
 fn tiles(summary: &Summary) -> Value {
-    let mut tiles = Vec::new();
-    for Window { task, period, all, .. } in &summary.windows {
+    let mut tiles = operation_tiles(summary);
+    for window in summary.windows.iter().filter(|window| !window.is_operation()) {
+        let Window { task, period, all, .. } = window;
         let which = if summary.windows.len() > 1 { format!(" · {task}, {period}") } else { String::new() };
         if let Some(scores) = &all.resolved_scores {
             let score = scores.interquartile_mean.to_string();
@@ -94,6 +96,41 @@ fn tiles(summary: &Summary) -> Value {
         }
     }
     tiles.into()
+}
+
+/// Returns the tiles of all windows with bands together: means over them.
+fn operation_tiles(summary: &Summary) -> Vec<Value> {
+    let windows = summary.windows.iter().filter(|window| window.is_operation());
+    let groups: Vec<&Group> = windows.map(|window| &window.all).collect();
+    let mean = |value: &dyn Fn(&Group) -> Option<f64>| {
+        let values: Vec<f64> = groups.iter().filter_map(|group| value(group)).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    };
+    let of = |value: fn(&OperationMeans) -> f64| mean(&|group| group.operation.as_ref().map(value));
+    let tiles = [
+        ("cost / baseline", mean(&|group| group.relative_resource).map(|ratio| format!("{ratio:.2}"))),
+        ("energy / baseline", mean(&|group| group.relative_energy).map(|ratio| format!("{ratio:.2}"))),
+        ("discomfort per zone, mean", of(|means| means.tdis_tot).map(|value| format!("{value:.1} K·h"))),
+        (
+            "peak electric demand, 15 min, mean",
+            of(|means| 1000.0 * means.pele_tot).map(|value| format!("{value:.1} W/m²")),
+        ),
+    ];
+    tiles.into_iter().filter_map(|(label, value)| Some(json!([label, value?]))).collect()
+}
+
+/// Returns the table of the windows with bands, and one for each other.
+fn tables(summary: &Summary) -> Vec<Value> {
+    let operation = OperationTable::of(summary).map(|OperationTable { header, rows }| {
+        json!({
+            "name": "Operation",
+            "title": "means over episodes; lower is better, 1 is the baseline",
+            "header": header,
+            "rows": rows,
+        })
+    });
+    let windows = summary.windows.iter().filter(|window| !window.is_operation());
+    operation.into_iter().chain(windows.map(table)).collect()
 }
 
 fn table(window: &Window) -> Value {

@@ -4,8 +4,8 @@ use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
 use super::chart::{
-    Chart, color, distribution, energy_vs_comfort, has_several_tasks, horizontal_line, hover_name,
-    make_logarithmic, mean_diamond, range,
+    Chart, color, cost_vs_discomfort, distribution, energy_vs_comfort, has_several_tasks, horizontal_line,
+    hover_name, make_logarithmic, mean_diamond, range,
 };
 use super::deviation_chart::{StepDeviations, step_deviations};
 use crate::evaluation::{EpisodeInfo, Row};
@@ -31,13 +31,16 @@ impl<'a> EpisodeRun<'a> {
 pub(super) fn all(results: &Results, deviations: &[StepDeviations]) -> Vec<Value> {
     let rows: Vec<EpisodeRun<'_>> = results.rows.iter().filter_map(EpisodeRun::of).collect();
     let types = distinct(&rows, |row| row.info.building_type.clone());
-    let charts = [
-        scores_by_type(&rows, &types),
-        scores_by_zone(&rows, &types),
-        step_deviations("Deviation from target, all steps".into(), deviations),
-        rms_deviations(&rows, &types),
-        energy_and_comfort(&rows, &types),
-    ];
+    let mut charts = vec![scores_by_type(&rows, &types), scores_by_zone(&rows, &types)];
+    if rows.iter().all(|row| row.metrics.tdis_tot.is_some()) {
+        charts.push(cost_and_discomfort(&rows, &types));
+    } else {
+        charts.extend([
+            step_deviations("Deviation from target, all steps".into(), deviations),
+            rms_deviations(&rows, &types),
+            energy_and_comfort(&rows, &types),
+        ]);
+    }
     charts.into_iter().map(Chart::json).collect()
 }
 
@@ -184,4 +187,15 @@ fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
         data.push(points(&own, x, y, type_label(name), type_color(types, name)));
     }
     energy_vs_comfort(data.into(), 400, true)
+}
+
+fn cost_and_discomfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
+    let mut data = Vec::new();
+    for name in types {
+        let own = of_type(rows, name);
+        let x = own.iter().map(|row| row.metrics.cost_tot.into()).collect();
+        let y = own.iter().map(|row| row.metrics.tdis_tot.into()).collect();
+        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
+    }
+    cost_vs_discomfort(data.into(), 400, true)
 }
