@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::{Controls, RunPeriod};
 use b2b_env::{HeatingOnlyZones, Task};
 use serde::Deserialize;
 use serde_json::Value;
@@ -12,6 +12,9 @@ use serde_json::Value;
 use crate::run::operation::asked;
 use crate::run::summary::Summary;
 use crate::run::trajectory_file::{self, Stored};
+
+/// What the hash of the model is called.
+const MODEL: &str = "model (SHA-256)";
 
 /// A run: its summary and its trajectory.
 pub struct Recorded {
@@ -167,6 +170,11 @@ impl Described {
             .with_context(|| format!("{} is not a summary written by `b2b run`", path.display()))
     }
 
+    /// Returns who controlled the building.
+    fn controls(&self) -> Controls {
+        b2b_control::kind(&self.controller).map_or(Controls::Actuators, |kind| kind.controls())
+    }
+
     /// Returns what identifies the episode: each property's name, its value, and its value in messages.
     fn identity(&self) -> [(&'static str, String, String); 7] {
         let plain = |name, value: &str| (name, value.to_owned(), value.to_owned());
@@ -181,7 +189,7 @@ impl Described {
             plain("run period", &self.period),
             plain("number of steps per hour", &self.steps_per_hour.to_string()),
             ("task", self.task_hash.clone(), self.task.clone()),
-            hash("model (SHA-256)", &self.model_sha256),
+            hash(MODEL, &self.model_sha256),
             hash("weather (SHA-256)", &self.weather_sha256),
         ]
     }
@@ -235,13 +243,15 @@ impl BandRecord {
     }
 }
 
-/// Errors unless all runs are of the same episode.
+/// Errors unless all runs are of the same episode. The model of a building that keeps its own controls is another than the one
+/// with actuators.
 pub fn check_same(runs: &[Recorded]) -> Result<()> {
     let Some((first, others)) = runs.split_first() else { return Ok(()) };
     for other in others {
         let pairs = first.described.identity().into_iter().zip(other.described.identity());
+        let same_controls = first.described.controls() == other.described.controls();
         for ((what, ours, ours_text), (_, theirs, theirs_text)) in pairs {
-            if ours != theirs {
+            if ours != theirs && (same_controls || what != MODEL) {
                 bail!(
                     "the runs differ in their {what}: {ours_text} in {}, {theirs_text} in {}; compare runs of one \
                      building, period and task",
