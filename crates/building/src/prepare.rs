@@ -46,6 +46,18 @@ pub struct PreparedBuilding {
     /// The year of each zone by its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
+    /// Outdoor air of the systems of a building under its own controls.
+    #[serde(default)]
+    own_ventilation: Vec<Option<OutdoorAir>>,
+}
+
+/// The outdoor air of a system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OutdoorAir {
+    /// Its design minimum, its damper and its flow.
+    pub ventilation: hvac::Ventilation,
+    /// Its zones, as indices of controlled zones.
+    pub zones: Vec<usize>,
 }
 
 /// Who controls a prepared building.
@@ -124,7 +136,8 @@ impl PreparedBuilding {
     }
 
     /// Prepares a model that keeps its own controls, as its author wrote them. It has the zones, the meters and the years of
-    /// the same model under control, and no actuators.
+    /// the same model under control, and no actuators. `complete` adds controls that the model lacks; it is given the
+    /// building under control.
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
@@ -134,14 +147,17 @@ impl PreparedBuilding {
         weather: &Path,
         library: &Library,
         unsupported: Unsupported,
+        complete: impl FnOnce(&mut Model, &Self),
     ) -> Result<Self> {
         size(name, &mut model, weather, library)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
+        complete(&mut model, &controlled);
         for_episodes(&mut model);
         Ok(Self {
             model_sha256: sha256(model.to_epjson()),
             meters: hvac_meters(&model),
             model,
+            own_ventilation: controlled.outdoor_air().map(without_damper).collect(),
             systems: Vec::new(),
             layouts: Vec::new(),
             ..controlled
@@ -174,6 +190,7 @@ impl PreparedBuilding {
             uncontrolled,
             meters,
             years: Vec::new(),
+            own_ventilation: Vec::new(),
         })
     }
 
@@ -221,6 +238,15 @@ impl PreparedBuilding {
     /// Returns the systems with their layouts, in the order of the action.
     pub fn laid_out_systems(&self) -> impl Iterator<Item = (&dyn System, &SystemLayout)> {
         self.systems.iter().map(|system| &**system).zip(&self.layouts)
+    }
+
+    /// Returns the outdoor air of each system, if it has any.
+    pub fn outdoor_air(&self) -> impl Iterator<Item = Option<OutdoorAir>> {
+        let of_system = |(system, layout): (&dyn System, &SystemLayout)| {
+            let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
+            Some(OutdoorAir { ventilation: system.ventilation()?.clone(), zones })
+        };
+        self.laid_out_systems().map(of_system).chain(self.own_ventilation.iter().cloned())
     }
 
     /// Returns the controlled zones, in model order.
@@ -272,6 +298,14 @@ fn prepared_zones(
         })
     };
     zones.into_iter().enumerate().map(prepared).collect()
+}
+
+/// The outdoor air of a system whose damper the model controls.
+fn without_damper(air: Option<OutdoorAir>) -> Option<OutdoorAir> {
+    air.map(|OutdoorAir { ventilation, zones }| OutdoorAir {
+        ventilation: hvac::Ventilation { damper: None, ..ventilation },
+        zones,
+    })
 }
 
 /// Edits what every episode needs, whoever controls the building.

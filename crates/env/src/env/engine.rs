@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, PreparedBuilding};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{by_carrier, by_end_use};
@@ -83,8 +83,9 @@ impl Engine {
         for group in &groups {
             run = run.request(SCHEDULE, &group.schedule);
         }
-        for air in building.systems.iter().filter_map(|system| system.ventilation()) {
-            run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
+        for OutdoorAir { ventilation, .. } in building.outdoor_air().flatten() {
+            let variable = &ventilation.outdoor_air;
+            run = run.request(&variable.name, &variable.key);
         }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
         for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
@@ -108,21 +109,14 @@ impl Engine {
                 .filter_map(|(end_use, name)| Some((carrier, end_use, simulation.meter(&name).ok()?)));
             found.collect::<Vec<_>>()
         };
-        let mut ventilated = Vec::new();
-        for (system, layout) in building.laid_out_systems() {
-            let Some(air) = system.ventilation() else {
-                ventilated.push(None);
-                continue;
-            };
-            let damper = air.damper.as_ref().map(|d| simulation.actuator(&d.component, &d.control, &d.key));
-            ventilated.push(Some(Ventilated {
-                zones: layout.zones.iter().map(|zone| zone.controlled).collect(),
-                outdoor_air: variable(&air.outdoor_air)?,
-                damper: damper.transpose()?,
-            }));
-        }
+        let ventilated = |air: Option<OutdoorAir>| {
+            let Some(OutdoorAir { ventilation, zones }) = air else { return Ok(None) };
+            let damper = ventilation.damper.as_ref();
+            let damper = damper.map(|d| simulation.actuator(&d.component, &d.control, &d.key)).transpose()?;
+            Ok(Some(Ventilated { zones, outdoor_air: variable(&ventilation.outdoor_air)?, damper }))
+        };
         Ok(Self {
-            ventilated,
+            ventilated: building.outdoor_air().map(ventilated).collect::<Result<_>>()?,
             temperatures: building
                 .zones
                 .iter()

@@ -119,6 +119,8 @@ impl Default for Task {
     }
 }
 
+/// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
+const UNMET: f64 = 0.5;
 /// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost.
 pub(crate) const OPERATION_WEIGHT: f64 = 20.0;
 /// Cost that counts as 1 in the tasks of operation where no cost of the guideline controller is known, currency/m² and hour.
@@ -139,7 +141,7 @@ impl Task {
             comfort: Comfort::Band { weight: OPERATION_WEIGHT },
             resource: Resource::COST,
             energy_weight: 1.0,
-            comfort_band: 0.0,
+            comfort_band: UNMET,
             ..Self::default()
         }
     }
