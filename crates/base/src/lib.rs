@@ -8,3 +8,4 @@ pub mod folder_lock;
 pub mod machine;
 pub mod random;
 pub mod scratch;
+pub mod seal;
