@@ -44,7 +44,9 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
     match format.format {
         UNSEALED => (),
         FORMAT if seal::is_intact(&text, SEAL) == Some(true) => (),
-        FORMAT => return Err(damaged(format!("{INFO} was changed: it does not have the hash that it states"))),
+        FORMAT => {
+            return Err(damaged(format!("{INFO} was changed: it does not have the hash that it states")));
+        }
         other => {
             let why = format!("its format is {other}, this version reads format {UNSEALED} and {FORMAT}");
             return Err(not_an_agent(why));

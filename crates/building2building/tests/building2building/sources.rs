@@ -13,7 +13,9 @@ fn every_action_of_a_workflow_is_pinned_by_its_commit() {
     for entry in std::fs::read_dir(repository().join(".github/workflows")).unwrap() {
         let path = entry.unwrap().path();
         let text = std::fs::read_to_string(&path).unwrap();
-        for action in text.lines().filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("uses: ")) {
+        for action in
+            text.lines().filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("uses: "))
+        {
             let (_, commit) = action.split_once('@').unwrap();
             let (commit, version) = commit.split_once(" # v").unwrap_or((commit, ""));
             let is_commit = commit.len() == 40 && commit.chars().all(|digit| digit.is_ascii_hexdigit());

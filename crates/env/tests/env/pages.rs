@@ -29,7 +29,8 @@ fn first_deviation(env: &mut Env) -> f64 {
 
 #[test]
 fn episodes_begin_as_near_their_target_as_the_page_says() {
-    let said = numbers_behind(STEP, "every episode begins near its target: with constant targets on 1 January,");
+    let said =
+        numbers_behind(STEP, "every episode begins near its target: with constant targets on 1 January,");
     let [farthest, far, buildings, beyond] = said[..4] else { panic!("{said:?}") };
     let catalog = Catalog::open(&mut Quiet).unwrap();
     let mut deviations = Vec::new();
@@ -59,7 +60,8 @@ fn the_first_observation_has_the_weather_of_the_hour_that_the_page_says() {
     let dry_bulbs = EpwFile::open(&case.weather).unwrap().dry_bulbs();
     for (period, day) in [("01-03..01-03", 2), ("07-09..07-09", 189)] {
         let mut env = case.env(period);
-        let slot = env.observation_space().slots().iter().position(|slot| slot.name == "outdoor air temperature");
+        let slot =
+            env.observation_space().slots().iter().position(|slot| slot.name == "outdoor air temperature");
         let observed = env.reset().unwrap()[slot.unwrap()];
         let of_file = dry_bulbs[day * 24 + hour as usize - 1];
         assert!((observed - of_file).abs() < 0.05, "{period}: {observed} °C observed, {of_file} in the file");
@@ -83,8 +85,18 @@ fn zones_that_are_never_occupied_are_listed_as_the_page_says() {
 #[test]
 fn an_office_is_empty_on_the_weekdays_that_the_page_lists_as_holidays() {
     const MONTHS: [&str; 12] = [
-        "January", "February", "March", "April", "May", "June", "July", "August", "September", "October",
-        "November", "December",
+        "January",
+        "February",
+        "March",
+        "April",
+        "May",
+        "June",
+        "July",
+        "August",
+        "September",
+        "October",
+        "November",
+        "December",
     ];
     let page = DATASET.split_whitespace().collect::<Vec<_>>().join(" ");
     let (_, listed) = page.split_once("so eight fall on weekdays: ").unwrap();
