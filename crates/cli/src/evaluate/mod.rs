@@ -146,6 +146,9 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "energy / baseline",
         "HVAC energy (kWh/m²)",
         "actuator travel (strokes/day)",
+        "task's resource / baseline",
+        "occupied hours too cold (%)",
+        "occupied hours too warm (%)",
     ]);
     for group in groups {
         let text = |scores: &Option<Aggregate>, of: fn(&Aggregate) -> String| {
@@ -166,9 +169,16 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
             ratio(group.relative_energy),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
+            ratio(group.relative_resource),
+            percent(group.occupied_too_cold_share),
+            percent(group.occupied_too_warm_share),
         ]);
     }
     table.text()
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share))
 }
 
 /// Formats a ratio of energies; a dash without a baseline.

@@ -307,7 +307,7 @@ impl<'a> Run<'a> {
     fn save_or_warn(&mut self) {
         let saved = self.save();
         self.warn_of(saved, "this checkpoint");
-        self.warn_of(curve::write(self.out, self.config), "the learning curve");
+        self.warn_of(curve::write(self.out, self.config, None), "the learning curve");
     }
 
     /// Writes the last agent and a checkpoint.
@@ -352,7 +352,7 @@ impl<'a> Run<'a> {
             out: self.out.to_owned(),
         };
         summary.write(self.out)?;
-        self.warn_of(curve::write(self.out, self.config), "the learning curve");
+        self.warn_of(curve::write(self.out, self.config, Some(&summary)), "the learning curve");
         Ok(summary)
     }
 
