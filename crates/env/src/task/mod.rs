@@ -287,6 +287,24 @@ mod tests {
     }
 
     #[test]
+    fn the_example_of_operation_in_the_documentation_is_a_valid_task() {
+        let text = include_str!("../../../../docs/operation.md");
+        let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let task = Task::from_text(json).unwrap();
+        assert!(task.is_operation() && task.preview.is_some());
+        let form = task.clone();
+        let plain = Task::operate(Band::Own);
+        assert_eq!(
+            (form.comfort, form.comfort_band),
+            (plain.comfort, plain.comfort_band),
+            "the defaults of `operate`"
+        );
+        for word in text.split('`').filter(|word| word.starts_with("operate")) {
+            word.parse::<Task>().unwrap();
+        }
+    }
+
+    #[test]
     fn a_file_may_omit_fields_but_not_misspell_them() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("task.json");

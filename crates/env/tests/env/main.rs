@@ -8,6 +8,7 @@ mod example_system;
 mod faults;
 mod imported;
 mod morphology;
+mod operation;
 mod pages;
 mod presence;
 mod random_actions;
