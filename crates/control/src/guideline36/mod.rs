@@ -148,7 +148,7 @@ impl Sequences {
                 Self::SingleZone(Box::new(SingleZone::new(unit, unitary, rules)))
             }
             Sequence::Thermostat => {
-                let rules = parameters.zone_rules(LoopGains::default());
+                let rules = parameters.zone_rules(LoopGains::UNIT);
                 Self::Heater(Box::new(Heater::new(system.actuators()[0], rules)))
             }
         }

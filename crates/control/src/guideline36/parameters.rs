@@ -89,7 +89,7 @@ impl Default for Guideline36Parameters {
 impl Default for UnitaryParameters {
     fn default() -> Self {
         Self {
-            gains: LoopGains::default(),
+            gains: LoopGains::UNIT,
             margin: 0.2,
             min_flow: 0.2,
             heating_flow: 1.0,
@@ -103,7 +103,7 @@ impl Default for UnitaryParameters {
 impl Default for AirLoopParameters {
     fn default() -> Self {
         Self {
-            gains: LoopGains::default(),
+            gains: LoopGains::TERMINAL,
             heating_margin: 0.05,
             cooling_margin: 0.2,
             min_flow: 0.0,

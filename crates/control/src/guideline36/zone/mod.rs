@@ -20,9 +20,7 @@ use zone_loops::{Outputs, ZoneLoops};
 const LEAST_BAND: f64 = 0.5;
 /// Distance inside a relaxed band at which setback and setup end, K (5.4.6).
 const RELAXED_RELEASE: f64 = 1.0;
-/// Distance inside a relaxed band at which the loops aim in setback and setup, so that they get to its end, K.
-const RELAXED_AIM: f64 = 1.5;
-/// Distance beyond the aim of the loops at which a call ends with the band of occupied hours, K.
+/// Distance beyond the aim of the loops at which a call ends once its loop is at 0, K.
 const RELEASE: f64 = 0.15;
 /// Change of a setpoint that counts as a relaxed band, K.
 const RELAXATION: f64 = 0.1;
@@ -131,20 +129,23 @@ impl Zone {
 
     /// Returns the distance inside the band at which the loops aim, K.
     fn aim(&self, side: Side) -> f64 {
-        let rested = self.need.relaxed[side as usize] && !self.need.people;
-        let wanted = if rested { RELAXED_AIM } else { self.rules.margins[side as usize] };
-        wanted.min((self.setpoints.cooling - self.setpoints.heating) / 4.0)
+        self.rules.margins[side as usize].min((self.setpoints.cooling - self.setpoints.heating) / 4.0)
     }
 
-    /// Returns whether the zone calls: from the setpoint on, until it is well inside.
+    /// Returns whether the zone calls: from the setpoint on, until it is inside and its loop has come to 0. Setback and setup
+    /// end 1 K inside in any case.
     fn calls(&self, side: Side) -> bool {
         let inside = -side.gap(self.need.temperature, self.setpoints.of(side));
-        let start = self.rules.margins[side as usize].min(self.aim(side)) / 2.0;
-        let release = match self.need.relaxed[side as usize] {
-            true => RELAXED_RELEASE.min(self.aim(side)),
-            false => self.aim(side) + RELEASE,
+        let aim = self.aim(side);
+        let output = match side {
+            Side::Heating => self.outputs.heating,
+            Side::Cooling => self.outputs.cooling,
         };
-        inside < if self.need.calls[side as usize] { release } else { start }
+        match (self.need.calls[side as usize], self.need.relaxed[side as usize]) {
+            (false, _) => inside < aim / 2.0,
+            (true, true) if inside >= RELAXED_RELEASE => false,
+            (true, _) => output > 0.0 || inside < aim + RELEASE,
+        }
     }
 
     /// Runs the loops that the mode of the group allows. Returns their outputs.
@@ -214,11 +215,11 @@ mod tests {
     }
 
     #[test]
-    fn setback_starts_below_the_setpoint_and_ends_1_k_above() {
+    fn setback_starts_below_the_setpoint_and_ends_at_most_1_k_above() {
         let mut zone = Zone::new(RULES);
         let mut calls = |temperature| zone.observe(&night(temperature, 9.0), DemandLevel::default(), STEP);
-        let needs = [16.5, 15.9, 16.5, 16.9, 17.1, 16.5].map(&mut calls);
-        assert_eq!(needs.map(|need| need.calls[0]), [false, true, true, true, false, false]);
+        let needs = [16.5, 15.9, 16.3, 17.1, 16.3].map(&mut calls);
+        assert_eq!(needs.map(|need| need.calls[0]), [false, true, true, false, false]);
         assert!(needs.iter().all(|need| need.relaxed == [true; 2]));
     }
 
