@@ -1,18 +1,25 @@
 //! The points of zones and site from an observation.
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_climate::EpwFile;
-use b2b_env::{ObservationSpace, Spaces, Target};
+use b2b_env::{Spaces, Target};
 
-use super::points::{SiteInput, ZoneInput};
-use super::zone::demand::DemandLevel;
+use super::points::ZoneInput;
 
 /// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
 const HALF_BAND: f64 = 0.25;
 
+/// Where the points of zones and site are in the observation.
+#[derive(Clone, Debug)]
+pub(super) struct Inputs {
+    /// The controlled zones, in model order.
+    zones: Vec<ZoneSlots>,
+    outdoor_temperature: usize,
+}
+
 /// Where the points of a zone are in the observation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ZoneSlots {
+struct ZoneSlots {
     temperature: usize,
     target: Target,
     /// Slot of the occupancy; a task without it counts as always occupied.
@@ -20,19 +27,29 @@ pub(super) struct ZoneSlots {
     cools: bool,
 }
 
-impl ZoneSlots {
-    /// Returns the slots of a zone, given its indices among all and among the controlled zones.
-    pub(super) fn of(space: &ObservationSpace, index: usize, controlled: usize, cools: bool) -> Self {
-        Self {
+impl Inputs {
+    pub(super) fn new(spaces: &Spaces) -> Self {
+        let space = &spaces.observation;
+        let zone = |(controlled, index): (usize, usize)| ZoneSlots {
             temperature: space.zone_temperatures().start + index,
             target: space.target(controlled),
             occupancy: space.occupancy(controlled),
-            cools,
-        }
+            cools: spaces.building.zones[index].conditioning == Conditioning::HeatingAndCooling,
+        };
+        let zones = spaces.controlled_zones().enumerate().map(zone).collect();
+        Self { zones, outdoor_temperature: space.outdoor_temperature() }
     }
 
-    /// Returns the points of the zone.
-    pub(super) fn read(&self, observation: &[f64]) -> ZoneInput {
+    /// Writes the points of the zones; returns the outdoor temperature, °C. Allocates nothing once `points` has room for all.
+    pub(super) fn read(&self, observation: &[f64], points: &mut Vec<ZoneInput>) -> f64 {
+        points.clear();
+        points.extend(self.zones.iter().map(|zone| zone.read(observation)));
+        observation[self.outdoor_temperature]
+    }
+}
+
+impl ZoneSlots {
+    fn read(&self, observation: &[f64]) -> ZoneInput {
         let target = self.target.of(observation);
         ZoneInput {
             temperature: observation[self.temperature],
@@ -41,24 +58,6 @@ impl ZoneSlots {
             people: self.occupancy.is_none_or(|slot| observation[slot] > 0.5),
             next: None,
         }
-    }
-}
-
-/// Where the points of the site are in the observation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SiteSlots {
-    outdoor_temperature: usize,
-    demand: DemandLevel,
-}
-
-impl SiteSlots {
-    pub(super) fn of(space: &ObservationSpace, demand: DemandLevel) -> Self {
-        Self { outdoor_temperature: space.outdoor_temperature(), demand }
-    }
-
-    /// Returns the points of the site.
-    pub(super) fn read(&self, observation: &[f64]) -> SiteInput {
-        SiteInput { outdoor_temperature: observation[self.outdoor_temperature], demand: self.demand }
     }
 }
 

@@ -102,7 +102,13 @@ impl AirLoop {
     }
 
     /// Writes the action of a step.
-    pub(super) fn act(&mut self, site: SiteInput, inputs: &[ZoneInput], action: &mut [f64], hours: f64) {
+    pub(super) fn act<'z>(
+        &mut self,
+        site: SiteInput,
+        inputs: impl Iterator<Item = &'z ZoneInput>,
+        action: &mut [f64],
+        hours: f64,
+    ) {
         for (served, input) in self.zones.iter_mut().zip(inputs) {
             served.zone.observe(input, site.demand, hours);
         }

@@ -81,7 +81,7 @@ fn week(mean: f64, amplitude: f64, change: impl Fn(&mut AirLoopParameters)) -> V
         let points: [ZoneInput; ROOMS] = std::array::from_fn(|room| day::points(step, rooms[room].air));
         control.act(
             SiteInput { outdoor_temperature: outdoor, ..Default::default() },
-            &points,
+            points.iter(),
             &mut action,
             STEP,
         );
