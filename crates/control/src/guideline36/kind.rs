@@ -35,10 +35,15 @@ impl kind::Kind for Kind {
         to_json(&Guideline36Parameters::default())
     }
 
-    /// The defaults, with the economizer of the building.
+    /// The defaults, with the economizer and the compressor of the building's units.
     fn tuned(&self, building: &PreparedBuilding, _: &Task) -> Value {
         let mut parameters = Guideline36Parameters::default();
         parameters.unitary.economizer = f64::from(u8::from(inputs::has_economizer(building)));
+        if let Some([lift, cutoff]) = inputs::compressor(building) {
+            let unitary = &mut parameters.unitary;
+            (unitary.compressor_lift, unitary.compressor_cutoff) =
+                (lift.min(60.0), cutoff.clamp(-60.0, 20.0));
+        }
         to_json(&parameters)
     }
 

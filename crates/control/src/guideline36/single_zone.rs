@@ -6,7 +6,8 @@
 //! here the shares follow from the capacities, so that the loop has the same gain everywhere. Its second heating stage is
 //! flow: a heat pump is more efficient with more air of a lower temperature, and supplemental heat starts only when the
 //! supply air must be hotter than the compressor can make it. That last stage, which the guideline does not have, is for
-//! the cold climates that it is not written for; it is locked out during optimum start, which begins earlier instead.
+//! the cold climates that it is not written for. Optimum start is limited to what the compressor gives, or to the stages
+//! before the last, and begins earlier instead: recovery by supplemental heat takes three times the energy.
 //!
 //! With an economizer and outdoor air cool enough, cooling raises the flow of outdoor air (MedSpeed) ahead of the coil.
 //!
@@ -28,6 +29,13 @@ const FAN_RISE: f64 = 0.8;
 const ECONOMIZER_LIMIT: [f64; 2] = [17.0, 24.0];
 /// Outdoor temperatures relative to the zone at which MedSpeed is lowest and highest, K.
 const MEDIUM: [f64; 2] = [0.5, -6.0];
+
+/// Outdoor temperature at which heat pumps are rated, °C (AHRI 210/240).
+const RATED_OUTDOOR: f64 = 8.3;
+/// Change of a compressor's heating capacity with the outdoor temperature, 1/K: that of the engine's example curves.
+const COMPRESSOR_SLOPE: f64 = 0.027;
+/// Least limit of the heating loop.
+const LEAST_LIMIT: f64 = 0.1;
 
 /// Number of the action of the supply air flow.
 const FLOW: usize = 0;
@@ -97,10 +105,10 @@ impl SingleZone {
 
     /// Writes the action of a step.
     pub(super) fn act(&mut self, site: SiteInput, input: &ZoneInput, action: &mut [f64], hours: f64) {
-        let need = self.zone.observe(input, site.demand, hours);
+        let need = self.zone.observe(input, site, hours);
         let mode = self.group.step(std::iter::once(need));
-        let outputs = self.zone.control(mode, hours);
         let outdoor = site.outdoor_temperature;
+        let outputs = self.zone.control(mode, self.heating_limit(outdoor), hours);
         let stage = match () {
             () if outputs.heating > 0.0 => self.heat(mode, outputs.heating),
             () if outputs.cooling > 0.0 => self.cool(mode, outputs.cooling, outdoor),
@@ -129,10 +137,31 @@ impl SingleZone {
         self.ventilation_flow(mode).max(self.parameters.min_flow)
     }
 
+    /// Returns the highest supply air temperature above the heating setpoint, K.
+    fn highest_lift(&self) -> f64 {
+        (self.unit.supply[1] - self.zone.setpoints().heating).max(0.0)
+    }
+
+    /// Returns the limit of the heating loop: during optimum start, what the compressor gives, or without one the stages before
+    /// the last.
+    fn heating_limit(&self, outdoor: f64) -> f64 {
+        let UnitaryParameters { compressor_lift, compressor_cutoff, heating_flow, heating_lift, .. } =
+            self.parameters;
+        let capacity = match compressor_lift > 0.0 {
+            true if outdoor < compressor_cutoff => return 1.0,
+            true => compressor_lift * (1.0 + COMPRESSOR_SLOPE * (outdoor - RATED_OUTDOOR)),
+            false => heating_flow * heating_lift,
+        };
+        match self.zone.preheats() {
+            true => (capacity / self.highest_lift().max(1.0)).clamp(LEAST_LIMIT, 1.0),
+            false => 1.0,
+        }
+    }
+
     /// Returns flow and lift above the aim for an output of the heating loop.
     fn heat(&self, mode: Mode, output: f64) -> Stage {
         let least = self.least_flow(mode);
-        let most = (self.unit.supply[1] - self.zone.aims().heating).max(0.0);
+        let most = self.highest_lift();
         let lift = self.parameters.heating_lift.min(most);
         let flow = self.parameters.heating_flow.max(least);
         let capacity = if self.zone.preheats() { flow * lift } else { most };

@@ -202,7 +202,7 @@ fn rooms_stay_in_their_band() {
             moment.temperatures.iter().map(outside).sum()
         };
         let discomfort: f64 = week.iter().enumerate().map(outside).sum::<f64>() / ROOMS as f64;
-        assert!(discomfort < 1.5, "{discomfort} K·h a room at {mean} °C");
+        assert!(discomfort < 2.5, "{discomfort} K·h a room at {mean} °C");
     }
 }
 

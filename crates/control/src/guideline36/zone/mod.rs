@@ -9,8 +9,7 @@ pub(super) mod requests;
 pub(super) mod zone_loops;
 
 use super::modes::Mode;
-use super::points::{Setpoints, Side, ZoneInput};
-use demand::DemandLevel;
+use super::points::{Setpoints, Side, SiteInput, ZoneInput};
 use optimum_start::{Goal, OptimumStart};
 use requests::CoolingRequests;
 pub use zone_loops::LoopGains;
@@ -91,10 +90,10 @@ impl Zone {
     }
 
     /// Derives the setpoints in use and the calls of the zone.
-    pub(super) fn observe(&mut self, input: &ZoneInput, demand: DemandLevel, hours: f64) -> ZoneNeed {
+    pub(super) fn observe(&mut self, input: &ZoneInput, site: SiteInput, hours: f64) -> ZoneNeed {
         self.need.temperature = input.temperature;
         self.need.people = input.people;
-        self.setpoints = demand.widen(self.scheduled(input, hours));
+        self.setpoints = site.demand.widen(self.scheduled(input, site.outdoor_temperature, hours));
         for side in Side::BOTH {
             self.need.calls[side as usize] = self.calls(side);
         }
@@ -102,7 +101,7 @@ impl Zone {
     }
 
     /// Returns the setpoints by schedule and optimum start, and notes which are relaxed.
-    fn scheduled(&mut self, input: &ZoneInput, hours: f64) -> Setpoints {
+    fn scheduled(&mut self, input: &ZoneInput, outdoor: f64, hours: f64) -> Setpoints {
         let band = input.band();
         let mut used = band;
         for side in Side::BOTH {
@@ -111,7 +110,7 @@ impl Zone {
                 side.gap(band.of(side), *setpoint) > RELAXATION && setpoint.is_finite()
             });
             let goal = narrower.map(|(hours, setpoint)| Goal { hours, setpoint });
-            let starts = self.starts[side as usize].step(input.temperature, goal, hours);
+            let starts = self.starts[side as usize].step(input.temperature, goal, outdoor, hours);
             let uses_next = narrower.is_some() && (starts || !self.rules.setback);
             if side == Side::Heating {
                 self.preheats = starts;
@@ -148,13 +147,19 @@ impl Zone {
         }
     }
 
-    /// Runs the loops that the mode of the group allows. Returns their outputs.
-    pub(super) fn control(&mut self, mode: Mode, hours: f64) -> Outputs {
+    /// Runs the loops that the mode of the group allows, that of heating up to a limit. Returns their outputs.
+    pub(super) fn control(&mut self, mode: Mode, heating_limit: f64, hours: f64) -> Outputs {
         let ZoneNeed { temperature, calls, .. } = self.need;
         self.aims = self.aims_in(mode);
-        self.outputs = self.loops.step(temperature, self.aims, mode.allows(calls), hours);
+        let [heats, cools] = mode.allows(calls).map(|allowed| f64::from(u8::from(allowed)));
+        self.outputs = self.loops.step(temperature, self.aims, [heats * heating_limit, cools], hours);
         self.requests.step(temperature, self.setpoints.cooling, self.outputs.cooling, hours);
         self.outputs
+    }
+
+    /// Forgets the load of the heating loop, whose output is about to mean something else.
+    pub(super) fn forget_heating(&mut self) {
+        self.loops.forget_heating();
     }
 
     /// Returns the temperatures at which the loops aim in a mode, °C.
@@ -199,6 +204,7 @@ impl Zone {
 #[cfg(test)]
 mod tests {
     use super::super::points::NextBand;
+    use super::demand::DemandLevel;
     use super::*;
 
     const STEP: f64 = 1.0 / 12.0;
@@ -209,6 +215,8 @@ mod tests {
         setback: true,
     };
 
+    const SITE: SiteInput = SiteInput { outdoor_temperature: 10.0, demand: DemandLevel::NONE };
+
     fn night(temperature: f64, hours: f64) -> ZoneInput {
         let next = Some(NextBand { hours, heating: 21.0, cooling: 24.0 });
         ZoneInput { temperature, heating: 16.0, cooling: 32.0, people: false, next }
@@ -217,7 +225,7 @@ mod tests {
     #[test]
     fn setback_starts_below_the_setpoint_and_ends_at_most_1_k_above() {
         let mut zone = Zone::new(RULES);
-        let mut calls = |temperature| zone.observe(&night(temperature, 9.0), DemandLevel::default(), STEP);
+        let mut calls = |temperature| zone.observe(&night(temperature, 9.0), SITE, STEP);
         let needs = [16.5, 15.9, 16.3, 17.1, 16.3].map(&mut calls);
         assert_eq!(needs.map(|need| need.calls[0]), [false, true, true, false, false]);
         assert!(needs.iter().all(|need| need.relaxed == [true; 2]));
@@ -226,20 +234,20 @@ mod tests {
     #[test]
     fn optimum_start_uses_the_next_band_and_is_not_a_setback() {
         let mut zone = Zone::new(RULES);
-        let need = zone.observe(&night(18.0, 1.5), DemandLevel::default(), STEP);
+        let need = zone.observe(&night(18.0, 1.5), SITE, STEP);
         assert_eq!(
             (zone.setpoints(), need.relaxed),
             (Setpoints { heating: 21.0, cooling: 32.0 }, [false, true])
         );
         assert_eq!(need.calls, [true, false]);
         let off = ZoneRules { optimum_start: 0.0, ..RULES };
-        assert_eq!(Zone::new(off).observe(&night(18.0, 1.5), DemandLevel::default(), STEP).calls, [false; 2]);
+        assert_eq!(Zone::new(off).observe(&night(18.0, 1.5), SITE, STEP).calls, [false; 2]);
     }
 
     #[test]
     fn without_setback_the_band_of_occupied_hours_is_held_all_night() {
         let mut zone = Zone::new(ZoneRules { setback: false, ..RULES });
-        let need = zone.observe(&night(20.0, 9.0), DemandLevel::default(), STEP);
+        let need = zone.observe(&night(20.0, 9.0), SITE, STEP);
         assert_eq!(zone.setpoints(), Setpoints { heating: 21.0, cooling: 24.0 });
         assert_eq!((need.calls, need.relaxed), ([true, false], [false; 2]));
     }
@@ -250,8 +258,8 @@ mod tests {
         let mut heats = |temperature, level| {
             let day = ZoneInput { temperature, heating: 21.0, cooling: 24.0, people: true, next: None };
             zone.reset();
-            zone.observe(&day, DemandLevel::new(level).unwrap(), STEP);
-            zone.control(Mode::Occupied, STEP).heating > 0.0
+            zone.observe(&day, SiteInput { demand: DemandLevel::new(level).unwrap(), ..SITE }, STEP);
+            zone.control(Mode::Occupied, 1.0, STEP).heating > 0.0
         };
         assert_eq!(
             [heats(21.1, 0), heats(21.25, 0), heats(20.5, 2), heats(20.1, 2)],

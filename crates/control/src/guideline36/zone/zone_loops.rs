@@ -9,6 +9,10 @@ use super::super::points::{Setpoints, Side};
 /// setpoint by kelvins, an integral term that grew for an hour would overshoot.
 const ARRIVAL: f64 = 0.5;
 
+/// Time in which the integral term of a loop that the mode turned off fades by a factor of e, h: a zone that is empty for
+/// an hour has about the load that it had before.
+const MEMORY: f64 = 1.0;
+
 /// Gains of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -47,14 +51,14 @@ impl Loop {
     }
 
     /// Enables the loop outside its setpoint; disables it inside, once its output has been 0 for a step.
-    fn step(&mut self, gains: LoopGains, temperature: f64, setpoint: f64, hours: f64) -> f64 {
-        let error = self.side.gap(temperature, setpoint);
+    fn step(&mut self, gains: LoopGains, error: f64, limit: f64, hours: f64) -> f64 {
         if error > 0.0 {
             self.enabled = true;
-        } else if self.output <= 0.0 {
+        } else if self.enabled && self.output <= 0.0 {
             self.stop();
         }
         if !self.enabled {
+            self.rest(hours);
             return 0.0;
         }
         let proportional = gains.proportional * error;
@@ -64,13 +68,20 @@ impl Loop {
         // Integrates only as far as the output has room.
         self.integral += match change > 0.0 {
             true if arrives => 0.0,
-            true => change.min((1.0 - proportional - self.integral).max(0.0)),
+            true => change.min((limit - proportional - self.integral).max(0.0)),
             false => change.max(-self.integral),
         };
-        self.output = (proportional + self.integral).clamp(0.0, 1.0);
+        self.output = (proportional + self.integral).clamp(0.0, limit);
         self.output
     }
 
+    /// Turns the loop off for a step, and lets its integral term fade.
+    fn rest(&mut self, hours: f64) {
+        let integral = self.integral / (1.0 + hours / MEMORY);
+        *self = Self { integral, ..Self::new(self.side) };
+    }
+
+    /// Turns the loop off and forgets its integral term.
     fn stop(&mut self) {
         *self = Self::new(self.side);
     }
@@ -96,26 +107,32 @@ impl ZoneLoops {
         Self { gains, heating: Loop::new(Side::Heating), cooling: Loop::new(Side::Cooling) }
     }
 
-    /// Returns the outputs for a temperature, °C. A side without a setpoint is off. While both loops are on, the one that is
-    /// leaving gives way.
+    /// Forgets the integral term of the heating loop.
+    pub(in super::super) fn forget_heating(&mut self) {
+        self.heating.stop();
+    }
+
+    /// Returns the outputs for a temperature, °C, each up to its limit; at a limit of 0 a loop is off, as without a setpoint.
+    /// While both loops are on, the one that is leaving gives way.
     pub(in super::super) fn step(
         &mut self,
         temperature: f64,
         setpoints: Setpoints,
-        on: [bool; 2],
+        limits: [f64; 2],
         hours: f64,
     ) -> Outputs {
         let gains = self.gains;
-        let side = |own: &mut Loop, on: bool| {
+        let side = |own: &mut Loop, limit: f64| {
             let setpoint = setpoints.of(own.side);
-            if !on || !setpoint.is_finite() {
-                own.stop();
+            if limit <= 0.0 || !setpoint.is_finite() {
+                own.rest(hours);
                 return 0.0;
             }
-            own.step(gains, temperature, setpoint, hours)
+            own.step(gains, own.side.gap(temperature, setpoint), limit, hours)
         };
+        let [heating, cooling] = limits;
         let mut outputs =
-            Outputs { heating: side(&mut self.heating, on[0]), cooling: side(&mut self.cooling, on[1]) };
+            Outputs { heating: side(&mut self.heating, heating), cooling: side(&mut self.cooling, cooling) };
         if outputs.heating > 0.0 && outputs.cooling > 0.0 {
             let heats = temperature < setpoints.heating;
             let leaving = if heats { &mut self.cooling } else { &mut self.heating };
@@ -133,7 +150,7 @@ mod tests {
 
     const STEP: f64 = 1.0 / 12.0;
     const BAND: Setpoints = Setpoints { heating: 21.0, cooling: 24.0 };
-    const ON: [bool; 2] = [true; 2];
+    const ON: [f64; 2] = [1.0; 2];
 
     #[test]
     fn a_step_of_5_minutes_adds_a_third_of_the_proportional_part_unless_the_zone_is_on_its_way() {
@@ -154,7 +171,7 @@ mod tests {
         }
         let heater = Setpoints { heating: 21.0, cooling: f64::INFINITY };
         assert_eq!(loops.step(40.0, heater, ON, STEP), Outputs::default());
-        assert_eq!(loops.step(10.0, BAND, [false; 2], STEP), Outputs::default());
+        assert_eq!(loops.step(10.0, BAND, [0.0; 2], STEP), Outputs::default());
     }
 
     #[test]
@@ -166,6 +183,21 @@ mod tests {
         let steps = (0..20).position(|_| loops.step(21.5, BAND, ON, STEP).heating < 0.9);
         assert!(steps.is_some_and(|steps| steps <= 2), "{steps:?}");
         assert!(loops.step(21.5, BAND, ON, STEP).heating < 0.9);
+    }
+
+    #[test]
+    fn a_loop_that_rests_for_an_hour_resumes_with_part_of_its_output() {
+        let mut loops = ZoneLoops::new(LoopGains::UNIT);
+        for _ in 0..20 {
+            loops.step(20.5, BAND, ON, STEP);
+        }
+        let before = loops.step(21.0, BAND, ON, STEP).heating;
+        for _ in 0..12 {
+            assert_eq!(loops.step(20.0, BAND, [0.0; 2], STEP).heating, 0.0);
+        }
+        let after = loops.step(20.9999, BAND, ON, STEP).heating;
+        assert!((0.3..0.5).contains(&(after / before)), "{before} {after}");
+        assert!(loops.step(15.0, BAND, [0.6, 1.0], STEP).heating == 0.6, "the limit holds");
     }
 
     #[test]
