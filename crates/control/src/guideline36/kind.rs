@@ -11,6 +11,10 @@ use super::{Guideline36, Guideline36Parameters, inputs};
 use crate::kind::{self, AnyController, Case};
 use crate::{Error, Result};
 
+/// Lift of the supply air of a heat pump up to which flow is not raised, K. Its efficiency grows with the flow: in a small
+/// office in January, 7 instead of 11 K saves 3 % of energy, while 4 K saves no more.
+const HEAT_PUMP_LIFT: f64 = 7.0;
+
 /// The kind `guideline36`.
 pub struct Kind;
 
@@ -43,6 +47,7 @@ impl kind::Kind for Kind {
             let unitary = &mut parameters.unitary;
             (unitary.compressor_lift, unitary.compressor_cutoff) =
                 (lift.min(60.0), cutoff.clamp(-60.0, 20.0));
+            unitary.heating_lift = HEAT_PUMP_LIFT;
         }
         to_json(&parameters)
     }

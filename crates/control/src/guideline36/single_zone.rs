@@ -47,7 +47,7 @@ const SUPPLY_TEMPERATURE: usize = 1;
 pub(super) struct Unit {
     /// Design flow, kg/s.
     pub(super) design_flow: f64,
-    /// Design minimum of outdoor air, as a share of the design flow.
+    /// Design minimum of outdoor air, kg/s, at most the design flow.
     pub(super) outdoor_air: f64,
     /// Bounds of the supply air temperature, °C.
     pub(super) supply: [f64; 2],
@@ -66,7 +66,7 @@ impl Unit {
         let humid = climate_zone.is_some_and(|zone| zone.ends_with('A'));
         Self {
             design_flow: flow.high,
-            outdoor_air: (outdoor_air / flow.high).clamp(0.0, 1.0),
+            outdoor_air: outdoor_air.clamp(0.0, flow.high),
             supply: [supply_temperature.low, supply_temperature.high],
             economizer: economizes.then_some(ECONOMIZER_LIMIT[usize::from(!humid)]),
         }
@@ -120,15 +120,22 @@ impl SingleZone {
             () => self.neutral(mode, stage.flow, outdoor).min(aims.cooling - stage.difference),
         };
         self.setpoint = self.setpoint.clamp(self.unit.supply[0], self.unit.supply[1]);
-        action[FLOW] = stage.flow * self.unit.design_flow;
+        action[FLOW] = (stage.flow * self.unit.design_flow).max(self.outdoor_air(mode));
         action[SUPPLY_TEMPERATURE] = self.setpoint;
+    }
+
+    /// Returns the minimum of outdoor air in a mode, kg/s.
+    fn outdoor_air(&self, mode: Mode) -> f64 {
+        if mode == Mode::Occupied { self.unit.outdoor_air } else { 0.0 }
     }
 
     /// Returns the flow that brings in outdoor air, as a share of the design flow: 0 without people or outdoor air.
     fn ventilation_flow(&self, mode: Mode) -> f64 {
-        match mode == Mode::Occupied && self.unit.outdoor_air > 0.0 {
-            true => self.unit.outdoor_air.max(self.parameters.min_flow),
-            false => 0.0,
+        match self.outdoor_air(mode) {
+            outdoor_air if outdoor_air > 0.0 => {
+                (outdoor_air / self.unit.design_flow).max(self.parameters.min_flow)
+            }
+            _ => 0.0,
         }
     }
 
@@ -210,8 +217,8 @@ impl SingleZone {
     /// let air in from colder the warmer the zone is in its band, and from warmer the colder it is.
     fn neutral(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
         let temperature = self.zone.need().temperature;
-        let outdoor_air = if mode == Mode::Occupied { self.unit.outdoor_air } else { 0.0 };
-        let share = if flow > 0.0 { (outdoor_air / flow).min(1.0) } else { 0.0 };
+        let supply = flow * self.unit.design_flow;
+        let share = if supply > 0.0 { (self.outdoor_air(mode) / supply).min(1.0) } else { 0.0 };
         let mixed = temperature + share * (outdoor - temperature) + FAN_RISE * flow * flow;
         let aims = self.zone.aims();
         let position = ((temperature - aims.heating) / (aims.cooling - aims.heating)).clamp(0.0, 1.0);
@@ -233,9 +240,7 @@ impl SingleZone {
         match entry {
             Entry::Mode => self.group.mode().number(),
             Entry::SupplyTemperature => self.setpoint,
-            Entry::MinimumOutdoorAir if self.group.mode() == Mode::Occupied => {
-                self.unit.outdoor_air * self.unit.design_flow
-            }
+            Entry::MinimumOutdoorAir => self.outdoor_air(self.group.mode()),
             _ => 0.0,
         }
     }

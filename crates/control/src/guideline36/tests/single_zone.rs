@@ -47,7 +47,7 @@ fn rules() -> ZoneRules {
 fn week(case: Case) -> Vec<Moment> {
     let unit = Unit {
         design_flow: DESIGN_FLOW,
-        outdoor_air: case.outdoor_air,
+        outdoor_air: case.outdoor_air * DESIGN_FLOW,
         supply: [10.0, 45.0],
         economizer: None,
     };
