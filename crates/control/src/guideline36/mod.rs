@@ -80,7 +80,8 @@ impl Guideline36 {
         let climate_zone = inputs::climate_zone(spaces);
         let mut record = Record::default();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
-            let sequences = Sequences::of(system, parameters, climate_zone.as_deref());
+            let floor_area = spaces.building.zones[layout.zones[0].index].floor_area;
+            let sequences = Sequences::of(system, floor_area, parameters, climate_zone.as_deref());
             record.add(system.name(), sequences.entries(), &system.zones());
             let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
             ControlledSystem { sequences, actions: layout.actions.clone(), zones }
@@ -125,7 +126,13 @@ impl Controller for Guideline36 {
 }
 
 impl Sequences {
-    fn of(system: &dyn System, parameters: &Guideline36Parameters, climate_zone: Option<&str>) -> Self {
+    /// Returns the sequences of a system with the floor area of its first zone, m².
+    fn of(
+        system: &dyn System,
+        floor_area: f64,
+        parameters: &Guideline36Parameters,
+        climate_zone: Option<&str>,
+    ) -> Self {
         let Guideline36Parameters { unitary, air_loop, .. } = parameters;
         match system.sequence() {
             Sequence::MultipleZones(own) => {
@@ -135,7 +142,8 @@ impl Sequences {
             Sequence::SingleZone { flow, supply_temperature } => {
                 let outdoor_air = system.ventilation().map_or(0.0, |air| air.min_outdoor_air);
                 let economizes = unitary.economizer >= 0.5 && system.ventilation().is_some();
-                let unit = Unit::new(flow, supply_temperature, outdoor_air, economizes, climate_zone);
+                let actuators = [flow, supply_temperature];
+                let unit = Unit::new(actuators, floor_area, outdoor_air, economizes, climate_zone);
                 let rules = parameters.zone_rules(unitary.gains);
                 Self::SingleZone(Box::new(SingleZone::new(unit, unitary, rules)))
             }

@@ -210,7 +210,7 @@ impl Guideline36Parameters {
     /// Returns how zones are controlled, with the margins of no system.
     pub(super) fn zone_rules(&self, gains: LoopGains) -> ZoneRules {
         let setback = self.setback >= 0.5;
-        ZoneRules { gains, margins: [0.0; 2], optimum_start: self.optimum_start, setback }
+        ZoneRules { gains: [gains; 2], margins: [0.0; 2], optimum_start: self.optimum_start, setback }
     }
 }
 

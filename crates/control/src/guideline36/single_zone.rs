@@ -42,9 +42,18 @@ const FLOW: usize = 0;
 /// Number of the action of the supply air temperature.
 const SUPPLY_TEMPERATURE: usize = 1;
 
+/// Largest gain of the heating loop for a design flow of 1 kg/s per square meter of floor, kg/(s m² K). The air of a dining
+/// room is replaced in 4 min by the flow of its unit, and follows the supply air within a step: at 0.25/K, heating and cooling
+/// at full capacity alternate.
+const STABLE_GAIN: f64 = 0.0017;
+/// Largest gain of the cooling loop over the largest of the heating loop: full cooling is about so much less than full heating.
+const COOLING_SHARE: f64 = 1.7;
+
 /// A unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
+    /// Floor area of its zone, m².
+    pub(super) floor_area: f64,
     /// Design flow, kg/s.
     pub(super) design_flow: f64,
     /// Design minimum of outdoor air, kg/s, at most the design flow.
@@ -57,14 +66,15 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn new(
-        flow: &Actuator,
-        supply_temperature: &Actuator,
+        [flow, supply_temperature]: [&Actuator; 2],
+        floor_area: f64,
         outdoor_air: f64,
         economizes: bool,
         climate_zone: Option<&str>,
     ) -> Self {
         let humid = climate_zone.is_some_and(|zone| zone.ends_with('A'));
         Self {
+            floor_area,
             design_flow: flow.high,
             outdoor_air: outdoor_air.clamp(0.0, flow.high),
             supply: [supply_temperature.low, supply_temperature.high],
@@ -92,7 +102,10 @@ struct Stage {
 
 impl SingleZone {
     pub(super) fn new(unit: Unit, parameters: &UnitaryParameters, rules: ZoneRules) -> Self {
-        let rules = ZoneRules { margins: [parameters.margin; 2], ..rules };
+        let [heating, cooling] = rules.gains;
+        let stable = STABLE_GAIN * unit.floor_area / unit.design_flow;
+        let gains = [heating.at_most(stable), cooling.at_most(COOLING_SHARE * stable)];
+        let rules = ZoneRules { margins: [parameters.margin; 2], gains, ..rules };
         let parameters = parameters.clone();
         Self { unit, parameters, group: ZoneGroup::default(), zone: Zone::new(rules), setpoint: 20.0 }
     }

@@ -37,7 +37,7 @@ const JULY: Case = Case { outdoor_air: 0.15, mean: 25.0, amplitude: 5.0, gains: 
 
 fn rules() -> ZoneRules {
     ZoneRules {
-        gains: UnitaryParameters::default().gains,
+        gains: [UnitaryParameters::default().gains; 2],
         margins: [0.0; 2],
         optimum_start: 3.0,
         setback: true,
@@ -46,6 +46,7 @@ fn rules() -> ZoneRules {
 
 fn week(case: Case) -> Vec<Moment> {
     let unit = Unit {
+        floor_area: 100.0,
         design_flow: DESIGN_FLOW,
         outdoor_air: case.outdoor_air * DESIGN_FLOW,
         supply: [10.0, 45.0],

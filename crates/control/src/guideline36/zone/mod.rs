@@ -32,7 +32,8 @@ const REST: Setpoints = Setpoints { heating: 16.0, cooling: 32.0 };
 /// How zones are controlled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZoneRules {
-    pub(super) gains: LoopGains,
+    /// Gains of the heating and the cooling loop.
+    pub(super) gains: [LoopGains; 2],
     /// Distances inside the band at which the heating and the cooling loop aim, K.
     pub(super) margins: [f64; 2],
     /// Longest optimum start, h; 0 without.
@@ -209,7 +210,7 @@ mod tests {
 
     const STEP: f64 = 1.0 / 12.0;
     pub(super) const RULES: ZoneRules = ZoneRules {
-        gains: LoopGains { proportional: 0.1, integral_time: 900.0 },
+        gains: [LoopGains { proportional: 0.1, integral_time: 900.0 }; 2],
         margins: [0.2; 2],
         optimum_start: 3.0,
         setback: true,

@@ -30,6 +30,11 @@ impl LoopGains {
     /// outside its band for an hour after people come; this one is in the middle of those at which the paper's loops are
     /// stable, at steps of 5 min, in buildings of all types.
     pub const UNIT: Self = Self { proportional: 0.25, integral_time: Self::INTEGRAL_TIME };
+    /// Returns the gains with at most this proportional gain, 1/K.
+    pub(in super::super) fn at_most(self, proportional: f64) -> Self {
+        Self { proportional: self.proportional.min(proportional), ..self }
+    }
+
     /// Gains of a terminal of an air loop, likewise.
     pub const TERMINAL: Self = Self { proportional: 0.5, integral_time: Self::INTEGRAL_TIME };
 }
@@ -97,13 +102,14 @@ pub(in super::super) struct Outputs {
 /// The loops of a zone.
 #[derive(Clone, Debug)]
 pub(in super::super) struct ZoneLoops {
-    gains: LoopGains,
+    /// Gains of heating and of cooling.
+    gains: [LoopGains; 2],
     heating: Loop,
     cooling: Loop,
 }
 
 impl ZoneLoops {
-    pub(in super::super) fn new(gains: LoopGains) -> Self {
+    pub(in super::super) fn new(gains: [LoopGains; 2]) -> Self {
         Self { gains, heating: Loop::new(Side::Heating), cooling: Loop::new(Side::Cooling) }
     }
 
@@ -123,6 +129,7 @@ impl ZoneLoops {
     ) -> Outputs {
         let gains = self.gains;
         let side = |own: &mut Loop, limit: f64| {
+            let gains = gains[own.side as usize];
             let setpoint = setpoints.of(own.side);
             if limit <= 0.0 || !setpoint.is_finite() {
                 own.rest(hours);
@@ -154,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_step_of_5_minutes_adds_a_third_of_the_proportional_part_unless_the_zone_is_on_its_way() {
-        let mut loops = ZoneLoops::new(LoopGains { proportional: 0.1, integral_time: 900.0 });
+        let mut loops = ZoneLoops::new([LoopGains { proportional: 0.1, integral_time: 900.0 }; 2]);
         let outputs = [20.0, 20.0, 20.5].map(|temperature| loops.step(temperature, BAND, ON, STEP));
         let third = 0.1 / 3.0;
         for (output, expected) in outputs.iter().zip([0.1 + third, 0.1 + 2.0 * third, 0.05 + 2.0 * third]) {
@@ -165,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_loop_is_off_between_the_setpoints_and_without_a_setpoint() {
-        let mut loops = ZoneLoops::new(LoopGains::UNIT);
+        let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for temperature in [21.1, 22.5, 23.9] {
             assert_eq!(loops.step(temperature, BAND, ON, STEP), Outputs::default());
         }
@@ -176,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_saturated_loop_leaves_saturation_as_soon_as_the_error_shrinks() {
-        let mut loops = ZoneLoops::new(LoopGains::UNIT);
+        let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for _ in 0..1000 {
             assert!(loops.step(12.0, BAND, ON, STEP).heating <= 1.0);
         }
@@ -187,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_loop_that_rests_for_an_hour_resumes_with_part_of_its_output() {
-        let mut loops = ZoneLoops::new(LoopGains::UNIT);
+        let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for _ in 0..20 {
             loops.step(20.5, BAND, ON, STEP);
         }
@@ -205,7 +212,7 @@ mod tests {
         for (outdoor, setpoint) in [(-15.0, 21.0), (5.0, 21.0), (35.0, 24.0)] {
             let mut room = Room::new(22.5);
             room.soak(outdoor);
-            let mut loops = ZoneLoops::new(LoopGains::UNIT);
+            let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
             let mut last: Vec<f64> = Vec::new();
             for step in 0..288 {
                 let outputs = loops.step(room.air, BAND, ON, STEP);
