@@ -8,8 +8,10 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::hvac::{self, Actuator, Discovery, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported};
-use crate::hvac_energy::{Carrier, HvacMeter, hvac_meters};
+use crate::hvac::{
+    self, Actuator, Discovery, EngineVariable, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported,
+};
+use crate::hvac_energy::{self, Carrier, HvacMeter, hvac_meters};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -192,6 +194,17 @@ impl PreparedBuilding {
             years: Vec::new(),
             own_ventilation: Vec::new(),
         })
+    }
+
+    /// Returns the outputs of fans outside systems, such as a bathroom's, by zone, J. The engine's meter of fans includes them,
+    /// HVAC energy does not. The engine does not have all.
+    pub fn fans_outside(&self) -> impl Iterator<Item = EngineVariable> {
+        let of_zones = |output: &'static str| {
+            self.zones
+                .iter()
+                .map(move |zone| EngineVariable { name: output.to_owned(), key: zone.name.clone() })
+        };
+        hvac_energy::fans_outside(&self.model, &self.meters).into_iter().flat_map(of_zones)
     }
 
     /// Drops the model, which takes ten times the memory of the rest, once environments have been built from it.

@@ -46,6 +46,8 @@ pub(super) struct Engine {
     meters: Vec<(Carrier, Meter)>,
     /// Those of their end uses that the engine has.
     end_uses: Vec<(Carrier, EndUse, Meter)>,
+    /// Electricity of fans that are in the meter of fans and are not HVAC, J.
+    fans_outside: Vec<Variable>,
     actuators: Vec<(Actuator, f64)>,
     /// Schedule and number of people of each group with random presence.
     groups: Vec<(Variable, Actuator)>,
@@ -87,6 +89,10 @@ impl Engine {
             let variable = &ventilation.outdoor_air;
             run = run.request(&variable.name, &variable.key);
         }
+        let fans_outside: Vec<_> = building.fans_outside().collect();
+        for fan in &fans_outside {
+            run = run.request(&fan.name, &fan.key);
+        }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
         for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
             run = run.request(&variable.name, &variable.key);
@@ -127,6 +133,10 @@ impl Engine {
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             end_uses: building.meters.iter().flat_map(end_uses).collect(),
+            fans_outside: fans_outside
+                .iter()
+                .filter_map(|fan| simulation.variable(&fan.name, &fan.key).ok())
+                .collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             groups: groups.iter().map(handles).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
@@ -202,13 +212,15 @@ impl Engine {
     /// The sum of the end uses of HVAC in the step, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
     /// transformer.
     pub(super) fn energy_of_end_uses(&self, floor_area: f64) -> CarrierEnergy {
-        let read = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
-        by_carrier(self.end_uses.iter().map(read), floor_area)
+        let metered = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
+        let other = |fan: &Variable| (Carrier::Electricity, -self.simulation.read(*fan));
+        by_carrier(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
     }
 
     /// HVAC energy of the step by end use, Wh/m².
     pub(super) fn end_uses(&self, floor_area: f64) -> EndUseEnergy {
-        let read = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
-        by_end_use(self.end_uses.iter().map(read), floor_area)
+        let metered = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
+        let other = |fan: &Variable| (EndUse::Fans, -self.simulation.read(*fan));
+        by_end_use(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
     }
 }

@@ -136,8 +136,8 @@ fn scores(
         "shapes": [horizontal_line(1.0)],
     });
     let (low, high) = range(&values);
+    let (low, high) = (low.min(1.0), high.max(1.0));
     if !make_logarithmic(&mut layout["yaxis"], (low, high)) {
-        let (low, high) = (low.min(1.0), high.max(1.0));
         // Leaves room around the line even if every score is on it.
         let margin = ((high - low) * 0.08).max(0.02);
         layout["yaxis"]["range"] = json!([low - margin, high + margin]);

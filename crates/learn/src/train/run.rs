@@ -280,6 +280,7 @@ impl<'a> Run<'a> {
     /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
+        self.monitor.evaluating(self.steps);
         let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
             Ok(scores) => scores.mean,
             Err(error) => {
