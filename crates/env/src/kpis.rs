@@ -12,7 +12,7 @@ const EPSILON: f64 = 1e-9;
 /// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over the observed
 /// moments, of which the first is the start of the episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Kpis {
+pub struct Kpis {
     /// Discomfort, K h, summed over the zones.
     discomfort: f64,
     /// Deviation outside the band at the last moment, K, summed over the zones.
@@ -34,12 +34,12 @@ struct Demand {
 
 impl Kpis {
     /// Begins an episode in a state of the zones.
-    pub(crate) fn begin(outside: f64) -> Self {
+    pub fn begin(outside: f64) -> Self {
         Self { outside, ..Self::default() }
     }
 
     /// Adds a step: the zones at its end, and electricity, gas and district energy, Wh/m².
-    pub(crate) fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
+    pub fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
         let outside = zones.iter().map(|zone| zone.deviation().abs()).sum::<f64>();
         self.discomfort += 0.5 * (self.outside + outside) * hours;
         self.outside = outside;
@@ -49,12 +49,12 @@ impl Kpis {
     }
 
     /// Returns the discomfort, K h for each of a number of zones.
-    pub(crate) fn discomfort(&self, zones: usize) -> f64 {
+    pub fn discomfort(&self, zones: usize) -> f64 {
         self.discomfort / zones.max(1) as f64
     }
 
     /// Returns the peak demand of electricity (0), gas (1) or district energy (2), kW/m²; `None` if none was used.
-    pub(crate) fn peak(&self, carrier: usize) -> Option<f64> {
+    pub fn peak(&self, carrier: usize) -> Option<f64> {
         let peak = self.demands[carrier].peak;
         (peak > 0.0).then_some(peak / 1000.0)
     }
