@@ -18,10 +18,12 @@ impl Arguments {
     /// # Errors
     /// A refusal of a body that is neither a JSON object nor a form.
     pub fn read(content_type: Option<&str>, body: &[u8]) -> Result<Self, Refusal> {
-        if content_type.is_some_and(|kind| kind.contains("application/x-www-form-urlencoded")) {
+        let text = String::from_utf8_lossy(body);
+        let is_form = content_type.is_some_and(|kind| kind.contains("application/x-www-form-urlencoded"));
+        // `curl -d '{}'` calls any body a form.
+        if is_form && !text.trim_start().starts_with('{') {
             return Ok(Self::of_form(body));
         }
-        let text = String::from_utf8_lossy(body);
         if text.trim().is_empty() {
             return Ok(Self::default());
         }
@@ -213,6 +215,8 @@ mod tests {
             assert_eq!(arguments.number("start_time", "").unwrap(), 0.0);
         }
         assert_eq!(read(" "), Arguments::default());
+        let curl = Arguments::read(Some("application/x-www-form-urlencoded"), br#"{"step": 300}"#).unwrap();
+        assert_eq!(curl.number("step", "").unwrap(), 300.0);
     }
 
     #[test]
