@@ -42,6 +42,8 @@ mod rollout;
 mod run;
 #[cfg(target_os = "linux")]
 mod score;
+#[cfg(target_os = "linux")]
+mod serve;
 mod setup;
 #[cfg(target_os = "linux")]
 mod shipped;
@@ -85,6 +87,8 @@ enum Command {
     Show(show::Arguments),
     View(view::Arguments),
     Compare(compare::Arguments),
+    #[cfg(target_os = "linux")]
+    Serve(serve::Arguments),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
@@ -164,6 +168,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Show(arguments) => show::show(&arguments)?,
         Command::View(arguments) => view::view(&arguments)?,
         Command::Compare(arguments) => compare::compare(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Serve(arguments) => serve::serve(&arguments)?,
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,

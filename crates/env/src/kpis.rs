@@ -12,7 +12,7 @@ const EPSILON: f64 = 1e-9;
 /// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over each step, in which
 /// the band is constant, from the start of the episode on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Kpis {
+pub struct Kpis {
     /// Discomfort, K h, summed over the zones.
     discomfort: f64,
     /// Temperatures of the zones at the last moment, °C.
@@ -34,12 +34,12 @@ struct Demand {
 
 impl Kpis {
     /// Begins an episode at temperatures of the zones.
-    pub(crate) fn begin(temperatures: Vec<f64>) -> Self {
+    pub fn begin(temperatures: Vec<f64>) -> Self {
         Self { temperatures, ..Self::default() }
     }
 
     /// Adds a step: the zones at its end, and electricity, gas and district energy, Wh/m².
-    pub(crate) fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
+    pub fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
         for (zone, last) in zones.iter().zip(&mut self.temperatures) {
             let before = ZoneStep { temperature: *last, ..*zone };
             self.discomfort += 0.5 * (before.deviation().abs() + zone.deviation().abs()) * hours;
@@ -51,12 +51,12 @@ impl Kpis {
     }
 
     /// Returns the discomfort, K h for each of a number of zones.
-    pub(crate) fn discomfort(&self, zones: usize) -> f64 {
+    pub fn discomfort(&self, zones: usize) -> f64 {
         self.discomfort / zones.max(1) as f64
     }
 
     /// Returns the peak demand of electricity (0), gas (1) or district energy (2), kW/m²; `None` if none was used.
-    pub(crate) fn peak(&self, carrier: usize) -> Option<f64> {
+    pub fn peak(&self, carrier: usize) -> Option<f64> {
         let peak = self.demands[carrier].peak;
         (peak > 0.0).then_some(peak / 1000.0)
     }
