@@ -9,9 +9,9 @@ use super::evaluation_charts;
 use super::hourly_chart;
 use crate::evaluation::{Finished, Row};
 use crate::results::Results;
-use crate::scores::RESOLUTION;
+use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::{Aggregate, score_text};
-use crate::summary::{Group, Summary, Window, type_label};
+use crate::summary::{Group, OperationComfort, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
 const WORST: usize = 4;
@@ -97,6 +97,41 @@ fn tiles(summary: &Summary) -> Value {
 }
 
 fn table(window: &Window) -> Value {
+    if window.all.comfort.is_some() { operation_table(window) } else { tracking_table(window) }
+}
+
+/// Returns the table of a task of operation: cost at comfort first.
+fn operation_table(window: &Window) -> Value {
+    let row = |group: &Group| {
+        let of = |text: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), text);
+        let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"));
+        let comfort = group.comfort.as_ref();
+        json!([
+            group.name,
+            group.episodes().to_string(),
+            of(|scores| scores.interquartile_mean.to_string()),
+            of(|scores| scores.median.to_string()),
+            of(Aggregate::beats_baseline_text),
+            ratio(group.relative_resource),
+            ratio(group.relative_energy),
+            ratio(comfort.map(|comfort| comfort.discomfort_k_h)),
+            ratio(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+            comfort.map_or_else(String::new, OperationComfort::mark),
+            format!("{:.2}", group.energy_wh_m2 / 1000.0),
+            format!("{:.1}", group.daily_travel),
+        ])
+    };
+    let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
+    json!({
+        "title": format!("{}, task {}; lower is better, 1 is the baseline", window.period, window.task),
+        "header": ["building type", "episodes", "score at comfort, interquartile mean", "score, median", "beats baseline (%)",
+                   "cost / baseline", "energy / baseline", "discomfort (K·h per zone)", "baseline's discomfort",
+                   "episodes beyond the free discomfort", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
+        "rows": groups.map(row).collect::<Vec<_>>(),
+    })
+}
+
+fn tracking_table(window: &Window) -> Value {
     let row = |group: &Group| {
         let cell = |scores: &Option<Aggregate>, text: fn(&Aggregate) -> String| {
             scores.as_ref().map_or("–".to_owned(), text)
@@ -133,7 +168,9 @@ fn footer(summary: &Summary) -> String {
     format!(
         "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days, as \
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
-         an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+         an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by that of the guideline \
+         controller (the baseline), plus {DISCOMFORT_COST} days of the latter for every K·h per zone of discomfort beyond its own \
+         and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
         summary.versions
     )
 }
