@@ -27,12 +27,12 @@ use crate::{program, stdout};
     verbatim_doc_comment,
     after_help = "\
 Examples:
-  b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
+  b2b score b2b-out/OfficeSmall-Denver-winter-random
   b2b score trajectory.parquet --building my.idf --weather my.epw"
 )]
 pub struct Arguments {
-    /// File written by `b2b run`
-    #[arg(value_name = "TRAJECTORY.parquet")]
+    /// Output folder of `b2b run`, or its trajectory.parquet
+    #[arg(value_name = "RUN")]
     trajectory: PathBuf,
     /// Model file of the building, if the trajectory is of your own building
     #[arg(long, value_name = "BUILDING")]

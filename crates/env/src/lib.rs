@@ -61,6 +61,7 @@ pub use episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
 pub use error::{Error, Result};
 pub use faults::Faults;
 pub use inputs::Inputs;
+pub use kpis::Kpis;
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};

@@ -1,7 +1,9 @@
 //! The summary of an evaluation.
 
+use std::collections::BTreeMap;
+
 use b2b_control::Versions;
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, Term};
 use serde::Serialize;
 
 use crate::evaluation::{Row, relative_energy, relative_resource};
@@ -67,8 +69,15 @@ pub struct Group {
     pub resolved_scores: Option<Aggregate>,
     /// Root mean square deviation from target, mean over episodes, K.
     pub rms_deviation_k: f64,
+    /// Share of occupied zone-hours below the comfort band, mean over the episodes with people; `None` without any.
+    pub occupied_too_cold_share: Option<f64>,
+    /// Share above the comfort band, as above.
+    pub occupied_too_warm_share: Option<f64>,
     /// HVAC energy, mean over episodes, Wh/m².
     pub energy_wh_m2: f64,
+    /// HVAC energy of each end use under the name of its column, mean over episodes, Wh/m²; without those that are unknown.
+    #[serde(flatten)]
+    pub end_uses: BTreeMap<&'static str, f64>,
     /// HVAC energy relative to the baseline; `None` if the latter is unknown.
     pub relative_energy: Option<f64>,
     /// The task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one is unknown.
@@ -138,17 +147,21 @@ impl Group {
             let of_stratum = |rows: &&[&Row]| rows.iter().filter_map(|row| score(row)).collect();
             aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
         };
-        let mean = |value: fn(&EpisodeMetrics) -> f64| {
-            let metrics = strata.iter().copied().flatten().filter_map(|row| row.metrics());
-            let values: Vec<f64> = metrics.map(value).collect();
-            values.iter().sum::<f64>() / values.len().max(1) as f64
+        let metrics = || strata.iter().copied().flatten().filter_map(|row| row.metrics());
+        let mean = |value: fn(&EpisodeMetrics) -> f64| mean_of(metrics().map(value)).unwrap_or_default();
+        let end_use = |term: Term| {
+            let column = term.entry().column.as_ref()?.name;
+            Some((column, mean_of(metrics().filter_map(|metrics| metrics.terms.get(term)))?))
         };
         Self {
             name,
             scores: aggregated(Row::score),
             resolved_scores: aggregated(Row::resolved_score),
             rms_deviation_k: mean(|metrics| metrics.rms_deviation),
+            occupied_too_cold_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_cold)),
+            occupied_too_warm_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_warm)),
             energy_wh_m2: mean(EpisodeMetrics::energy),
+            end_uses: Term::END_USES.into_iter().filter_map(end_use).collect(),
             relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
             relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
@@ -171,11 +184,10 @@ impl OperationComfort {
             baseline.push(scored.baseline_discomfort);
             uncomfortable += usize::from(scored.is_uncomfortable(row.info.steps_per_hour) == Some(true));
         }
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let baseline: Option<Vec<f64>> = baseline.into_iter().collect();
-        (!own.is_empty()).then(|| Self {
-            discomfort_k_h: mean(&own),
-            baseline_discomfort_k_h: baseline.map(|baseline| mean(&baseline)),
+        Some(Self {
+            discomfort_k_h: mean_of(own.into_iter())?,
+            baseline_discomfort_k_h: baseline.and_then(|baseline| mean_of(baseline.into_iter())),
             uncomfortable,
         })
     }
@@ -184,6 +196,12 @@ impl OperationComfort {
     pub fn mark(&self) -> String {
         if self.uncomfortable == 0 { String::new() } else { format!("! {}", self.uncomfortable) }
     }
+}
+
+/// Returns the mean of some values; `None` without any.
+fn mean_of(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Returns the name of a building type in results; users' models have no type.

@@ -40,6 +40,9 @@ fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "energy / baseline",
         "HVAC energy (kWh/m²)",
         "actuator travel (strokes/day)",
+        "task's resource / baseline",
+        "occupied hours too cold (%)",
+        "occupied hours too warm (%)",
     ]);
     for group in groups {
         let text = |scores: &Option<Aggregate>, of: fn(&Aggregate) -> String| {
@@ -60,9 +63,16 @@ fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
             ratio(group.relative_energy),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
+            ratio(group.relative_resource),
+            percent(group.occupied_too_cold_share),
+            percent(group.occupied_too_warm_share),
         ]);
     }
     table.text()
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share))
 }
 
 /// Returns the table of a task of operation: cost at comfort first, and a mark where episodes are less comfortable.

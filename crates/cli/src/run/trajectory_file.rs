@@ -73,8 +73,10 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Reads a file. Errors if its content does not match its hashes.
+    /// Reads a file, or the one in an output folder of `b2b run`. Errors if its content does not match its hashes.
     pub fn read(path: &Path) -> Result<Self> {
+        let within = path.is_dir().then(|| path.join(NAME));
+        let path = within.as_deref().unwrap_or(path);
         let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
         let stored = Self::of(file).with_context(not_ours)?;

@@ -183,7 +183,7 @@ function drawLines(g, panel, box) {
   const lines = drawn.filter(each => !each.series.target).length;
   for (const { series, points } of drawn) {
     const faded = panel.lit && panel.lit !== series, lit = panel.lit === series;
-    const inked = series.target ? style("--ink") : color(series.color);
+    const inked = series.target && !series.tinted ? style("--ink") : color(series.color);
     g.fillStyle = g.strokeStyle = inked;
     if (series.target && panel.width && !isDaily()) {
       g.fillStyle = style("--band");
@@ -321,7 +321,7 @@ function fillPanel(panel) {
     const item = document.createElement("li"), mark = document.createElement("i"), name = document.createElement("em");
     series.value = document.createElement("b");
     name.textContent = name.title = series.name;
-    mark.style.background = mark.style.borderColor = series.target ? "var(--ink)" : color(series.color);
+    mark.style.background = mark.style.borderColor = series.target && !series.tinted ? "var(--ink)" : color(series.color);
     mark.className = series.dashed || series.target ? "dashed" : "";
     item.classList.toggle("off", !series.on);
     item.append(mark, name, series.value);
@@ -358,10 +358,11 @@ function addBar(bar) {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", refresh);
 }
 
-function tile(name, value) {
+function tile(name, value, beside) {
   const div = document.createElement("div");
   div.className = "tile";
   div.innerHTML = "<b></b><span></span>";
   div.children[0].textContent = value; div.children[1].textContent = name;
+  if (beside) make("small", div, beside);
   document.querySelector(".tiles").append(div);
 }

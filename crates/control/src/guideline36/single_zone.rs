@@ -6,7 +6,8 @@
 //! here the shares follow from the capacities, so that the loop has the same gain everywhere. Its second heating stage is
 //! flow: a heat pump is more efficient with more air of a lower temperature, and supplemental heat starts only when the
 //! supply air must be hotter than the compressor can make it. That last stage, which the guideline does not have, is for
-//! the cold climates that it is not written for; it is locked out during optimum start, which begins earlier instead.
+//! the cold climates that it is not written for. Optimum start is limited to what the compressor gives, or to the stages
+//! before the last, and begins earlier instead: recovery by supplemental heat takes three times the energy.
 //!
 //! With an economizer and outdoor air cool enough, cooling raises the flow of outdoor air (MedSpeed) ahead of the coil.
 //!
@@ -29,17 +30,33 @@ const ECONOMIZER_LIMIT: [f64; 2] = [17.0, 24.0];
 /// Outdoor temperatures relative to the zone at which MedSpeed is lowest and highest, K.
 const MEDIUM: [f64; 2] = [0.5, -6.0];
 
+/// Outdoor temperature at which heat pumps are rated, °C (AHRI 210/240).
+const RATED_OUTDOOR: f64 = 8.3;
+/// Change of a compressor's heating capacity with the outdoor temperature, 1/K: that of the engine's example curves.
+const COMPRESSOR_SLOPE: f64 = 0.027;
+/// Least limit of the heating loop.
+const LEAST_LIMIT: f64 = 0.1;
+
 /// Number of the action of the supply air flow.
 const FLOW: usize = 0;
 /// Number of the action of the supply air temperature.
 const SUPPLY_TEMPERATURE: usize = 1;
 
+/// Largest gain of the heating loop for a design flow of 1 kg/s per square meter of floor, kg/(s m² K). The air of a dining
+/// room is replaced in 4 min by the flow of its unit, and follows the supply air within a step: at 0.25/K, heating and cooling
+/// at full capacity alternate.
+const STABLE_GAIN: f64 = 0.0017;
+/// Largest gain of the cooling loop over the largest of the heating loop: full cooling is about so much less than full heating.
+const COOLING_SHARE: f64 = 1.7;
+
 /// A unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
+    /// Floor area of its zone, m².
+    pub(super) floor_area: f64,
     /// Design flow, kg/s.
     pub(super) design_flow: f64,
-    /// Design minimum of outdoor air, as a share of the design flow.
+    /// Design minimum of outdoor air, kg/s, at most the design flow.
     pub(super) outdoor_air: f64,
     /// Bounds of the supply air temperature, °C.
     pub(super) supply: [f64; 2],
@@ -49,16 +66,17 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn new(
-        flow: &Actuator,
-        supply_temperature: &Actuator,
+        [flow, supply_temperature]: [&Actuator; 2],
+        floor_area: f64,
         outdoor_air: f64,
         economizes: bool,
         climate_zone: Option<&str>,
     ) -> Self {
         let humid = climate_zone.is_some_and(|zone| zone.ends_with('A'));
         Self {
+            floor_area,
             design_flow: flow.high,
-            outdoor_air: (outdoor_air / flow.high).clamp(0.0, 1.0),
+            outdoor_air: outdoor_air.clamp(0.0, flow.high),
             supply: [supply_temperature.low, supply_temperature.high],
             economizer: economizes.then_some(ECONOMIZER_LIMIT[usize::from(!humid)]),
         }
@@ -84,7 +102,10 @@ struct Stage {
 
 impl SingleZone {
     pub(super) fn new(unit: Unit, parameters: &UnitaryParameters, rules: ZoneRules) -> Self {
-        let rules = ZoneRules { margins: [parameters.margin; 2], ..rules };
+        let [heating, cooling] = rules.gains;
+        let stable = STABLE_GAIN * unit.floor_area / unit.design_flow;
+        let gains = [heating.at_most(stable), cooling.at_most(COOLING_SHARE * stable)];
+        let rules = ZoneRules { margins: [parameters.margin; 2], gains, ..rules };
         let parameters = parameters.clone();
         Self { unit, parameters, group: ZoneGroup::default(), zone: Zone::new(rules), setpoint: 20.0 }
     }
@@ -97,10 +118,10 @@ impl SingleZone {
 
     /// Writes the action of a step.
     pub(super) fn act(&mut self, site: SiteInput, input: &ZoneInput, action: &mut [f64], hours: f64) {
-        let need = self.zone.observe(input, site.demand, hours);
+        let need = self.zone.observe(input, site, hours);
         let mode = self.group.step(std::iter::once(need));
-        let outputs = self.zone.control(mode, hours);
         let outdoor = site.outdoor_temperature;
+        let outputs = self.zone.control(mode, self.heating_limit(outdoor), hours);
         let stage = match () {
             () if outputs.heating > 0.0 => self.heat(mode, outputs.heating),
             () if outputs.cooling > 0.0 => self.cool(mode, outputs.cooling, outdoor),
@@ -112,15 +133,22 @@ impl SingleZone {
             () => self.neutral(mode, stage.flow, outdoor).min(aims.cooling - stage.difference),
         };
         self.setpoint = self.setpoint.clamp(self.unit.supply[0], self.unit.supply[1]);
-        action[FLOW] = stage.flow * self.unit.design_flow;
+        action[FLOW] = (stage.flow * self.unit.design_flow).max(self.outdoor_air(mode));
         action[SUPPLY_TEMPERATURE] = self.setpoint;
+    }
+
+    /// Returns the minimum of outdoor air in a mode, kg/s.
+    fn outdoor_air(&self, mode: Mode) -> f64 {
+        if mode == Mode::Occupied { self.unit.outdoor_air } else { 0.0 }
     }
 
     /// Returns the flow that brings in outdoor air, as a share of the design flow: 0 without people or outdoor air.
     fn ventilation_flow(&self, mode: Mode) -> f64 {
-        match mode == Mode::Occupied && self.unit.outdoor_air > 0.0 {
-            true => self.unit.outdoor_air.max(self.parameters.min_flow),
-            false => 0.0,
+        match self.outdoor_air(mode) {
+            outdoor_air if outdoor_air > 0.0 => {
+                (outdoor_air / self.unit.design_flow).max(self.parameters.min_flow)
+            }
+            _ => 0.0,
         }
     }
 
@@ -129,10 +157,31 @@ impl SingleZone {
         self.ventilation_flow(mode).max(self.parameters.min_flow)
     }
 
+    /// Returns the highest supply air temperature above the heating setpoint, K.
+    fn highest_lift(&self) -> f64 {
+        (self.unit.supply[1] - self.zone.setpoints().heating).max(0.0)
+    }
+
+    /// Returns the limit of the heating loop: during optimum start, what the compressor gives, or without one the stages before
+    /// the last.
+    fn heating_limit(&self, outdoor: f64) -> f64 {
+        let UnitaryParameters { compressor_lift, compressor_cutoff, heating_flow, heating_lift, .. } =
+            self.parameters;
+        let capacity = match compressor_lift > 0.0 {
+            true if outdoor < compressor_cutoff => return 1.0,
+            true => compressor_lift * (1.0 + COMPRESSOR_SLOPE * (outdoor - RATED_OUTDOOR)),
+            false => heating_flow * heating_lift,
+        };
+        match self.zone.preheats() {
+            true => (capacity / self.highest_lift().max(1.0)).clamp(LEAST_LIMIT, 1.0),
+            false => 1.0,
+        }
+    }
+
     /// Returns flow and lift above the aim for an output of the heating loop.
     fn heat(&self, mode: Mode, output: f64) -> Stage {
         let least = self.least_flow(mode);
-        let most = (self.unit.supply[1] - self.zone.aims().heating).max(0.0);
+        let most = self.highest_lift();
         let lift = self.parameters.heating_lift.min(most);
         let flow = self.parameters.heating_flow.max(least);
         let capacity = if self.zone.preheats() { flow * lift } else { most };
@@ -181,8 +230,8 @@ impl SingleZone {
     /// let air in from colder the warmer the zone is in its band, and from warmer the colder it is.
     fn neutral(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
         let temperature = self.zone.need().temperature;
-        let outdoor_air = if mode == Mode::Occupied { self.unit.outdoor_air } else { 0.0 };
-        let share = if flow > 0.0 { (outdoor_air / flow).min(1.0) } else { 0.0 };
+        let supply = flow * self.unit.design_flow;
+        let share = if supply > 0.0 { (self.outdoor_air(mode) / supply).min(1.0) } else { 0.0 };
         let mixed = temperature + share * (outdoor - temperature) + FAN_RISE * flow * flow;
         let aims = self.zone.aims();
         let position = ((temperature - aims.heating) / (aims.cooling - aims.heating)).clamp(0.0, 1.0);
@@ -204,9 +253,7 @@ impl SingleZone {
         match entry {
             Entry::Mode => self.group.mode().number(),
             Entry::SupplyTemperature => self.setpoint,
-            Entry::MinimumOutdoorAir if self.group.mode() == Mode::Occupied => {
-                self.unit.outdoor_air * self.unit.design_flow
-            }
+            Entry::MinimumOutdoorAir => self.outdoor_air(self.group.mode()),
             _ => 0.0,
         }
     }

@@ -120,6 +120,8 @@ impl Default for Task {
     }
 }
 
+/// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
+const UNMET: f64 = 0.5;
 /// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost: a K·h per zone costs as much as half a
 /// day. Under it, discomfort is about a tenth of the guideline controller's penalty; `b2b tune operation` shows which weight makes
 /// it so (docs/tasks.md).
@@ -140,7 +142,7 @@ impl Task {
             comfort: Comfort::Band { weight: OPERATION_WEIGHT },
             resource: Resource::COST,
             energy_weight: 1.0,
-            comfort_band: 0.0,
+            comfort_band: UNMET,
             ..Self::default()
         }
     }
@@ -283,6 +285,24 @@ mod tests {
             (Resource::of_word("cost").unwrap(), Comfort::Deadband { half_width: 0.5 })
         );
         assert!(Task::NAMED.iter().all(|name| text.contains(name.split('+').next().unwrap())));
+    }
+
+    #[test]
+    fn the_example_of_operation_in_the_documentation_is_a_valid_task() {
+        let text = include_str!("../../../../docs/operation.md");
+        let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let task = Task::from_text(json).unwrap();
+        assert!(task.is_operation() && task.preview.is_some());
+        let form = task.clone();
+        let plain = Task::operate(Band::Own);
+        assert_eq!(
+            (form.comfort, form.comfort_band),
+            (plain.comfort, plain.comfort_band),
+            "the defaults of `operate`"
+        );
+        for word in text.split('`').filter(|word| word.starts_with("operate")) {
+            word.parse::<Task>().unwrap();
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
-use crate::scores::{Baseline, Scores, excess_discomfort};
+use crate::scores::{Baseline, RESOLUTION, Scores, excess_discomfort};
 
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,6 +116,20 @@ impl Scored {
         Some(self.metrics.energy() / baseline)
     }
 
+    /// Returns the root of the temperature penalty relative to the reactive controllers', after adding a deviation of
+    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the resource,
+    /// to which penalties are proportional.
+    pub fn relative_comfort(&self) -> Option<f64> {
+        let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
+        let energy_penalty_of_baseline = match energy_penalty {
+            0.0 => 0.0,
+            penalty => penalty * self.baseline_resource? / self.resource?,
+        };
+        let floor = steps as f64 * RESOLUTION * RESOLUTION;
+        let baseline = (-self.baseline_return? - energy_penalty_of_baseline).max(0.0);
+        (floor > 0.0).then(|| ((temperature_penalty + floor) / (baseline + floor)).sqrt())
+    }
+
     /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one of both is
     /// unknown or the latter's is not above 0, which it may be with negative prices.
     pub fn relative_resource(&self) -> Option<f64> {
@@ -167,5 +181,29 @@ mod tests {
         ] {
             assert_eq!(scored(amounts).relative_resource(), expected, "{amounts:?}");
         }
+    }
+
+    #[test]
+    fn comfort_is_relative_to_the_baseline_without_its_energy_penalty() {
+        let metrics = |temperature_penalty, energy_penalty| EpisodeMetrics {
+            steps: 100,
+            temperature_penalty,
+            energy_penalty,
+            ..EpisodeMetrics::default()
+        };
+        // 100 steps of 0.2 K add 4 to both.
+        let comfort =
+            Scored { metrics: metrics(60.0, 0.0), baseline_return: Some(-12.0), ..Scored::default() };
+        assert_eq!(comfort.relative_comfort(), Some(2.0));
+        let energy = Scored {
+            metrics: metrics(60.0, 5.0),
+            baseline_return: Some(-22.0),
+            resource: Some(1.0),
+            baseline_resource: Some(2.0),
+            ..Scored::default()
+        };
+        assert_eq!(energy.relative_comfort(), Some(2.0));
+        assert_eq!(Scored { baseline_resource: None, ..energy.clone() }.relative_comfort(), None);
+        assert_eq!(Scored { baseline_return: None, ..comfort }.relative_comfort(), None);
     }
 }
