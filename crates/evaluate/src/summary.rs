@@ -84,6 +84,21 @@ pub struct Group {
     pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
+    /// Comfort in a task of operation; `None` in one with targets.
+    #[serde(flatten)]
+    pub comfort: Option<OperationComfort>,
+}
+
+/// Comfort in the episodes of a task of operation.
+#[derive(Clone, Debug, Serialize)]
+pub struct OperationComfort {
+    /// Discomfort, mean over episodes, K·h per zone.
+    pub discomfort_k_h: f64,
+    /// The baseline's; `None` if one is unknown.
+    pub baseline_discomfort_k_h: Option<f64>,
+    /// Number of episodes with more discomfort than the baseline's by more than is free; see
+    /// [`FREE_DISCOMFORT`](crate::FREE_DISCOMFORT).
+    pub uncomfortable: usize,
 }
 
 impl Results {
@@ -150,12 +165,36 @@ impl Group {
             relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
             relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
+            comfort: OperationComfort::of(strata.iter().copied().flatten().copied()),
         }
     }
 
     /// Returns the number of scored episodes.
     pub fn episodes(&self) -> usize {
         self.scores.as_ref().map_or(0, |scores| scores.episodes)
+    }
+}
+
+impl OperationComfort {
+    fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
+        let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
+        for row in rows {
+            let scored = row.outcome.as_ref().ok()?;
+            own.push(scored.metrics.tdis_tot?);
+            baseline.push(scored.baseline_discomfort);
+            uncomfortable += usize::from(scored.is_uncomfortable(row.info.steps_per_hour) == Some(true));
+        }
+        let baseline: Option<Vec<f64>> = baseline.into_iter().collect();
+        Some(Self {
+            discomfort_k_h: mean_of(own.into_iter())?,
+            baseline_discomfort_k_h: baseline.and_then(|baseline| mean_of(baseline.into_iter())),
+            uncomfortable,
+        })
+    }
+
+    /// Returns the number of uncomfortable episodes as a mark; empty without one.
+    pub fn mark(&self) -> String {
+        if self.uncomfortable == 0 { String::new() } else { format!("! {}", self.uncomfortable) }
     }
 }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::band::Band;
 use crate::comfort::Comfort;
+use crate::cost_scale::CostScale;
 use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
 use crate::limits::within;
@@ -121,10 +122,10 @@ impl Default for Task {
 
 /// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
 const UNMET: f64 = 0.5;
-/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost.
-pub(crate) const OPERATION_WEIGHT: f64 = 20.0;
-/// Cost that counts as 1 in the tasks of operation where no cost of the guideline controller is known, currency/m² and hour.
-const TYPICAL_COST: f64 = 9e-4;
+/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost: a K·h per zone costs as much as half a
+/// day. Under it, discomfort is about a tenth of the guideline controller's penalty; `b2b tune operation` shows which weight makes
+/// it so (docs/tasks.md).
+pub const OPERATION_WEIGHT: f64 = 12.0;
 
 /// Limit of weights, scales and prices: far above sensible values, yet sums over a year stay exact enough to compare.
 const LARGEST: f64 = 1e6;
@@ -214,11 +215,11 @@ impl Task {
     }
 
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
-    /// [`EnergyScale`] of the class at `steps_per_hour`; otherwise 1.
+    /// [`EnergyScale`] of the class at `steps_per_hour`; for the cost of operation, the [`CostScale`]; otherwise 1.
     pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
         let usual = || match self.resource {
             Resource::ENERGY => EnergyScale::of(class?, steps_per_hour),
-            Resource::COST if self.is_operation() => Some(TYPICAL_COST / f64::from(steps_per_hour)),
+            Resource::COST if self.is_operation() => Some(CostScale::of(class, steps_per_hour)),
             _ => None,
         };
         self.energy_scale.or_else(usual).unwrap_or(1.0)

@@ -10,9 +10,9 @@ use super::evaluation_charts;
 use super::hourly_chart;
 use crate::evaluation::{Finished, Row};
 use crate::results::Results;
-use crate::scores::RESOLUTION;
+use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::{Aggregate, score_text};
-use crate::summary::{Group, Summary, Window, type_label};
+use crate::summary::{Group, OperationComfort, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
 const WORST: usize = 4;
@@ -114,6 +114,25 @@ const COLUMNS: [&str; 20] = [
     "actuator travel (strokes/day)",
 ];
 
+/// The columns of a group of episodes of operation: cost at comfort first.
+const OPERATION_COLUMNS: [&str; 15] = [
+    "building type",
+    "episodes",
+    "score at comfort, interquartile mean",
+    "score, median",
+    "beats baseline (%)",
+    "cost / baseline",
+    "energy / baseline",
+    "discomfort (K·h per zone)",
+    "baseline's discomfort",
+    "episodes beyond the free discomfort",
+    "HVAC energy (kWh/m²)",
+    "heating (kWh/m²)",
+    "cooling (kWh/m²)",
+    "fans (kWh/m²)",
+    "actuator travel (strokes/day)",
+];
+
 /// Returns one table, with a row for each task, run period and building type.
 fn table(windows: &[Window]) -> Value {
     const LOWER: &str = "lower is better, 1 is the baseline";
@@ -122,6 +141,9 @@ fn table(windows: &[Window]) -> Value {
         [Window { task, period, .. }] => format!("{period}, task {task}; {LOWER}"),
         _ => LOWER.to_owned(),
     };
+    let operation = windows.iter().all(|window| window.all.comfort.is_some());
+    let columns = if operation { &OPERATION_COLUMNS[..] } else { &COLUMNS };
+    let cells = |group| if operation { operation_cells(group).to_vec() } else { cells(group).to_vec() };
     let which = if several { &["task", "run period"][..] } else { &[] };
     let rows = windows.iter().flat_map(|window| {
         let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
@@ -130,9 +152,40 @@ fn table(windows: &[Window]) -> Value {
     });
     json!({
         "title": title,
-        "header": which.iter().chain(&COLUMNS).collect::<Vec<_>>(),
+        "header": which.iter().chain(columns).collect::<Vec<_>>(),
         "rows": rows.collect::<Vec<_>>(),
     })
+}
+
+/// Returns the cells of a group of episodes in the order of [`OPERATION_COLUMNS`].
+fn operation_cells(group: &Group) -> [String; OPERATION_COLUMNS.len()] {
+    let of = |text: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), text);
+    let number = |number: Option<f64>| number.map_or("–".to_owned(), |number| format!("{number:.2}"));
+    let [heating, cooling, fans] = end_uses(group);
+    let comfort = group.comfort.as_ref();
+    [
+        group.name.clone(),
+        group.episodes().to_string(),
+        of(|scores| scores.interquartile_mean.to_string()),
+        of(|scores| scores.median.to_string()),
+        of(Aggregate::beats_baseline_text),
+        number(group.relative_resource),
+        number(group.relative_energy),
+        number(comfort.map(|comfort| comfort.discomfort_k_h)),
+        number(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+        comfort.map_or_else(String::new, OperationComfort::mark),
+        format!("{:.2}", group.energy_wh_m2 / 1000.0),
+        number(heating),
+        number(cooling),
+        number(fans),
+        format!("{:.1}", group.daily_travel),
+    ]
+}
+
+/// Returns heating, cooling and fans, kWh/m².
+fn end_uses(group: &Group) -> [Option<f64>; 3] {
+    [Term::Heating, Term::Cooling, Term::Fans]
+        .map(|term| group.end_uses.get(term.entry().column.as_ref()?.name).map(|energy| energy / 1000.0))
 }
 
 /// Returns the cells of a group of episodes in the order of [`COLUMNS`].
@@ -144,8 +197,7 @@ fn cells(group: &Group) -> [String; COLUMNS.len()] {
     let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"));
     let percent =
         |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share));
-    let [heating, cooling, fans] = [Term::Heating, Term::Cooling, Term::Fans]
-        .map(|term| group.end_uses.get(term.entry().column.as_ref()?.name).map(|energy| energy / 1000.0));
+    let [heating, cooling, fans] = end_uses(group);
     let known = group.end_uses.values().map(|energy| energy / 1000.0).sum::<f64>();
     let others =
         heating.zip(cooling).zip(fans).map(|((heating, cooling), fans)| known - heating - cooling - fans);
@@ -177,7 +229,9 @@ fn footer(summary: &Summary) -> String {
     format!(
         "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days, as \
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
-         an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+         an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by that of the guideline \
+         controller (the baseline), plus {DISCOMFORT_COST} days of the latter for every K·h per zone of discomfort beyond its own \
+         and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
         summary.versions
     )
 }
