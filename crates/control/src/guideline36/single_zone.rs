@@ -184,9 +184,8 @@ impl SingleZone {
         let most = self.highest_lift();
         let lift = self.parameters.heating_lift.min(most);
         let flow = self.parameters.heating_flow.max(least);
-        let capacity = if self.zone.preheats() { flow * lift } else { most };
         staged(
-            (output * most).min(capacity),
+            output * most,
             [
                 Stage { flow: least, difference: 0.0 },
                 Stage { flow: least, difference: lift },
@@ -271,4 +270,95 @@ fn staged<const STAGES: usize>(capacity: f64, stages: [Stage; STAGES]) -> Stage 
         }
     }
     stages[STAGES - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::zone::LoopGains;
+    use super::*;
+
+    const STEP: f64 = 1.0 / 12.0;
+    const DAY: ZoneInput =
+        ZoneInput { temperature: 20.0, heating: 21.0, cooling: 24.0, people: true, next: None };
+
+    fn unit(outdoor_air: f64, economizer: Option<f64>) -> SingleZone {
+        let unit =
+            Unit { floor_area: 100.0, design_flow: 0.5, outdoor_air, supply: [10.0, 45.0], economizer };
+        let parameters = UnitaryParameters::default();
+        let gains = [LoopGains::UNIT; 2];
+        let rules = ZoneRules { gains, margins: [0.0; 2], optimum_start: 3.0, setback: true };
+        SingleZone::new(unit, &parameters, rules)
+    }
+
+    /// Returns the action, as a share of the design flow and °C, of a new unit.
+    fn act(mut unit: SingleZone, outdoor_temperature: f64, input: ZoneInput) -> [f64; 2] {
+        let mut action = [0.0; 2];
+        unit.act(SiteInput { outdoor_temperature, ..SiteInput::default() }, &input, &mut action, STEP);
+        [action[0] / 0.5, action[1]]
+    }
+
+    #[test]
+    fn temperature_rises_at_minimum_flow_then_flow_then_temperature_again() {
+        let mut unit = unit(0.0, None);
+        unit.zone.observe(&DAY, SiteInput::default(), STEP);
+        // Full heating is 24 K at the design flow; 11 K at a flow of 0.2 are 9 %, at the design flow 46 %.
+        for (output, flow, difference) in
+            [(0.05, 0.2, 6.0), (2.2 / 24.0, 0.2, 11.0), (0.25, 6.0 / 11.0, 11.0), (0.75, 1.0, 18.0)]
+        {
+            let stage = unit.heat(Mode::Occupied, output);
+            let near = (stage.flow - flow).abs() < 1e-9 && (stage.difference - difference).abs() < 1e-9;
+            assert!(near, "{output}: {stage:?}");
+        }
+    }
+
+    #[test]
+    fn the_capacity_is_proportional_to_the_output_of_both_loops() {
+        let mut unit = unit(0.1, Some(24.0));
+        unit.zone.observe(&DAY, SiteInput::default(), STEP);
+        unit.zone.control(Mode::Occupied, 1.0, STEP);
+        for outdoor in [5.0, 16.0, 20.0, 35.0] {
+            for output in (1..=20).map(|share| f64::from(share) / 20.0) {
+                let capacity = |stage: Stage| stage.flow * stage.difference;
+                assert!((capacity(unit.heat(Mode::Occupied, output)) - 24.0 * output).abs() < 1e-9);
+                let most = unit.zone.aims().cooling - 10.0;
+                assert!((capacity(unit.cool(Mode::Occupied, output, outdoor)) - most * output).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn with_an_economizer_cool_outdoor_air_raises_the_flow_before_the_coil_works() {
+        let warm = ZoneInput { temperature: 25.0, ..DAY };
+        let [flow, supply] = act(unit(0.1, Some(24.0)), 17.0, warm);
+        assert!(flow > 0.8 && supply >= 17.0, "free cooling: {flow} at {supply}");
+        let [flow, supply] = act(unit(0.1, None), 17.0, warm);
+        assert!(flow < 0.6 && supply == 13.0, "without an economizer: {flow} at {supply}");
+    }
+
+    #[test]
+    fn between_the_loops_the_unit_supplies_the_air_that_it_mixes_or_stands_still() {
+        let between = ZoneInput { temperature: 22.5, ..DAY };
+        // Half outdoor air: the minimum flow is 0.2, of which 0.1 is outdoor air.
+        let [flow, supply] = act(unit(0.05, None), 17.5, between);
+        assert!((flow - 0.2).abs() < 1e-9 && (supply - 20.0).abs() < 0.1, "{flow} at {supply}");
+        let [_, supply] = act(unit(0.05, None), -20.0, between);
+        assert!((16.0..18.0).contains(&supply), "cold outdoor air is tempered: {supply}");
+        assert_eq!(act(unit(0.0, None), 17.5, between)[0], 0.0, "without outdoor air");
+        assert_eq!(act(unit(0.05, None), 17.5, ZoneInput { people: false, ..between })[0], 0.0);
+    }
+
+    #[test]
+    fn optimum_start_leaves_supplemental_heat_off() {
+        let next = Some(super::super::points::NextBand { hours: 1.0, heating: 21.0, cooling: 24.0 });
+        let night = ZoneInput { heating: 16.0, cooling: 30.0, people: false, next, temperature: 17.0 };
+        let mut heat_pump = unit(0.0, None);
+        (heat_pump.parameters.compressor_lift, heat_pump.parameters.compressor_cutoff) = (15.0, -12.0);
+        let capacity = |outdoor: f64| {
+            let [flow, supply] = act(heat_pump.clone(), outdoor, night);
+            flow * (supply - 21.2)
+        };
+        assert!((capacity(8.3) - 15.0).abs() < 0.3, "{}", capacity(8.3));
+        assert!((capacity(-5.0) - 15.0 * (1.0 - 0.027 * 13.3)).abs() < 0.3, "{}", capacity(-5.0));
+        assert!(capacity(-13.0) > 20.0, "without a compressor, there is no other heat: {}", capacity(-13.0));
+    }
 }

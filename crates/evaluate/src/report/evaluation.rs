@@ -260,6 +260,7 @@ mod tests {
             relative_energy: None,
             relative_resource: Some(0.5),
             daily_travel: 2.0,
+            comfort: None,
         };
         let window = |task: &str, period: &str| Window {
             task: task.into(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use b2b_control::{AnyController, Case, Controller, kind};
+use b2b_control::{AnyController, Case, kind};
 use b2b_env::{Env, EpisodeConfig, EpisodeMetrics, Metrics};
 use serde_json::{Value, json};
 
