@@ -73,7 +73,7 @@ pub enum Error {
     },
     /// A folder without agents and controllers.
     #[error(
-        "{path} has no controllers and no agents to check; expected jobs/AGENT/.../agent with agent.json and weights.safetensors"
+        "{path} has no agents to check and no results of controllers; expected jobs/AGENT/.../agent with agent.json and weights.safetensors"
     )]
     NoAgents {
         /// The folder.

@@ -219,7 +219,7 @@ mod tests {
         let (quick, full) = (jobs("operation", "quick"), jobs("operation", "full"));
         assert_eq!((quick.len(), full.len()), (18, 18), "three controllers, six types");
         let count = |jobs: &[Job]| jobs.iter().map(Job::episode_count).sum::<usize>();
-        assert_eq!((count(&quick), count(&full)), (360, 1440), "two tariffs, five periods");
+        assert_eq!((count(&quick), count(&full)), (180, 720), "five periods");
         let job = quick.iter().find(|job| job.key == "own/OfficeSmall").unwrap();
         assert_eq!((job.policy(), job.steps(), job.actions.len()), ("own", 0, 1));
         let trained = &jobs("ppo", "quick")[0];

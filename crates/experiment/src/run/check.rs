@@ -44,7 +44,7 @@ enum Checkable {
     Controller(String),
 }
 
-/// Evaluates the controllers again and the agents whose folders are at hand, and compares their episodes with the results that
+/// Evaluates the experiment's `controllers` again and the agents whose folders are at hand, and compares their episodes with the results that
 /// `Folder::keep` kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
 /// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
 /// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
@@ -60,7 +60,8 @@ pub fn check(
 ) -> Result<Vec<Checked>> {
     let jobs: Vec<Job> = experiment.jobs(budget);
     let kept = jobs.iter().filter_map(|job| Some((job, runner.folder.kept(job)?)));
-    let to_check: Vec<Subject<'_>> = kept.flat_map(|(job, result)| subjects(runner, job, result)).collect();
+    let to_check: Vec<Subject<'_>> =
+        kept.flat_map(|(job, result)| subjects(runner, experiment, job, result)).collect();
     let all = runner.each(&to_check, &|subject| {
         let checked = Checked { fault: fault(runner, subject, buildings)?, job: subject.name.clone() };
         done(&checked);
@@ -73,7 +74,12 @@ pub fn check(
 }
 
 /// Returns the controller of a job, or its agents whose folders are at hand.
-fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec<Subject<'a>> {
+fn subjects<'a>(
+    runner: &Runner<'_>,
+    experiment: &Experiment,
+    job: &'a Job,
+    result: &'a JobResult,
+) -> Vec<Subject<'a>> {
     let Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) = job.actions.last() else {
         return Vec::new();
     };
@@ -99,7 +105,7 @@ fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec
         machine: &best.machine,
         rows: &best.rows,
     });
-    [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand()).collect()
+    [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand(experiment)).collect()
 }
 
 /// Returns why a result is not that of its agent, if it is not.
@@ -142,10 +148,11 @@ fn other_agent(path: &Path, sha256: Option<&str>) -> Option<String> {
 }
 
 impl Checkable {
-    fn is_at_hand(&self) -> bool {
+    fn is_at_hand(&self, experiment: &Experiment) -> bool {
         match self {
             Self::Agent(path) => path.join("agent.json").exists(),
-            Self::Controller(_) => true,
+            // The reactive controllers beside agents are baselines, which `b2b baseline --check` checks.
+            Self::Controller(name) => experiment.controllers.contains(name),
         }
     }
 }
