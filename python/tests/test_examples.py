@@ -30,6 +30,21 @@ def test_an_example_runs(name, words):
     assert words in run(EXAMPLES / f"{name}.py")
 
 
+def test_a_client_in_the_sequence_of_boptest_runs(tmp_path):
+    script = Path(sys.executable).with_name("b2b")
+    command = [script, "serve", "OfficeSmall", "--port", "0"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            url = re.search(r"http://[\d.:]+", server.stdout.readline()).group()
+            printed = run(EXAMPLES / "boptest_client.py", url, 6)
+        finally:
+            server.terminate()
+    assert "time of the last result: 21600.0 s" in printed and "stop: OK" in printed
+    values = dict(line.split(": ") for line in printed.splitlines() if line.count(": ") == 1)
+    assert float(values["ener_tot"]) > 0 and values["idis_tot"] == "None"
+    assert server.returncode == 0 and list(tmp_path.iterdir()) == []
+
+
 def test_the_notebook_runs_and_plots():
     """In its own kernel, with an event loop around the cells, as in Jupyter."""
     import nbformat

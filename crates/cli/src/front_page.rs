@@ -10,6 +10,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Your own models", &["import", "edit", "calibrate"]),
     ("Train agents", &["train", "collect", "clone", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
+    ("Other programs", &["serve"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),
 ];

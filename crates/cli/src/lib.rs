@@ -42,6 +42,8 @@ mod rollout;
 mod run;
 #[cfg(target_os = "linux")]
 mod score;
+#[cfg(target_os = "linux")]
+mod serve;
 mod setup;
 #[cfg(target_os = "linux")]
 mod shipped;
@@ -85,6 +87,8 @@ enum Command {
     Show(show::Arguments),
     View(view::Arguments),
     Compare(compare::Arguments),
+    #[cfg(target_os = "linux")]
+    Serve(serve::Arguments),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
@@ -148,7 +152,10 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
         }
         Err(error) if stdout::is_closed(&error) => ExitCode::Success,
         Err(error) => {
-            eprintln!("{}", wrap::message(&format!("error: {}", with_causes(&error))));
+            let error = with_causes(&error);
+            let remedy = interrupt::remedy().filter(|_| !error.contains("`ulimit -f`"));
+            let remedy = remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default();
+            eprintln!("{}", wrap::message(&format!("error: {error}{remedy}")));
             ExitCode::Failure
         }
     }
@@ -161,6 +168,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Show(arguments) => show::show(&arguments)?,
         Command::View(arguments) => view::view(&arguments)?,
         Command::Compare(arguments) => compare::compare(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Serve(arguments) => serve::serve(&arguments)?,
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,

@@ -59,7 +59,7 @@ impl DecisionLog {
     }
 
     /// The values of a slot, one per step.
-    pub fn decided(&self, slot: usize) -> impl Iterator<Item = f64> {
+    pub fn values(&self, slot: usize) -> impl Iterator<Item = f64> {
         self.rows.iter().skip(slot).step_by(self.slots.len().max(1)).copied()
     }
 }
@@ -105,8 +105,8 @@ mod tests {
             controller.act(&[], &mut []);
             log.decided(controller.record().unwrap());
         }
-        assert_eq!(log.decided(1).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
-        assert_eq!(log.decided(0).collect::<Vec<_>>(), [0.0; 3]);
+        assert_eq!(log.values(1).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+        assert_eq!(log.values(0).collect::<Vec<_>>(), [0.0; 3]);
         assert_eq!(log.slots()[1].name, "count");
     }
 }

@@ -173,7 +173,7 @@ impl Author {
         folder: &OutputFolder,
         spaces: &Spaces,
         rollout: &Rollout,
-        reactive: Option<&Trajectory>,
+        reactive: Option<&Rollout>,
     ) -> Result<Summary> {
         let Self { place, controller, seed } = self;
         let files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
@@ -200,10 +200,10 @@ impl Arguments {
         Ok(period.part(0, days))
     }
 
-    /// Returns the trajectory of the reactive controllers in the same episode.
-    fn reactive(&self, prepared: &Prepared, spaces: &Spaces) -> Result<Trajectory> {
+    /// Runs the same episode under the reactive controllers.
+    fn reactive(&self, prepared: &Prepared, spaces: &Spaces) -> Result<Rollout> {
         let mut reactive = reactive(spaces, &Parameters::Tuned)?;
-        Ok(prepared.roll_out(spaces, &mut reactive, self.json)?.trajectory)
+        prepared.roll_out(spaces, &mut reactive, self.json)
     }
 
     /// Returns the output folder.

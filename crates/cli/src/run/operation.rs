@@ -114,9 +114,9 @@ impl View<'_> {
     fn in_use<'b>(&'b self, index: usize, zone: &'b str) -> impl Iterator<Item = Steps> + 'b {
         let slots = self.decisions.slots().iter().enumerate();
         let own = slots.filter(move |(_, slot)| slot.zone.as_deref() == Some(zone) && slot.unit == "°C");
-        own.filter(|(k, _)| self.decisions.decided(*k).all(f64::is_finite)).map(move |(k, slot)| {
+        own.filter(|(k, _)| self.decisions.values(*k).all(f64::is_finite)).map(move |(k, slot)| {
             let name = slot.name.strip_prefix(zone).unwrap_or(&slot.name).trim().to_owned();
-            let steps = self.axis.steps(name, self.decisions.decided(k));
+            let steps = self.axis.steps(name, self.decisions.values(k));
             Steps { color: Some(index), dashed: true, ..steps }
         })
     }
@@ -125,7 +125,7 @@ impl View<'_> {
         let slots = self.decisions.slots().iter().enumerate();
         slots.filter(|(_, slot)| !slot.states.is_empty()).map(|(k, slot)| {
             let name = slot.name.trim_end_matches(" mode").to_owned();
-            Steps { states: slot.states, ..self.axis.steps(name, self.decisions.decided(k)) }
+            Steps { states: slot.states, ..self.axis.steps(name, self.decisions.values(k)) }
         })
     }
 }

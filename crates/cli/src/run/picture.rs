@@ -6,7 +6,7 @@ use anyhow::Result;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{Spaces, Target, Trajectory};
+use b2b_env::{EpisodeMetrics, Spaces, Target, Trajectory};
 use serde::Serialize;
 use serde_json::json;
 
@@ -38,23 +38,32 @@ struct Panel {
     band: Option<f64>,
 }
 
-/// Writes the page. If the trajectory of the reactive controllers is given, their zone temperatures and power are drawn
-/// beside those of the agent.
+/// The metrics of the reactive controllers under the names of their columns.
+#[derive(Serialize)]
+struct Beside {
+    #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
+    metrics: EpisodeMetrics,
+}
+
+/// Writes the page. If the episode of the reactive controllers is given, their zone temperatures, power and metrics are
+/// beside the agent's.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
     rollout: &Rollout,
-    reactive: Option<&Trajectory>,
+    reactive: Option<&Rollout>,
     summary: &Summary,
 ) -> Result<()> {
     let Rollout { trajectory, decisions, .. } = rollout;
     let episode = &spaces.episode;
     let first_day = episode.period.first().day_of_year();
     let axis = TimeAxis::new(first_day, episode.steps_per_hour, trajectory.len());
-    let picture = Picture { spaces, trajectory, reactive, axis };
+    let beside = reactive.map(|rollout| Beside { metrics: (&rollout.metrics).into() });
+    let picture = Picture { spaces, trajectory, reactive: reactive.map(|rollout| &rollout.trajectory), axis };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
+        "reactive": beside,
         "axis": axis,
         "resolution": axis.resolution(),
         "target": spaces.observation.constant_target(),

@@ -228,7 +228,7 @@ impl Summary {
             ),
             ("peak electric demand", format!("{:.1} W/m²", of(Term::PeakElectricity))),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
-            ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
+            ("outdoor air per person", self.outdoor_air_text()),
         ]
     }
 
@@ -239,6 +239,14 @@ impl Summary {
                 format!("{:.1} %, {:.1} % of occupied hours", 100.0 * cold, 100.0 * warm)
             }
             _ => "never occupied".to_owned(),
+        }
+    }
+
+    /// Returns the outdoor air that systems bring to people, which is none in houses.
+    fn outdoor_air_text(&self) -> String {
+        match self.metrics.outdoor_air_per_person {
+            0.0 => "none through the systems".to_owned(),
+            flow => format!("{flow:.1} L/s"),
         }
     }
 

@@ -55,7 +55,7 @@ pub fn write(
     columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
     columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
     for (k, slot) in decisions.slots().iter().enumerate() {
-        columns.push::<Float64Type>(&format!("{DECISION}{}", slot.name), slot.unit, decisions.decided(k));
+        columns.push::<Float64Type>(&format!("{DECISION}{}", slot.name), slot.unit, decisions.values(k));
     }
     columns.write(file, spaces, identity)
 }
@@ -84,8 +84,10 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Reads a file. Errors if its content does not match its hashes.
+    /// Reads a file, or the one in an output folder of `b2b run`. Errors if its content does not match its hashes.
     pub fn read(path: &Path) -> Result<Self> {
+        let within = path.is_dir().then(|| path.join(NAME));
+        let path = within.as_deref().unwrap_or(path);
         let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
         let stored = Self::of(file).with_context(not_ours)?;

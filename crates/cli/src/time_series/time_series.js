@@ -197,7 +197,7 @@ function drawLines(g, panel, box) {
   const lines = drawn.filter(each => !each.series.target).length;
   for (const { series, points } of drawn) {
     const faded = panel.lit && panel.lit !== series, lit = panel.lit === series;
-    const inked = series.target ? style("--ink") : color(series.color);
+    const inked = series.target && !series.tinted ? style("--ink") : color(series.color);
     g.fillStyle = g.strokeStyle = inked;
     if (series.target && panel.width && !isDaily()) {
       g.fillStyle = style("--band");
@@ -342,7 +342,7 @@ function fillPanel(panel) {
     list.append(item);
   }
 }
-const markColor = series => series.target ? "var(--ink)" : series.states ? stateColor(series.states, 1)
+const markColor = series => series.target && !series.tinted ? "var(--ink)" : series.states ? stateColor(series.states, 1)
   : series.color === undefined ? "var(--edge)" : color(series.color);
 function scale(panel) {
   const low = Math.min(...panel.series.map(s => s.low)), high = Math.max(...panel.series.map(s => s.high));
@@ -371,10 +371,11 @@ function addBar(bar) {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", refresh);
 }
 
-function tile(name, value) {
+function tile(name, value, beside) {
   const div = document.createElement("div");
   div.className = "tile";
   div.innerHTML = "<b></b><span></span>";
   div.children[0].textContent = value; div.children[1].textContent = name;
+  if (beside) make("small", div, beside);
   document.querySelector(".tiles").append(div);
 }

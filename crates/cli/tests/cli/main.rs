@@ -31,10 +31,14 @@ mod offline;
 #[cfg(target_os = "linux")]
 mod onnx_file;
 #[cfg(target_os = "linux")]
+mod operation;
+#[cfg(target_os = "linux")]
 mod pages;
 mod program;
 mod readme;
 mod seasons;
+#[cfg(target_os = "linux")]
+mod serve;
 #[cfg(unix)]
 mod show;
 mod terminal;

@@ -2,14 +2,13 @@
 
 use std::io::Write;
 
-use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, cost_vs_discomfort, energy_vs_comfort, hover_name};
+use super::chart::{Chart, hover_name};
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
+use super::trade_off::energy_and_comfort;
 use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
-use crate::operation::{OperationMeans, OperationTable};
 use crate::statistics::score_text;
 use crate::{Error, Result};
 
@@ -37,27 +36,15 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
     let episodes = all.first().map_or(0, |compared| compared.rows.len());
     let series: Vec<_> =
         all.iter().map(|compared| Series { name: &compared.name, episodes: compared.ran() }).collect();
-    let operation = operation_table(all);
-    let (tables, charts) = match &operation {
-        Some(operation) => (vec![operation.clone()], vec![cost_and_discomfort(all), step_rewards(&series)]),
-        None => {
-            let charts = vec![step_rewards(&series), rms_deviations(&series), energy_and_comfort(all)];
-            (vec![table(all)], charts)
-        }
-    };
-    let footer = if operation.is_some() {
-        "Means over episodes. In brackets: relative to the first policy."
-    } else {
-        "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, task and \
-         days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both."
-    };
+    let charts = [step_rewards(&series), rms_deviations(&series), energy_and_comfort(&series, 340, false)];
     let data = json!({
         "title": format!("{} policies on {episodes} episodes", all.len()),
         "tiles": [],
-        "tables": tables,
+        "tables": [table(all)],
         "lost": [],
-        "drawings": charts.into_iter().map(Chart::json).collect::<Vec<_>>(),
-        "footer": footer,
+        "drawings": charts.map(Chart::json),
+        "footer": "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, \
+                   task and days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both.",
     });
     b2b_page::write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
 }
@@ -86,47 +73,6 @@ fn check_same(all: &[Compared]) -> Result<()> {
         return Err(Error::OtherEpisodes { name: compared.name.clone(), why });
     }
     Ok(())
-}
-
-/// Returns the table of tasks with bands, a row for each period, task and policy; `None` if some episodes have other tasks.
-fn operation_table(all: &[Compared]) -> Option<Value> {
-    let mut windows: Vec<(&str, &str)> = Vec::new();
-    for row in &all.first()?.rows {
-        let window = (row.info.period.as_str(), row.info.task.as_str());
-        if !windows.contains(&window) {
-            windows.push(window);
-        }
-    }
-    let mut rows = Vec::new();
-    for (period, task) in windows {
-        let of_window = |compared: &Compared| {
-            let own =
-                compared.rows.iter().filter(|row| (&*row.info.period, &*row.info.task) == (period, task));
-            OperationMeans::of_rows(own)
-        };
-        let first = of_window(all.first()?)?;
-        for compared in all {
-            let means = of_window(compared)?;
-            let relative = |value: f64, first: f64, decimals: usize| match first > 0.0 {
-                true => format!("{value:.decimals$} [{:.2}]", value / first),
-                false => format!("{value:.decimals$}"),
-            };
-            let mut cells = vec![
-                period.to_owned(),
-                task.to_owned(),
-                compared.name.clone(),
-                relative(means.cost_tot, first.cost_tot, 3),
-                relative(means.ener_tot, first.ener_tot, 2),
-            ];
-            cells.extend(means.comfort_cells());
-            rows.push(cells);
-        }
-    }
-    let [discomfort, outside, peak] = OperationTable::COMFORT;
-    let header =
-        ["period", "task", "policy", "cost (per m²)", "HVAC energy (kWh/m²)", discomfort, outside, peak];
-    (!rows.is_empty())
-        .then(|| json!({"name": "Operation", "title": "means over episodes", "header": header, "rows": rows}))
 }
 
 fn table(all: &[Compared]) -> Value {
@@ -162,39 +108,6 @@ fn table(all: &[Compared]) -> Value {
     })
 }
 
-fn energy_and_comfort(all: &[Compared]) -> Chart {
-    let energy = |metrics: &EpisodeMetrics| metrics.energy() / 1000.0;
-    let data = scatter(all, energy, |metrics| metrics.rms_deviation, "%{x:.1f} kWh/m², %{y:.2f} K");
-    energy_vs_comfort(data, 340, false)
-}
-
-fn cost_and_discomfort(all: &[Compared]) -> Chart {
-    let cost = |metrics: &EpisodeMetrics| metrics.cost_tot.unwrap_or(f64::NAN);
-    let discomfort = |metrics: &EpisodeMetrics| metrics.tdis_tot.unwrap_or(f64::NAN);
-    cost_vs_discomfort(scatter(all, cost, discomfort, "%{x:.3f} per m², %{y:.1f} K·h"), 340, false)
-}
-
-/// Returns the points of all policies, with two metrics of every episode and their text.
-fn scatter(
-    all: &[Compared],
-    x: impl Fn(&EpisodeMetrics) -> f64,
-    y: impl Fn(&EpisodeMetrics) -> f64,
-    text: &str,
-) -> Value {
-    let trace = |(number, compared): (usize, &Compared)| {
-        let ran = compared.ran();
-        json!({
-            "type": "scatter", "mode": "markers", "name": compared.name,
-            "x": ran.iter().map(|(_, scored)| x(&scored.metrics)).collect::<Vec<_>>(),
-            "y": ran.iter().map(|(_, scored)| y(&scored.metrics)).collect::<Vec<_>>(),
-            "text": ran.iter().map(|(info, _)| hover_name(info)).collect::<Vec<_>>(),
-            "hovertemplate": format!("%{{text}}<br>{text}<extra></extra>"),
-            "marker": {"size": 7, "color": color(number), "opacity": 0.8},
-        })
-    };
-    all.iter().enumerate().map(trace).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,21 +125,6 @@ mod tests {
             Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(Scored::default()) }
         };
         Compared { name: name.into(), rows: numbers.iter().map(row).collect() }
-    }
-
-    #[test]
-    fn policies_of_operation_have_a_row_for_each_period_relative_to_the_first() {
-        let priced = |name: &str, cost: f64| {
-            let mut compared = compared(name, &[1]);
-            let Ok(scored) = &mut compared.rows[0].outcome else { unreachable!() };
-            scored.metrics.cost_tot = Some(cost);
-            scored.metrics.tdis_tot = Some(2.0);
-            compared
-        };
-        let table = operation_table(&[priced("own", 0.4), priced("agent", 0.3)]).unwrap();
-        assert_eq!(table["rows"][1][2], "agent");
-        assert_eq!(table["rows"][1][3], "0.300 [0.75]");
-        assert_eq!(operation_table(&[compared("a", &[1])]), None);
     }
 
     #[test]

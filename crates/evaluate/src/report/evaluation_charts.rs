@@ -4,10 +4,12 @@ use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
 use super::chart::{
-    Chart, color, cost_vs_discomfort, distribution, energy_vs_comfort, has_several_tasks, horizontal_line,
-    hover_name, make_logarithmic, mean_diamond, range,
+    Chart, color, distribution, has_several_tasks, horizontal_line, hover_name, make_logarithmic,
+    mean_diamond, range,
 };
 use super::deviation_chart::{StepDeviations, step_deviations};
+use super::series::Series;
+use super::trade_off::energy_and_comfort;
 use crate::evaluation::{EpisodeInfo, Row};
 use crate::results::Results;
 use crate::summary::type_label;
@@ -31,16 +33,13 @@ impl<'a> EpisodeRun<'a> {
 pub(super) fn all(results: &Results, deviations: &[StepDeviations]) -> Vec<Value> {
     let rows: Vec<EpisodeRun<'_>> = results.rows.iter().filter_map(EpisodeRun::of).collect();
     let types = distinct(&rows, |row| row.info.building_type.clone());
-    let mut charts = vec![scores_by_type(&rows, &types), scores_by_zone(&rows, &types)];
-    if rows.iter().all(|row| row.metrics.tdis_tot.is_some()) {
-        charts.push(cost_and_discomfort(&rows, &types));
-    } else {
-        charts.extend([
-            step_deviations("Deviation from target, all steps".into(), deviations),
-            rms_deviations(&rows, &types),
-            energy_and_comfort(&rows, &types),
-        ]);
-    }
+    let charts = [
+        scores_by_type(&rows, &types),
+        scores_by_zone(&rows, &types),
+        step_deviations("Deviation from target, all steps".into(), deviations),
+        rms_deviations(&rows, &types),
+        trade_off(results, &types),
+    ];
     charts.into_iter().map(Chart::json).collect()
 }
 
@@ -137,8 +136,8 @@ fn scores(
         "shapes": [horizontal_line(1.0)],
     });
     let (low, high) = range(&values);
+    let (low, high) = (low.min(1.0), high.max(1.0));
     if !make_logarithmic(&mut layout["yaxis"], (low, high)) {
-        let (low, high) = (low.min(1.0), high.max(1.0));
         // Leaves room around the line even if every score is on it.
         let margin = ((high - low) * 0.08).max(0.02);
         layout["yaxis"]["range"] = json!([low - margin, high + margin]);
@@ -178,24 +177,12 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     }
 }
 
-fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
-    let mut data = Vec::new();
-    for name in types {
-        let own = of_type(rows, name);
-        let x = own.iter().map(|row| (row.metrics.energy() / 1000.0).into()).collect();
-        let y = own.iter().map(|row| row.metrics.rms_deviation.into()).collect();
-        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
-    }
-    energy_vs_comfort(data.into(), 400, true)
-}
-
-fn cost_and_discomfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
-    let mut data = Vec::new();
-    for name in types {
-        let own = of_type(rows, name);
-        let x = own.iter().map(|row| row.metrics.cost_tot.into()).collect();
-        let y = own.iter().map(|row| row.metrics.tdis_tot.into()).collect();
-        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
-    }
-    cost_vs_discomfort(data.into(), 400, true)
+fn trade_off(results: &Results, types: &[String]) -> Chart {
+    let episodes = |name: &String| {
+        let own = results.rows.iter().filter(|row| row.info.building_type == *name);
+        own.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+    };
+    let series: Vec<_> =
+        types.iter().map(|name| Series { name: type_label(name), episodes: episodes(name) }).collect();
+    energy_and_comfort(&series, 400, true)
 }

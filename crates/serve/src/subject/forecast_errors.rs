@@ -1,0 +1,151 @@
+//! Errors of weather forecasts: the autoregressive models of BOPTEST with its parameters
+//! (`forecast/forecast_uncertainty_params.json` of ibpsa/project1-boptest, retrieved 2026).
+
+use b2b_base::random::{standard_normal, stream, uniform};
+use rand_chacha::ChaCha8Rng;
+
+/// Name of the random streams.
+const STREAM: &str = "boptest forecast";
+/// A forecast of solar radiation stays within these shares of it.
+const SOLAR_SHARES: [f64; 2] = [0.2, 2.0];
+
+/// How uncertain a forecast is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Uncertainty {
+    /// Small errors.
+    Low,
+    /// Usual errors.
+    Medium,
+    /// Large errors.
+    High,
+}
+
+/// An error that begins with a mean and a spread, and is then a share of the last error plus a mean, with a spread.
+#[derive(Clone, Copy)]
+struct Model {
+    first: [f64; 2],
+    share: f64,
+    then: [f64; 2],
+}
+
+impl Uncertainty {
+    /// All levels.
+    pub const ALL: [Self; 3] = [Self::Low, Self::Medium, Self::High];
+
+    /// Returns the name in requests.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Medium => "medium",
+            Self::High => "high",
+        }
+    }
+
+    /// Outdoor temperature, K; normal.
+    fn temperature(self) -> Model {
+        match self {
+            Self::Low => Model { first: [0.0, 0.6], share: 0.92, then: [0.0, 0.4] },
+            Self::Medium => Model { first: [0.15, 1.2], share: 0.93, then: [0.0, 0.6] },
+            Self::High => Model { first: [-0.58, 1.5], share: 0.95, then: [-0.015, 0.7] },
+        }
+    }
+
+    /// Global horizontal radiation, W/m²; Laplace.
+    fn solar(self) -> Model {
+        match self {
+            Self::Low => Model { first: [4.44, 57.42], share: 0.62, then: [1.86, 45.64] },
+            Self::Medium => Model { first: [15.02, 122.6], share: 0.63, then: [4.44, 91.97] },
+            Self::High => Model { first: [32.09, 119.94], share: 0.67, then: [10.63, 87.44] },
+        }
+    }
+
+    /// Takes the error of a forecast made at an hour of the year off outdoor temperatures, one an hour.
+    pub fn disturb_temperatures(self, seed: u64, hour: u64, temperatures: &mut [f64]) {
+        let mut random = stream(STREAM, seed, 2 * hour);
+        let mut error = Errors::of(self.temperature());
+        for temperature in temperatures {
+            *temperature -= error.next(|| standard_normal(&mut random));
+        }
+    }
+
+    /// Takes the error of a forecast made at an hour of the year off radiations, one an hour.
+    pub fn disturb_radiations(self, seed: u64, hour: u64, radiations: &mut [f64]) {
+        let mut random = stream(STREAM, seed, 2 * hour + 1);
+        let mut error = Errors::of(self.solar());
+        for radiation in radiations {
+            let [least, most] = SOLAR_SHARES.map(|share| share * *radiation);
+            *radiation = (*radiation - error.next(|| laplace(&mut random))).clamp(least, most);
+        }
+    }
+}
+
+/// The errors of one forecast, in the order of time.
+struct Errors {
+    model: Model,
+    last: Option<f64>,
+}
+
+impl Errors {
+    fn of(model: Model) -> Self {
+        Self { model, last: None }
+    }
+
+    fn next(&mut self, mut draw: impl FnMut() -> f64) -> f64 {
+        let Model { first, share, then } = self.model;
+        let [mean, spread] = match self.last {
+            None => first,
+            Some(last) => [last * share + then[0], then[1]],
+        };
+        *self.last.insert(mean + spread * draw())
+    }
+}
+
+/// Draws from the Laplace distribution of mean 0 and scale 1.
+fn laplace(random: &mut ChaCha8Rng) -> f64 {
+    let centered = uniform(random) - 0.5;
+    -centered.signum() * libm::log(1.0 - 2.0 * centered.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The deviation of errors of the temperature after some hours.
+    fn deviation(level: Uncertainty, hours: usize) -> f64 {
+        let squares = (0..4000).map(|hour| {
+            let mut temperatures = vec![0.0; hours + 1];
+            level.disturb_temperatures(1, hour, &mut temperatures);
+            temperatures[hours].powi(2)
+        });
+        (squares.sum::<f64>() / 4000.0).sqrt()
+    }
+
+    #[test]
+    fn errors_of_the_temperature_grow_to_the_deviation_of_the_model() {
+        assert!((deviation(Uncertainty::Low, 0) - 0.6).abs() < 0.03);
+        // K / sqrt(1 - F²) is 1.02 K.
+        assert!((deviation(Uncertainty::Low, 40) - 1.02).abs() < 0.05);
+        assert!(deviation(Uncertainty::High, 40) > 1.8);
+    }
+
+    #[test]
+    fn a_forecast_of_radiation_is_dark_at_night_and_within_its_shares() {
+        let mut radiations = vec![0.0, 100.0, 500.0, 800.0, 0.0];
+        Uncertainty::High.disturb_radiations(3, 12, &mut radiations);
+        assert_eq!((radiations[0], radiations[4]), (0.0, 0.0));
+        assert!(radiations[1..4].iter().zip([100.0, 500.0, 800.0]).all(|(value, actual)| {
+            (SOLAR_SHARES[0] * actual..=SOLAR_SHARES[1] * actual).contains(value)
+        }));
+    }
+
+    #[test]
+    fn an_error_follows_the_seed_and_the_hour() {
+        let of = |seed, hour| {
+            let mut temperatures = vec![10.0; 5];
+            Uncertainty::Medium.disturb_temperatures(seed, hour, &mut temperatures);
+            temperatures
+        };
+        assert_eq!(of(1, 2), of(1, 2));
+        assert!(of(1, 2) != of(2, 2) && of(1, 2) != of(1, 3));
+    }
+}
