@@ -1,6 +1,7 @@
 """The command ``b2b`` that the package installs, which is this extension module."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -76,3 +77,24 @@ def test_an_interrupt_ends_the_command_with_130(tmp_path):
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=60) == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_no_code_of_the_current_folder_runs(tmp_path):
+    ran = tmp_path / "ran"
+    (tmp_path / "pip").mkdir()
+    for module in ("pip.py", "pip/__init__.py", "pip/__main__.py", "token.py", "random.py", "sitecustomize.py"):
+        (tmp_path / module).write_text(f"open({str(ran)!r}, 'a').close()\n")
+    # EnergyPlus is needed, and a client is started for it.
+    program = """
+import building2building as b2b
+try:
+    b2b.make_env("OfficeSmall")
+except b2b.errors.Error:
+    pass
+print("done")
+"""
+    environment = {**os.environ, "B2B_CACHE": str(tmp_path / "cache"), "PIP_NO_INDEX": "1"}
+    command = [sys.executable, "-I", "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.stdout == "done\n", done.stderr
+    assert not ran.exists()

@@ -133,4 +133,6 @@ def test_the_files_of_an_evaluation_and_an_agent_are_as_described(tmp_path):
     assert set(json.loads((tmp_path / "evaluation/summary.json").read_text())) == keys("evaluation")
     options = {"run_period": "01-09..01-15", "window_days": 1, "environments": 1, "steps": 288}
     agent = b2b.train(house, evaluation={"days": 1}, out=tmp_path / "run", **options)
-    assert set(agent.info) == keys("agent")
+    assert set(json.loads((tmp_path / "run/agent.json").read_text())) == keys("agent")
+    # The file's own SHA-256 is not part of the agent.
+    assert set(agent.info) == keys("agent") - {"sha256"}

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use b2b_base::aside;
 use b2b_base::digest::sha256;
+use b2b_base::seal;
 use b2b_building::morphology::NodeType;
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
@@ -21,6 +22,11 @@ const WEIGHTS: &str = "weights.safetensors";
 /// The files of an agent.
 pub const FILES: [&str; 2] = [INFO, WEIGHTS];
 
+/// The format of descriptions that do not state their own SHA-256.
+const UNSEALED: u32 = 1;
+/// The text before a description's own SHA-256.
+const SEAL: &str = "\"sha256\": \"";
+
 /// The contents of an agent's folder.
 pub(crate) struct Contents {
     pub(crate) info: AgentInfo,
@@ -35,9 +41,16 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
     let text = std::fs::read(path.join(INFO)).map_err(|error| not_an_agent(format!("{INFO}: {error}")))?;
     let format: Format =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("{INFO}: {error}")))?;
-    if format.format != FORMAT {
-        let why = format!("its format is {}, this version reads format {FORMAT}", format.format);
-        return Err(not_an_agent(why));
+    match format.format {
+        UNSEALED => (),
+        FORMAT if seal::is_intact(&text, SEAL) == Some(true) => (),
+        FORMAT => {
+            return Err(damaged(format!("{INFO} was changed: it does not have the hash that it states")));
+        }
+        other => {
+            let why = format!("its format is {other}, this version reads format {UNSEALED} and {FORMAT}");
+            return Err(not_an_agent(why));
+        }
     }
     let info: AgentInfo =
         serde_json::from_slice(&text).map_err(|error| damaged(format!("{INFO}: {error}")))?;
@@ -56,12 +69,20 @@ struct Format {
     format: u32,
 }
 
+/// A description with its own SHA-256.
+#[derive(serde::Serialize)]
+struct SealedInfo<'a> {
+    #[serde(flatten)]
+    info: &'a AgentInfo,
+    sha256: String,
+}
+
 /// Writes a folder: both files aside first, then moves the weights and the description that states their hash.
 pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
     std::fs::create_dir_all(path).map_err(at(path))?;
     let bytes = weights(actor);
     info.weights = sha256(&bytes);
-    let text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
+    let text = description(&info);
     // A description with another hash than its weights counts as damaged, so both files are written aside before either
     // is replaced.
     let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
@@ -69,6 +90,14 @@ pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<(
     let new_description = aside::write(&description, &text).map_err(at(&description))?;
     aside::put(new_weights, &weights).map_err(at(&weights))?;
     aside::put(new_description, &description).map_err(at(&description))
+}
+
+/// Returns the bytes of a description.
+fn description(info: &AgentInfo) -> Vec<u8> {
+    let info = SealedInfo { info, sha256: seal::open() };
+    let mut text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
+    assert!(seal::set(&mut text, SEAL), "it has an open seal");
+    text
 }
 
 /// Returns the bytes of a weights file: the named tensors of an actor, f32.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Interface;
 use crate::network::{Distribution, Shape};
 
-/// Version of the folder format.
-pub const FORMAT: u32 = 1;
+/// Version of the folder format. Descriptions of format 1, which do not state their own SHA-256, are read too.
+pub const FORMAT: u32 = 2;
 
 /// The description of an agent in `agent.json`: its observation, its actions and its training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,4 +8,5 @@ pub mod folder_lock;
 pub mod machine;
 pub mod random;
 pub mod scratch;
+pub mod seal;
 pub mod suggestion;

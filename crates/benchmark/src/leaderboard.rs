@@ -53,6 +53,8 @@ pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::
         let result = &board[0].0;
         (
             result.problem_changes.as_ref().is_none_or(|changes| !changes.is_empty()),
+            // Operation first.
+            !result.problem.test.tasks.iter().all(|task| task.is_operation()),
             result.problem.name.clone(),
         )
     };

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use crate::entry::{RunResult, Stages};
 use crate::problem::Stage;
 use b2b_evaluate::report::{
-    Chart, Series, color, has_several_tasks, horizontal_line, labels, make_logarithmic, range,
-    rms_deviations, step_rewards,
+    Chart, Series, color, has_several_tasks, horizontal_line, label_logarithmic, labels, make_logarithmic,
+    range, rms_deviations, step_rewards,
 };
 use b2b_evaluate::statistics::Interval;
 use b2b_evaluate::{EpisodeInfo, Scored};
@@ -17,6 +17,8 @@ type Entry = (RunResult, Stages);
 /// Lowest score of a logarithmic profile, and the highest score of the profiles in results.
 const PROFILE_START: f64 = 0.1;
 const PROFILE_END: f64 = 3.0;
+/// Highest score that is drawn where it is. Axes end here, so that one entry far above does not flatten the others.
+const HIGHEST: f64 = 20.0;
 
 /// Returns all charts of a problem's entries, in order.
 pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
@@ -38,12 +40,15 @@ fn chart(title: &str, note: &str, data: Vec<Value>, layout: Value) -> Chart {
 fn returns(board: &[&Entry]) -> Chart {
     let bar = |(number, (result, _)): (usize, &&Entry)| {
         let median = result.measures.test.scores.median;
-        json!({
-            "type": "bar", "x": [result.name], "y": [median.value], "width": 0.55, "marker": {"color": color(number)},
-            "error_y": {"type": "data", "symmetric": false, "array": [median.high - median.value],
-                        "arrayminus": [median.value - median.low], "thickness": 1.4, "color": "#6b7280"},
-            "hovertemplate": "%{x}: %{y:.3f}<extra></extra>", "showlegend": false,
-        })
+        match median.value <= HIGHEST {
+            true => json!({
+                "type": "bar", "x": [result.name], "y": [median.value], "width": 0.55, "marker": {"color": color(number)},
+                "error_y": {"type": "data", "symmetric": false, "array": [median.high - median.value],
+                            "arrayminus": [median.value - median.low], "thickness": 1.4, "color": "#6b7280"},
+                "hovertemplate": "%{x}: %{y:.3f}<extra></extra>", "showlegend": false,
+            }),
+            false => beyond(&result.name, median.value, color(number)),
+        }
     };
     let values: Vec<f64> = board.iter().map(|(result, _)| result.measures.test.scores.median.value).collect();
     let mut layout = json!({
@@ -54,24 +59,50 @@ fn returns(board: &[&Entry]) -> Chart {
     let mut traces: Vec<Value> = board.iter().enumerate().map(bar).collect();
     if logarithmic {
         // A logarithmic axis has no zero for the foot of a bar.
-        for trace in &mut traces {
+        for trace in traces.iter_mut().filter(|trace| trace["type"] == "bar") {
             trace["type"] = "scatter".into();
             trace["mode"] = "markers".into();
             trace["marker"]["size"] = 11.into();
         }
     }
-    chart("Median score", "dashed: the reactive controllers; error bars: 95 % intervals", traces, layout)
+    let note = "dashed: the reactive controllers; error bars: 95 % intervals; triangles: beyond the axis";
+    chart("Median score", note, traces, layout)
 }
 
 /// Scales the vertical axis: logarithmic for widely spread values, else from 0; returns whether it is logarithmic. The
 /// baseline's 1 is in the range.
 fn scale_y(layout: &mut Value, values: &[f64]) -> bool {
     let (low, high) = range(values);
-    let logarithmic = make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0)));
+    let (low, end) = (low.min(1.0), high.clamp(1.0, HIGHEST));
+    let logarithmic = make_logarithmic(&mut layout["yaxis"], (low, end));
     if !logarithmic {
         layout["yaxis"]["rangemode"] = "tozero".into();
     }
+    if high > HIGHEST {
+        layout["yaxis"]["range"] = match logarithmic {
+            true => json!([(0.9 * low).log10(), (1.1 * HIGHEST).log10()]),
+            false => json!([0, 1.1 * HIGHEST]),
+        };
+    }
     logarithmic
+}
+
+/// Returns a triangle at the end of the axis for an entry beyond it, with its score.
+fn beyond(name: &str, score: f64, color: &str) -> Value {
+    json!({
+        "type": "scatter", "mode": "markers+text", "x": [name], "y": [HIGHEST], "showlegend": false,
+        "text": [format!("{score:.0}")], "textposition": "bottom center",
+        "marker": {"symbol": "triangle-up", "size": 13, "color": color},
+        "hovertemplate": format!("%{{x}}: {score:.0}<extra></extra>"),
+    })
+}
+
+/// Says how many values are beyond the end of the axis.
+fn and_beyond(note: &str, values: &[f64]) -> String {
+    match values.iter().filter(|value| **value > HIGHEST).count() {
+        0 => note.to_owned(),
+        count => format!("{note}; {count} above {HIGHEST} not drawn"),
+    }
 }
 
 /// Draws the share of buildings at or below a score, with its interval.
@@ -101,10 +132,10 @@ fn profiles(board: &[&Entry]) -> Chart {
     let scores = board.iter().flat_map(|(result, _)| &result.measures.scores).map(|each| each.score);
     let highest = scores.fold(PROFILE_END, f64::max);
     let mut axis = json!({"title": {"text": "score τ"}, "zeroline": false, "range": [0, PROFILE_END]});
+    let end = highest.min(HIGHEST);
     if highest > PROFILE_END {
-        axis["type"] = "log".into();
-        axis["dtick"] = if highest > 30.0 { 1.into() } else { "D2".into() };
-        axis["range"] = json!([PROFILE_START.log10(), (1.1 * highest).log10()]);
+        label_logarithmic(&mut axis, (PROFILE_START, end));
+        axis["range"] = json!([PROFILE_START.log10(), (1.1 * end).log10()]);
     }
     let layout = json!({
         "xaxis": axis,
@@ -179,7 +210,8 @@ fn by_type(board: &[&Entry]) -> Chart {
     });
     scale_y(&mut layout, &values);
     let title = if several_tasks { "Scores by building type and task" } else { "Scores by building type" };
-    chart(title, "one point per episode; dashed: the reactive controllers", data, layout)
+    let note = and_beyond("one point per episode; dashed: the reactive controllers", &values);
+    chart(title, &note, data, layout)
 }
 
 /// Draws scores over the training steps on the test environments.
@@ -210,17 +242,26 @@ fn curves(board: &[&Entry]) -> Option<Chart> {
         "yaxis": {"title": {"text": "score, interquartile mean"}, "zeroline": false}, "shapes": [horizontal_line(1.0)],
     });
     scale_y(&mut layout, &values);
-    Some(chart(
-        "Adaptation",
-        "scores after training on each test environment; dashed: the reactive controllers",
-        data,
-        layout,
-    ))
+    let note = "scores after training on each test environment; dashed: the reactive controllers";
+    Some(chart("Adaptation", &and_beyond(note, &values), data, layout))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_entry_at_50_000_does_not_flatten_the_others() {
+        let mut layout = json!({"yaxis": {}});
+        assert!(scale_y(&mut layout, &[0.9, 1.1, 50_000.0]));
+        let [low, high] = [0, 1].map(|end| layout["yaxis"]["range"][end].as_f64().unwrap());
+        assert!(10_f64.powf(high) < 25.0, "the axis ends at {high}");
+        let part = ((1.1_f64).log10() - (0.9_f64).log10()) / (high - low);
+        assert!(part > 0.05, "0.9 and 1.1 are {part} of the axis apart");
+        let triangle = beyond("far", 50_000.0, "#000");
+        assert_eq!((&triangle["y"][0], &triangle["text"][0]), (&json!(HIGHEST), &json!("50000")));
+        assert_eq!(and_beyond("points", &[1.0, 50_000.0]), "points; 1 above 20 not drawn");
+    }
 
     #[test]
     fn a_profile_continues_to_the_highest_score() {

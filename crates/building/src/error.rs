@@ -82,15 +82,18 @@ pub enum Error {
         known: String,
     },
     /// Text that is not a day of the year.
-    #[error("invalid date `{text}`; expected MM-DD, for example 02-28 (years have no 29 February)")]
+    #[error(
+        "invalid date `{text}`; expected MM-DD without a year, for example 02-28 (there is no 29 February)"
+    )]
     Date {
         /// The text.
         text: String,
     },
     /// Text that is not a run period.
     #[error(
-        "invalid run period `{text}`; expected winter, summer, full_year, MM-DD..MM-DD with the first day before the last, or two \
-         weeks that the weather decides: peak-heating, typical-heating, peak-cooling, typical-cooling, mixed"
+        "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, within a \
+         year, or two weeks that the weather decides: peak-heating, typical-heating, peak-cooling, typical-cooling, mixed",
+        near_period(text)
     )]
     RunPeriod {
         /// The text.
@@ -214,6 +217,14 @@ impl Error {
 
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Returns the named run period that a text resembles, as a part of a message.
+fn near_period(text: &str) -> String {
+    let is_near = |name: &&str| strsim::damerau_levenshtein(name, &text.to_lowercase()) <= 2;
+    let names = ["winter", "summer", "full_year"].into_iter();
+    let near = names.chain(b2b_climate::TwoWeeks::ALL.map(|each| each.name())).find(is_near);
+    near.map_or_else(String::new, |name| format!(": did you mean {name}?"))
+}
 
 /// The reasons, one per line.
 fn lines(reasons: &[String]) -> String {

@@ -32,7 +32,7 @@ pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;
 pub use parameter::Parameter;
 pub use period::Period;
-pub use prepare::{Conditioning, Controls, PreparedBuilding, Zone};
+pub use prepare::{Conditioning, Controls, OutdoorAir, PreparedBuilding, Zone};
 pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;
 pub use zone_role::ZoneRole;

@@ -8,8 +8,10 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::hvac::{self, Actuator, Discovery, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported};
-use crate::hvac_energy::{Carrier, HvacMeter, hvac_meters};
+use crate::hvac::{
+    self, Actuator, Discovery, EngineVariable, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported,
+};
+use crate::hvac_energy::{self, Carrier, HvacMeter, hvac_meters};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -46,6 +48,18 @@ pub struct PreparedBuilding {
     /// The year of each zone by its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
+    /// Outdoor air of the systems of a building under its own controls.
+    #[serde(default)]
+    own_ventilation: Vec<Option<OutdoorAir>>,
+}
+
+/// The outdoor air of a system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OutdoorAir {
+    /// Its design minimum, its damper and its flow.
+    pub ventilation: hvac::Ventilation,
+    /// Its zones, as indices of controlled zones.
+    pub zones: Vec<usize>,
 }
 
 /// Who controls a prepared building.
@@ -124,7 +138,8 @@ impl PreparedBuilding {
     }
 
     /// Prepares a model that keeps its own controls, as its author wrote them. It has the zones, the meters and the years of
-    /// the same model under control, and no actuators.
+    /// the same model under control, and no actuators. `complete` adds controls that the model lacks; it is given the
+    /// building under control.
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
@@ -134,14 +149,17 @@ impl PreparedBuilding {
         weather: &Path,
         library: &Library,
         unsupported: Unsupported,
+        complete: impl FnOnce(&mut Model, &Self),
     ) -> Result<Self> {
         size(name, &mut model, weather, library)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
+        complete(&mut model, &controlled);
         for_episodes(&mut model);
         Ok(Self {
             model_sha256: sha256(model.to_epjson()),
             meters: hvac_meters(&model),
             model,
+            own_ventilation: controlled.outdoor_air().map(without_damper).collect(),
             systems: Vec::new(),
             layouts: Vec::new(),
             ..controlled
@@ -174,7 +192,19 @@ impl PreparedBuilding {
             uncontrolled,
             meters,
             years: Vec::new(),
+            own_ventilation: Vec::new(),
         })
+    }
+
+    /// Returns the outputs of fans outside systems, such as a bathroom's, by zone, J. The engine's meter of fans includes them,
+    /// HVAC energy does not. The engine does not have all.
+    pub fn fans_outside(&self) -> impl Iterator<Item = EngineVariable> {
+        let of_zones = |output: &'static str| {
+            self.zones
+                .iter()
+                .map(move |zone| EngineVariable { name: output.to_owned(), key: zone.name.clone() })
+        };
+        hvac_energy::fans_outside(&self.model, &self.meters).into_iter().flat_map(of_zones)
     }
 
     /// Drops the model, which takes ten times the memory of the rest, once environments have been built from it.
@@ -221,6 +251,15 @@ impl PreparedBuilding {
     /// Returns the systems with their layouts, in the order of the action.
     pub fn laid_out_systems(&self) -> impl Iterator<Item = (&dyn System, &SystemLayout)> {
         self.systems.iter().map(|system| &**system).zip(&self.layouts)
+    }
+
+    /// Returns the outdoor air of each system, if it has any.
+    pub fn outdoor_air(&self) -> impl Iterator<Item = Option<OutdoorAir>> {
+        let of_system = |(system, layout): (&dyn System, &SystemLayout)| {
+            let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
+            Some(OutdoorAir { ventilation: system.ventilation()?.clone(), zones })
+        };
+        self.laid_out_systems().map(of_system).chain(self.own_ventilation.iter().cloned())
     }
 
     /// Returns the controlled zones, in model order.
@@ -272,6 +311,14 @@ fn prepared_zones(
         })
     };
     zones.into_iter().enumerate().map(prepared).collect()
+}
+
+/// The outdoor air of a system whose damper the model controls.
+fn without_damper(air: Option<OutdoorAir>) -> Option<OutdoorAir> {
+    air.map(|OutdoorAir { ventilation, zones }| OutdoorAir {
+        ventilation: hvac::Ventilation { damper: None, ..ventilation },
+        zones,
+    })
 }
 
 /// Edits what every episode needs, whoever controls the building.

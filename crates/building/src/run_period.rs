@@ -242,4 +242,13 @@ mod tests {
             assert!(error.contains("MM-DD"), "{error}");
         }
     }
+
+    #[test]
+    fn a_misspelled_run_period_gets_the_nearest() {
+        let said = |text: &str| text.parse::<RunPeriod>().unwrap_err().to_string();
+        for (text, near) in [("winterr", "winter"), ("Summer", "summer"), ("fullyear", "full_year")] {
+            assert!(said(text).contains(&format!("did you mean {near}?")), "{}", said(text));
+        }
+        assert!(!said("spring").contains("did you mean"), "{}", said("spring"));
+    }
 }

@@ -82,12 +82,10 @@ impl Fault {
 
     /// Returns whether the fault may kill the command, so that it cannot clean up.
     fn kills(self) -> bool {
-        // A file beyond the size limit causes a signal that ends the process.
         match self {
             Self::Signal(signal) => signal == Signal::KILL,
             Self::Member(_) => true,
-            Self::Limit(limits) => limits.starts_with("ulimit -f"),
-            Self::Pause => false,
+            Self::Limit(_) | Self::Pause => false,
         }
     }
 }

@@ -117,6 +117,10 @@ impl Attack<'_> {
                 ("evaluation/episodes.parquet", "evaluate compare evaluation evaluation --out page.html"),
                 ("offline-v0/data/0/part-0.parquet", "clone offline-v0 --out cloned --steps 10"),
                 ("agent/checkpoint.safetensors", "train --resume agent --steps 3000"),
+                (
+                    "agent/agent.json",
+                    "evaluate SingleFamilyHouse --policy agent --period 01-01..01-01 --out evaluated",
+                ),
             ],
             self.random,
         );

@@ -1,7 +1,8 @@
-//! Interrupts (Ctrl-C, SIGTERM): a flag that long-running work polls to stop cleanly.
+//! Signals. Interrupts (Ctrl-C, SIGTERM) set a flag that long-running work polls to stop cleanly; a file that is too large
+//! is an error of its writer instead of the end of the process.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock, OnceLock};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -10,18 +11,24 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Id of the process that started this one, if this one is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
+/// Whether a file exceeded the size limit of this process.
+static TOO_LARGE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
 /// Time that a command has to stop before it is ended, s.
 const GRACE: u32 = 10;
 /// Whether the command may take longer to stop.
 static PATIENT: AtomicBool = AtomicBool::new(false);
 
-/// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
+/// Installs the handlers: an interrupt or a termination request only sets the flag. A second one ends the process
 /// immediately, and its workers with it, and so does the first after [`GRACE`].
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
         OWNER.get_or_init(|| owner);
     }
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::clone(&TOO_LARGE))
+        .context("cannot install the handler of file sizes")?;
     ctrlc::set_handler(|| {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             end();
@@ -45,6 +52,13 @@ fn end_after_grace() {
 fn end() -> ! {
     b2b_base::scratch::remove_all();
     std::process::exit(crate::ExitCode::Interrupted as i32)
+}
+
+/// Returns a remedy for an error, if a file exceeded the size limit.
+pub fn remedy() -> Option<&'static str> {
+    TOO_LARGE
+        .load(Ordering::Relaxed)
+        .then_some("a file exceeded the size that `ulimit -f` allows: raise the limit")
 }
 
 /// Lets the command take longer to stop, because it writes a checkpoint first.

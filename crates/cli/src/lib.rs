@@ -152,7 +152,10 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
         }
         Err(error) if stdout::is_closed(&error) => ExitCode::Success,
         Err(error) => {
-            eprintln!("{}", wrap::message(&format!("error: {}", with_causes(&error))));
+            let error = with_causes(&error);
+            let remedy = interrupt::remedy().filter(|_| !error.contains("`ulimit -f`"));
+            let remedy = remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default();
+            eprintln!("{}", wrap::message(&format!("error: {error}{remedy}")));
             ExitCode::Failure
         }
     }

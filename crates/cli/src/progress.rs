@@ -1,12 +1,16 @@
 //! Progress bars on standard error. They are hidden when standard error is not a terminal.
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use b2b_building::{Date, RunPeriod};
 use b2b_energyplus::install;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::interrupt;
+
+/// Time between two pictures of a spinner.
+const TURN: Duration = Duration::from_millis(120);
 
 const MONTHS: [&str; 12] =
     ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
@@ -103,11 +107,13 @@ pub fn training(steps: u64, done: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// Returns a spinner with a message, for work of unknown length.
+/// Returns a spinner with a message, for work of unknown length. It turns until it is finished.
 pub fn spinner(message: String, quiet: bool) -> ProgressBar {
     let bar = bar(0, "{spinner} {msg}", quiet);
     bar.set_message(message);
-    bar.tick();
+    if !quiet {
+        bar.enable_steady_tick(TURN);
+    }
     bar
 }
 

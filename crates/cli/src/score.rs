@@ -7,8 +7,8 @@ use b2b_building::Period;
 use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog};
-use b2b_env::Task;
-use b2b_evaluate::{Baselines, Episode, SiteInfo, Subject};
+use b2b_env::{Comfort, EpisodeMetrics, Task};
+use b2b_evaluate::{Baselines, Episode, SiteInfo, Subject, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
@@ -27,12 +27,12 @@ use crate::{program, stdout};
     verbatim_doc_comment,
     after_help = "\
 Examples:
-  b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
+  b2b score b2b-out/OfficeSmall-Denver-winter-random
   b2b score trajectory.parquet --building my.idf --weather my.epw"
 )]
 pub struct Arguments {
-    /// File written by `b2b run`
-    #[arg(value_name = "TRAJECTORY.parquet")]
+    /// Output folder of `b2b run`, or its trajectory.parquet
+    #[arg(value_name = "RUN")]
     trajectory: PathBuf,
     /// Model file of the building, if the trajectory is of your own building
     #[arg(long, value_name = "BUILDING")]
@@ -89,6 +89,9 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let baseline = baselines.baseline(&evaluation, &episode, &site, &bars)?;
     drop(bars);
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
+    let (metrics, resource) =
+        trajectory.scored(&task_for(subject, &site, &task, steps_per_hour), steps_per_hour);
+    let scores = baseline.scores(&metrics, resource, steps_per_hour);
     let score = Score {
         building: subject.name.to_string(),
         place: trajectory.place.clone(),
@@ -98,8 +101,8 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         controller: trajectory.controller.clone(),
         episode_return,
         baseline_return: baseline.episode_return,
-        score: baseline.score(episode_return),
-        resolved_score: baseline.resolved_score(episode_return, trajectory.steps),
+        score: scores.score,
+        resolved_score: scores.resolved,
     };
     stdout::print_result(arguments.json, &score, || score.text())
 }
@@ -188,6 +191,25 @@ impl Trajectory {
             temperature_penalty,
             energy_penalty,
         })
+    }
+
+    /// Returns the metrics that scores need, and the amount of the resource of a task with its scale. Discomfort follows from the
+    /// penalties, at the ends of steps: half a step's short of the integral at most.
+    fn scored(&self, task: &Task, steps_per_hour: u32) -> (EpisodeMetrics, Option<f64>) {
+        let tdis_tot = match task.comfort {
+            Comfort::Band { weight } if task.is_operation() && weight > 0.0 => {
+                Some(self.temperature_penalty / weight / f64::from(steps_per_hour))
+            }
+            _ => None,
+        };
+        let metrics = EpisodeMetrics {
+            episode_return: -self.temperature_penalty - self.energy_penalty,
+            steps: self.steps,
+            tdis_tot,
+            ..EpisodeMetrics::default()
+        };
+        let per_amount = task.energy_weight / task.energy_scale.unwrap_or(1.0);
+        (metrics, (per_amount > 0.0).then(|| self.energy_penalty / per_amount))
     }
 
     /// Returns the steps per hour. Errors if the episode is not complete.

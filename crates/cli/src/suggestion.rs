@@ -1,4 +1,4 @@
-//! Suggestions for misspelled commands.
+//! Suggestions for misspelled words.
 
 use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
@@ -13,14 +13,23 @@ pub fn add(mut usage: Error) -> Error {
     }
     let Some(ContextValue::String(given)) = usage.get(ContextKind::InvalidSubcommand) else { return usage };
     let command = Cli::command();
-    let names = command.get_subcommands().map(clap::Command::get_name);
-    let near = names.map(|name| (strsim::damerau_levenshtein(name, given), name)).min();
-    if let Some((distance, name)) = near.filter(|(distance, name)| distance * 2 < name.len()) {
-        debug_assert!(distance > 0, "it would be known");
+    if let Some(name) = nearest(given, command.get_subcommands().map(clap::Command::get_name)) {
         let name = ContextValue::Strings(vec![name.to_owned()]);
         usage.insert(ContextKind::SuggestedSubcommand, name);
     }
     usage
+}
+
+/// Returns `did you mean NAME?; ` with the most similar of the known names, to begin the list of what is expected; empty if
+/// none is similar.
+pub fn near<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> String {
+    nearest(given, known).map_or_else(String::new, |name| format!("did you mean {name}?; "))
+}
+
+/// Returns the most similar of the known names, if more than half of its letters are right.
+fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let near = known.map(|name| (strsim::damerau_levenshtein(name, given), name)).min();
+    near.filter(|(distance, name)| distance * 2 < name.len()).map(|(_, name)| name)
 }
 
 #[cfg(test)]
@@ -37,5 +46,12 @@ mod tests {
             assert!(said(word).contains(&format!("'{near}'")), "{}", said(word));
         }
         assert!(!said("zzz").contains("tip"), "{}", said("zzz"));
+    }
+
+    #[test]
+    fn a_misspelled_name_gets_the_nearest() {
+        let near = |given| near(given, ["default", "tuned"].into_iter());
+        assert_eq!(near("tund"), "did you mean tuned?; ");
+        assert_eq!(near("mine"), "");
     }
 }

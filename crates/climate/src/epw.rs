@@ -35,12 +35,13 @@ const HOURS: [usize; 2] = [8760, 8784];
 /// not plausible, or when hours are missing.
 pub fn check(text: &str, path: &Path) -> Result<usize> {
     let malformed = |why| Error::Malformed { path: path.to_owned(), why };
+    let hint = if text.starts_with("LOCATION") { "" } else { "; an EPW file begins with LOCATION" };
     let mut hours = 0;
     for (index, line) in text.lines().enumerate().skip(HEADER_LINES) {
         if line.trim().is_empty() {
             continue;
         }
-        check_hour(line).map_err(|why| malformed(format!("line {}: {why}", index + 1)))?;
+        check_hour(line).map_err(|why| malformed(format!("line {}: {why}{hint}", index + 1)))?;
         hours += 1;
     }
     if HOURS.contains(&hours) {
@@ -148,6 +149,7 @@ mod tests {
         assert!(why(&text).contains("line 8768"), "{}", why(&text));
         let text = year(8760).replacen("1.5", "nan", 1);
         assert!(why(&text).contains("line 9: column 7"), "{}", why(&text));
+        assert!(why(&text).ends_with("an EPW file begins with LOCATION"), "{}", why(&text));
     }
 
     #[test]

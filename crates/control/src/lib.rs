@@ -4,8 +4,10 @@
 mod constant;
 mod error;
 pub mod guideline36;
+mod hold;
 mod kind;
 mod objective;
+mod off;
 mod own;
 #[cfg(target_os = "linux")]
 mod planner;
@@ -23,6 +25,7 @@ pub use error::{Error, Result};
 pub use guideline36::{Guideline36, Guideline36Parameters};
 pub use kind::{AnyController, Case, Kind, KindDescription, kind};
 pub use objective::Objective;
+pub use off::Off;
 pub use own::Own;
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
@@ -30,13 +33,28 @@ pub use random::Random;
 pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
-pub use versions::{Versions, parameters_hash};
+pub use versions::{Versions, kind_hash, parameters_hash};
 
 /// The kinds of controllers that need no file.
 #[cfg(target_os = "linux")]
-pub static KINDS: [&dyn Kind; 6] =
-    [&guideline36::Kind, &own::Kind, &reactive::Kind, &random::Kind, &constant::Kind, &planner::Kind];
+pub static KINDS: [&dyn Kind; 8] = [
+    &guideline36::Kind,
+    &own::Kind,
+    &reactive::Kind,
+    &hold::Kind,
+    &off::Kind,
+    &random::Kind,
+    &constant::Kind,
+    &planner::Kind,
+];
 /// The kinds of controllers that need no file.
 #[cfg(not(target_os = "linux"))]
-pub static KINDS: [&dyn Kind; 5] =
-    [&guideline36::Kind, &own::Kind, &reactive::Kind, &random::Kind, &constant::Kind];
+pub static KINDS: [&dyn Kind; 7] = [
+    &guideline36::Kind,
+    &own::Kind,
+    &reactive::Kind,
+    &hold::Kind,
+    &off::Kind,
+    &random::Kind,
+    &constant::Kind,
+];

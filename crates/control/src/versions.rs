@@ -6,7 +6,7 @@ use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 
-use crate::{Objective, ReactiveParameters};
+use crate::{Kind, Objective, ReactiveParameters};
 
 /// The versions that a result depends on, in addition to the policy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,6 +70,11 @@ fn controllers_hash() -> String {
 /// Returns the hash of the parameters of one reactive controller.
 pub fn parameters_hash(parameters: &ReactiveParameters) -> String {
     short(sha256(parameters.fingerprint()))
+}
+
+/// Returns the hash of a kind of controller with its default parameters.
+pub fn kind_hash(kind: &dyn Kind) -> String {
+    short(sha256(format!("{} {}", kind.name(), kind.defaults())))
 }
 
 fn short(mut hash: String) -> String {

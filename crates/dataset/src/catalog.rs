@@ -311,7 +311,22 @@ impl FromStr for BuildingName {
         if import::is_model_file(path) || text.contains(std::path::is_separator) {
             return Ok(Self::Model(path.to_owned()));
         }
-        if text.contains('-') { text.parse().map(Self::Id) } else { Ok(Self::Type(text.parse()?)) }
+        let named = match text.contains('-') {
+            true => text.parse().map(Self::Id),
+            false => text.parse().map(Self::Type).map_err(Error::from),
+        };
+        named.map_err(or_model_file)
+    }
+}
+
+/// Adds the extensions of model files to the error about a name that resembles no type.
+fn or_model_file(error: Error) -> Error {
+    let is_unlike = |unknown: &b2b_building::Error| {
+        matches!(unknown, b2b_building::Error::UnknownType { near: None, .. })
+    };
+    match error {
+        Error::Building(unknown) if is_unlike(&unknown) => Error::NoBuilding { why: unknown.to_string() },
+        error => error,
     }
 }
 
@@ -324,6 +339,18 @@ fn check_weather(path: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_without_a_likeness_may_be_a_model_file_without_its_extension() {
+        let said = |text: &str| text.parse::<BuildingName>().unwrap_err().to_string();
+        assert!(
+            said("mall").contains("`mall`") && said("mall").ends_with("in .idf or .epJSON"),
+            "{}",
+            said("mall")
+        );
+        assert!(said("my-mall").ends_with("in .idf or .epJSON"), "{}", said("my-mall"));
+        assert!(!said("Warehose").contains(".idf"), "{}", said("Warehose"));
+    }
 
     #[test]
     fn the_class_of_a_building_follows_from_its_name_and_location() {

@@ -14,6 +14,12 @@ pub enum Error {
         /// The text.
         text: String,
     },
+    /// Text that is neither the name of a building nor a model file.
+    #[error("{why}; the name of a model file ends in .idf or .epJSON")]
+    NoBuilding {
+        /// What is wrong with it as the name of a building.
+        why: String,
+    },
     /// A building number outside the dataset.
     #[error(
         "unknown building id `{building_type}-{number}`; ids run from {building_type}-0001 to {building_type}-{last}"

@@ -9,6 +9,7 @@ use b2b_climate::EpwFile;
 use b2b_energyplus::Library;
 
 use crate::Result;
+use crate::house;
 use crate::preparation_cache::PreparationCache;
 
 /// A model to be prepared for control.
@@ -58,7 +59,13 @@ impl Preparation {
                 PreparedBuilding::with_kinds(&name, model, weather, library, &KINDS, unsupported)
             }
             Controls::Own => {
-                PreparedBuilding::under_own_controls(&name, model, weather, library, unsupported)
+                let is_house = self.class.is_some_and(|class| class.building_type.is_house());
+                let complete = |model: &mut Model, controlled: &PreparedBuilding| {
+                    if is_house {
+                        house::add_thermostat(model, controlled);
+                    }
+                };
+                PreparedBuilding::under_own_controls(&name, model, weather, library, unsupported, complete)
             }
         };
         let mut building = building?.of_class(self.class);

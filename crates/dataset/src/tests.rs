@@ -134,3 +134,21 @@ fn no_cell_of_the_manifest_needs_quotes() {
         assert!(row.iter().all(|cell| !cell.contains([',', '"', '\n'])), "{row:?}");
     }
 }
+
+#[test]
+fn the_year_among_the_attributes_is_the_one_that_the_page_says() {
+    let page = include_str!("../../../docs/training_reference.md");
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = "the year: of construction for houses of the dataset, of the building code for commercial buildings, \
+                0 for your own model";
+    assert!(page.contains(said));
+    for row in all() {
+        let year = row.building.origin().year;
+        match &row.building {
+            Building::House(sample) => assert_eq!(year, Some(sample.year), "{}", row.id),
+            Building::Commercial { .. } => assert_eq!(year, Some(2019), "{}", row.id),
+        }
+    }
+    let own = "m.idf".parse().unwrap();
+    assert_eq!(Placement::default().origin(&own).year, None);
+}

@@ -9,14 +9,14 @@ const DEMAND_HOURS: f64 = 0.25;
 /// Tolerance on sums of hours.
 const EPSILON: f64 = 1e-9;
 
-/// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over the observed
-/// moments, of which the first is the start of the episode.
+/// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over each step, in which
+/// the band is constant, from the start of the episode on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kpis {
     /// Discomfort, K h, summed over the zones.
     discomfort: f64,
-    /// Deviation outside the band at the last moment, K, summed over the zones.
-    outside: f64,
+    /// Temperatures of the zones at the last moment, °C.
+    temperatures: Vec<f64>,
     /// Electric demand, gas demand and district demand.
     demands: [Demand; 3],
 }
@@ -33,16 +33,18 @@ struct Demand {
 }
 
 impl Kpis {
-    /// Begins an episode in a state of the zones.
-    pub fn begin(outside: f64) -> Self {
-        Self { outside, ..Self::default() }
+    /// Begins an episode at temperatures of the zones.
+    pub fn begin(temperatures: Vec<f64>) -> Self {
+        Self { temperatures, ..Self::default() }
     }
 
     /// Adds a step: the zones at its end, and electricity, gas and district energy, Wh/m².
     pub fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
-        let outside = zones.iter().map(|zone| zone.deviation().abs()).sum::<f64>();
-        self.discomfort += 0.5 * (self.outside + outside) * hours;
-        self.outside = outside;
+        for (zone, last) in zones.iter().zip(&mut self.temperatures) {
+            let before = ZoneStep { temperature: *last, ..*zone };
+            self.discomfort += 0.5 * (before.deviation().abs() + zone.deviation().abs()) * hours;
+            *last = zone.temperature;
+        }
         for (demand, energy) in self.demands.iter_mut().zip(energy) {
             demand.add(energy, hours);
         }
@@ -83,7 +85,7 @@ mod tests {
 
     #[test]
     fn discomfort_is_the_integral_by_trapezoids() {
-        let mut kpis = Kpis::begin(0.0);
+        let mut kpis = Kpis::begin(vec![21.0, 22.0]);
         for temperature in [20.0, 19.0, 22.0] {
             kpis.add(&[zone(temperature), zone(22.0)], [0.0; 3], 0.5);
         }
@@ -93,7 +95,7 @@ mod tests {
 
     #[test]
     fn peak_demand_is_a_mean_over_a_quarter_of_an_hour() {
-        let mut kpis = Kpis::begin(0.0);
+        let mut kpis = Kpis::begin(Vec::new());
         for energy in [1.0, 4.0, 1.0, 2.0, 2.0, 2.5] {
             kpis.add(&[], [energy, 0.0, 0.0], 1.0 / 12.0);
         }

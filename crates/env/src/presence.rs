@@ -6,14 +6,15 @@
 //! instead.
 
 use b2b_base::random::uniform;
-use b2b_building::Model;
 use b2b_building::people::{self, PeopleGroup};
+use b2b_building::{Model, PreparedBuilding};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::limits::within;
 use crate::random::stream;
+use crate::zones::ControlledZone;
 
 /// The first random stream.
 const STREAMS: u64 = 1 << 40;
@@ -40,6 +41,19 @@ impl Presence {
     pub(crate) fn check(&self) -> Result<()> {
         within("presence.hours", self.hours, 0.0, 1000.0)
     }
+}
+
+/// Returns the names of the controlled zones to which the model assigns no people, or 0 of them.
+///
+/// # Errors
+/// The errors of [`people::groups`].
+pub(crate) fn never_occupied(building: &PreparedBuilding, zones: &[ControlledZone]) -> Result<Vec<String>> {
+    let groups = people::groups(building.model())?;
+    let people = |name: &str| -> f64 {
+        groups.iter().filter(|group| group.zone.eq_ignore_ascii_case(name)).map(|group| group.people).sum()
+    };
+    let names = zones.iter().map(|zone| &building.zones[zone.slot].name);
+    Ok(names.filter(|name| people(name) == 0.0).cloned().collect())
 }
 
 /// The people of a building in an episode.

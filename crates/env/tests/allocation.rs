@@ -48,6 +48,8 @@ fn a_step_allocates_nothing() {
         "random+pmv+cost1",
         "occupancy+deadband+peak1",
         "occupancy+presence2",
+        "operate",
+        "operate:21-24/15.6-28+tou+preview",
     ] {
         let mut env = case.env_for("01-03..01-05", task);
         let mut dice = Dice::new(env.action_space(), 1);

@@ -3,8 +3,8 @@
 //! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any other
 //!    implementation.
 //! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
-//! 3. [`Baselines`] has the returns of the reactive controllers for the same episodes: shipped, cached, or computed.
-//!    [`normalized_score`] is the ratio of the two returns.
+//! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
+//!    is the ratio of the two returns; [`score_at_comfort`] is that of two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
 #![cfg(target_os = "linux")]
 
@@ -12,6 +12,7 @@ pub mod any_number;
 mod baseline;
 mod error;
 mod evaluation;
+pub mod operation_reward;
 mod output;
 mod panics;
 mod parquet_file;
@@ -41,7 +42,10 @@ pub use policy::{
 };
 pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;
-pub use scores::{Baseline, RESOLUTION, normalized_score, resolved_score};
+pub use scores::{
+    Baseline, DISCOMFORT_COST, FREE_DISCOMFORT, Operated, RESOLUTION, Scores, excess_discomfort,
+    normalized_score, resolved_score, score_at_comfort,
+};
 pub use subject::{SiteInfo, Subject, hash_of};
-pub use summary::{Group, LostEpisode, Summary, Window, type_label};
+pub use summary::{Group, LostEpisode, OperationComfort, Summary, Window, type_label};
 pub use tuned::{controller_parameters, task_for};

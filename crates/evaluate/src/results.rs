@@ -137,12 +137,12 @@ fn run_missing(
 }
 
 impl Unscored {
-    /// Prepares a finished episode for scoring. An episode of the reactive controllers is cached as a baseline.
+    /// Prepares a finished episode for scoring. An episode of the baseline is cached.
     fn of(episode: &Episode, finished: Finished, policy: &dyn Policy, baselines: &Baselines) -> Result<Self> {
         let Finished { record, terms, step_rewards, .. } = finished;
         let site = record.info.site();
         let key = Key::of(episode, &site)?;
-        if policy.is_baseline() && baselines.get(&key, episode.task.resource).is_none() {
+        if policy.is_baseline(&episode.task) && baselines.get(&key, episode.task.resource).is_none() {
             baselines.remember(&key, terms);
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
@@ -152,7 +152,7 @@ impl Unscored {
     fn row(self, baselines: &Baselines) -> Row {
         let terms = baselines.get(&self.key, self.task.resource);
         let baseline = terms.map(|terms| terms.baseline(&self.task));
-        let resource = [Some(self.terms), terms].map(|terms| terms?.used(self.task.resource));
+        let resource = self.terms.used(self.task.resource);
         Row::scored(self.record, self.step_rewards, baseline, resource)
     }
 }

@@ -10,6 +10,8 @@ use crate::scores::Baseline;
 
 /// Name of the sum of temperature penalties.
 const TEMPERATURE: &str = "temperature_penalty";
+/// Name of the discomfort.
+pub(crate) const DISCOMFORT: &str = "discomfort";
 
 /// The sums from which the return of an episode follows for every weight and every resource.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +20,8 @@ pub struct ReturnTerms {
     pub temperature_penalty: f64,
     /// Sum of each resource, in the order of [`Resource::ALL`]; `None` if the resource is younger than these sums.
     pub used: [Option<f64>; RESOURCES],
+    /// Discomfort in a task of operation, K·h per zone.
+    pub discomfort: Option<f64>,
 }
 
 impl ReturnTerms {
@@ -37,14 +41,20 @@ impl ReturnTerms {
     /// Returns the baseline of these sums under a task's weight and scale.
     pub fn baseline(&self, task: &Task) -> Baseline {
         let energy = self.used(Resource::ENERGY).unwrap_or(f64::NAN);
-        Baseline { episode_return: self.episode_return(task), energy }
+        Baseline {
+            episode_return: self.episode_return(task),
+            energy,
+            resource: self.used(task.resource),
+            discomfort: self.discomfort,
+        }
     }
 
-    /// Returns the known sums by name, with the sum of the temperature penalties first.
+    /// Returns the known sums by name: the temperature penalties first, the discomfort last.
     pub fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let resources = Resource::ALL.into_iter().zip(self.used);
         let used = resources.filter_map(|(resource, used)| Some((resource.penalty().sum, used?)));
-        std::iter::once((TEMPERATURE, self.temperature_penalty)).chain(used)
+        let discomfort = self.discomfort.map(|discomfort| (DISCOMFORT, discomfort));
+        std::iter::once((TEMPERATURE, self.temperature_penalty)).chain(used).chain(discomfort)
     }
 }
 
@@ -53,6 +63,7 @@ impl From<&Metrics> for ReturnTerms {
         Self {
             temperature_penalty: metrics.temperature_penalty,
             used: Resource::ALL.map(|resource| Some(metrics.total(resource.term()))),
+            discomfort: metrics.zone_discomfort(),
         }
     }
 }
@@ -76,18 +87,19 @@ impl<'de> Deserialize<'de> for ReturnTerms {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ReturnTerms, A::Error> {
-                let (mut temperature_penalty, mut used) = (None, [None; RESOURCES]);
+                let (mut temperature_penalty, mut used, mut discomfort) = (None, [None; RESOURCES], None);
                 while let Some(name) = map.next_key::<String>()? {
                     let resource = Resource::ALL.iter().position(|each| each.penalty().sum == name);
                     match resource {
                         Some(place) => used[place] = Some(map.next_value()?),
                         None if name == TEMPERATURE => temperature_penalty = Some(map.next_value()?),
+                        None if name == DISCOMFORT => discomfort = Some(map.next_value()?),
                         None => _ = map.next_value::<IgnoredAny>()?,
                     }
                 }
                 let temperature_penalty =
                     temperature_penalty.ok_or_else(|| A::Error::missing_field(TEMPERATURE))?;
-                Ok(ReturnTerms { temperature_penalty, used })
+                Ok(ReturnTerms { temperature_penalty, used, discomfort })
             }
         }
 

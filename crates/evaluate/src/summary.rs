@@ -1,7 +1,9 @@
 //! The summary of an evaluation.
 
+use std::collections::BTreeMap;
+
 use b2b_control::Versions;
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, Term};
 use serde::Serialize;
 
 use crate::evaluation::{Row, relative_energy, relative_resource};
@@ -67,14 +69,36 @@ pub struct Group {
     pub resolved_scores: Option<Aggregate>,
     /// Root mean square deviation from target, mean over episodes, K.
     pub rms_deviation_k: f64,
+    /// Share of occupied zone-hours below the comfort band, mean over the episodes with people; `None` without any.
+    pub occupied_too_cold_share: Option<f64>,
+    /// Share above the comfort band, as above.
+    pub occupied_too_warm_share: Option<f64>,
     /// HVAC energy, mean over episodes, Wh/m².
     pub energy_wh_m2: f64,
+    /// HVAC energy of each end use under the name of its column, mean over episodes, Wh/m²; without those that are unknown.
+    #[serde(flatten)]
+    pub end_uses: BTreeMap<&'static str, f64>,
     /// HVAC energy relative to the baseline; `None` if the latter is unknown.
     pub relative_energy: Option<f64>,
     /// The task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one is unknown.
     pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
+    /// Comfort in a task of operation; `None` in one with targets.
+    #[serde(flatten)]
+    pub comfort: Option<OperationComfort>,
+}
+
+/// Comfort in the episodes of a task of operation.
+#[derive(Clone, Debug, Serialize)]
+pub struct OperationComfort {
+    /// Discomfort, mean over episodes, K·h per zone.
+    pub discomfort_k_h: f64,
+    /// The baseline's; `None` if one is unknown.
+    pub baseline_discomfort_k_h: Option<f64>,
+    /// Number of episodes with more discomfort than the baseline's by more than is free; see
+    /// [`FREE_DISCOMFORT`](crate::FREE_DISCOMFORT).
+    pub uncomfortable: usize,
 }
 
 impl Results {
@@ -123,20 +147,25 @@ impl Group {
             let of_stratum = |rows: &&[&Row]| rows.iter().filter_map(|row| score(row)).collect();
             aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
         };
-        let mean = |value: fn(&EpisodeMetrics) -> f64| {
-            let metrics = strata.iter().copied().flatten().filter_map(|row| row.metrics());
-            let values: Vec<f64> = metrics.map(value).collect();
-            values.iter().sum::<f64>() / values.len().max(1) as f64
+        let metrics = || strata.iter().copied().flatten().filter_map(|row| row.metrics());
+        let mean = |value: fn(&EpisodeMetrics) -> f64| mean_of(metrics().map(value)).unwrap_or_default();
+        let end_use = |term: Term| {
+            let column = term.entry().column.as_ref()?.name;
+            Some((column, mean_of(metrics().filter_map(|metrics| metrics.terms.get(term)))?))
         };
         Self {
             name,
             scores: aggregated(Row::score),
             resolved_scores: aggregated(Row::resolved_score),
             rms_deviation_k: mean(|metrics| metrics.rms_deviation),
+            occupied_too_cold_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_cold)),
+            occupied_too_warm_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_warm)),
             energy_wh_m2: mean(EpisodeMetrics::energy),
+            end_uses: Term::END_USES.into_iter().filter_map(end_use).collect(),
             relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
             relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
+            comfort: OperationComfort::of(strata.iter().copied().flatten().copied()),
         }
     }
 
@@ -144,6 +173,35 @@ impl Group {
     pub fn episodes(&self) -> usize {
         self.scores.as_ref().map_or(0, |scores| scores.episodes)
     }
+}
+
+impl OperationComfort {
+    fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
+        let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
+        for row in rows {
+            let scored = row.outcome.as_ref().ok()?;
+            own.push(scored.metrics.tdis_tot?);
+            baseline.push(scored.baseline_discomfort);
+            uncomfortable += usize::from(scored.is_uncomfortable(row.info.steps_per_hour) == Some(true));
+        }
+        let baseline: Option<Vec<f64>> = baseline.into_iter().collect();
+        Some(Self {
+            discomfort_k_h: mean_of(own.into_iter())?,
+            baseline_discomfort_k_h: baseline.and_then(|baseline| mean_of(baseline.into_iter())),
+            uncomfortable,
+        })
+    }
+
+    /// Returns the number of uncomfortable episodes as a mark; empty without one.
+    pub fn mark(&self) -> String {
+        if self.uncomfortable == 0 { String::new() } else { format!("! {}", self.uncomfortable) }
+    }
+}
+
+/// Returns the mean of some values; `None` without any.
+fn mean_of(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Returns the name of a building type in results; users' models have no type.

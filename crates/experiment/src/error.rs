@@ -71,9 +71,9 @@ pub enum Error {
         /// The folder.
         path: PathBuf,
     },
-    /// A folder without agents.
+    /// A folder without agents and controllers.
     #[error(
-        "{path} has no agents to check; expected jobs/AGENT/.../agent with agent.json and weights.safetensors"
+        "{path} has no agents to check and no results of controllers; expected jobs/AGENT/.../agent with agent.json and weights.safetensors"
     )]
     NoAgents {
         /// The folder.

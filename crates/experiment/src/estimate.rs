@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 
 use crate::folder::Folder;
 use crate::job::Job;
@@ -54,7 +54,7 @@ fn seconds(job: &Job) -> f64 {
     let types: Vec<BuildingType> = job.building_types().filter_map(parsed).collect();
     let step_time =
         types.iter().map(|each| 1.0 / rates::of_environment(*each)).sum::<f64>() / types.len().max(1) as f64;
-    let periods = episodes.periods.iter().filter_map(|period| period.parse::<RunPeriod>().ok());
+    let periods = episodes.periods.iter().filter_map(|period| period.parse::<Period>().ok());
     let days: u32 = periods.map(|each| each.days()).sum();
     let days_per_episode = f64::from(days) / episodes.periods.len().max(1) as f64;
     let steps = days_per_episode * STEPS_PER_DAY * job.episode_count() as f64;

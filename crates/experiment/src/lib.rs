@@ -2,7 +2,7 @@
 //!
 //! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few `b2b`
 //! commands in a folder of its own: a training and the evaluation of its agent, the trainings of a benchmark problem and
-//! their entry, an evaluation of the reactive controllers, or a measurement. A [`Runner`] starts them as processes, as
+//! their entry, an evaluation of a controller, or a measurement. A [`Runner`] starts them as processes, as
 //! many at a time as there are cores, and resumes after an interruption. [`Results`] reads the folder, [`report`]
 //! writes one page that shows them beside the results of the paper, and [`claims`] judges what the paper says of its own.
 

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use b2b_evaluate::{Deviations, Row};
+use b2b_env::EpisodeMetrics;
+use b2b_evaluate::{Deviations, Row, Scored};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -38,7 +39,19 @@ struct Episode<'a> {
     rms_deviation_k: f64,
     relative_energy: Option<f64>,
     daily_travel: f64,
+    #[serde(flatten)]
+    operation: Option<Operation>,
     trajectory_hash: &'a str,
+}
+
+/// The indicators of an episode of operation, by the names of BOPTEST.
+#[derive(Serialize)]
+struct Operation {
+    cost_tot: Option<f64>,
+    ener_tot: Option<f64>,
+    tdis_tot: f64,
+    pele_tot: Option<f64>,
+    baseline_tdis_tot: Option<f64>,
 }
 
 impl Results {
@@ -123,6 +136,12 @@ fn episodes(done: &JobResult) -> Vec<Episode<'_>> {
     episodes
 }
 
+fn operation(scored: &Scored) -> Option<Operation> {
+    let EpisodeMetrics { cost_tot, ener_tot, tdis_tot, pele_tot, .. } = scored.metrics;
+    let baseline_tdis_tot = scored.baseline_discomfort;
+    Some(Operation { cost_tot, ener_tot, tdis_tot: tdis_tot?, pele_tot, baseline_tdis_tot })
+}
+
 fn episode<'a>(done: &'a JobResult, agent: String, row: &'a Row) -> Option<Episode<'a>> {
     let scored = row.outcome.as_ref().ok()?;
     Some(Episode {
@@ -138,6 +157,7 @@ fn episode<'a>(done: &'a JobResult, agent: String, row: &'a Row) -> Option<Episo
         rms_deviation_k: scored.metrics.rms_deviation,
         relative_energy: scored.relative_energy(),
         daily_travel: scored.metrics.daily_travel,
+        operation: operation(scored),
         trajectory_hash: &scored.trajectory_hash,
     })
 }

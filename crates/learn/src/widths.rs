@@ -33,9 +33,17 @@ impl Widths {
             return Ok(());
         }
         let why = match is_graph {
-            false => format!("the observation or the actuators of {building} do not match the network"),
+            false => mismatch(building),
             true => format!("{building} is larger than the training buildings for which there is room"),
         };
         Err(Error::Collect(why.into()))
     }
+}
+
+/// Returns the message about a building that does not fit a flat network.
+pub(crate) fn mismatch(building: &str) -> String {
+    format!(
+        "the observation or the actuators of {building} do not match the network; train on one type (houses with the \
+         observation `roles` or `features`), or with the preset `graph`"
+    )
 }

@@ -162,6 +162,7 @@ fn describe(status: ExitStatus) -> String {
         (Signal::BUS, ", a bus error"),
         (Signal::ILL, ", an illegal instruction"),
         (Signal::FPE, ", an arithmetic error"),
+        (Signal::XFSZ, ", a file that exceeds `ulimit -f`: raise the limit"),
         (Signal::KILL, ", which the system sends when memory is exhausted"),
     ];
     let name = known.iter().find(|(known, _)| known.as_raw() == signal).map_or("", |(_, name)| *name);

@@ -149,6 +149,16 @@ fn unpack(packed: u64) -> (u32, u32) {
     ((packed >> 32) as u32, packed as u32)
 }
 
+/// Adds the remedy to an error, for memory that an option of `ulimit` limits.
+fn limited(error: std::io::Error, option: &str) -> std::io::Error {
+    let size = BYTES >> 30;
+    let why = format!(
+        "{error}: processes share {size} GB of addresses, most of it never used; if `ulimit {option}` limits them, \
+         raise the limit"
+    );
+    std::io::Error::new(error.kind(), why)
+}
+
 /// The shared memory, on either side.
 #[derive(Debug)]
 pub(super) struct Region {
@@ -164,7 +174,7 @@ impl Region {
     /// Creates anonymous memory, without pages.
     pub(super) fn new() -> std::io::Result<Self> {
         let file = rustix::fs::memfd_create("b2b", MemfdFlags::CLOEXEC)?;
-        rustix::fs::ftruncate(&file, BYTES as u64)?;
+        rustix::fs::ftruncate(&file, BYTES as u64).map_err(|error| limited(error.into(), "-f"))?;
         rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, PAGE as u64)?;
         Self::open(file)
     }
@@ -172,13 +182,7 @@ impl Region {
     /// The memory behind a descriptor.
     pub(super) fn open(file: OwnedFd) -> std::io::Result<Self> {
         let file = File::from(file);
-        let map = MmapOptions::new().len(BYTES).map_raw(&file).map_err(|error| {
-            let why = format!(
-                "{error}: processes share {} GB of addresses, most of it never used; if",
-                BYTES >> 30
-            );
-            std::io::Error::new(error.kind(), format!("{why} `ulimit -v` limits them, raise the limit"))
-        })?;
+        let map = MmapOptions::new().len(BYTES).map_raw(&file).map_err(|error| limited(error, "-v"))?;
         let processors = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
         Ok(Self { map, file: file.into(), processors, spin: Spin::default() })
     }

@@ -169,6 +169,9 @@ impl Slots {
             process => format!("worker process {process}"),
         };
         let end = match status {
+            Some(status) if status.signal() == Some(Signal::XFSZ.as_raw()) => {
+                format!("wrote a file that exceeds `ulimit -f`, raise the limit ({status})")
+            }
             Some(status) if status.signal().is_some() => format!("was killed or crashed ({status})"),
             Some(status) => format!("ended by itself ({status})"),
             None => "was killed or crashed".to_owned(),

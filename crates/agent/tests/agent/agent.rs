@@ -142,6 +142,27 @@ fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
 }
 
 #[test]
+fn every_flipped_bit_of_a_description_is_an_error_and_one_of_format_1_states_no_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), env("SingleFamilyHouse-0014", "constant").spaces(), RESIDUAL, 0.4);
+    let whole = Agent::read(folder.path()).unwrap();
+    let path = folder.path().join("agent.json");
+    let text = std::fs::read(&path).unwrap();
+    for byte in 0..text.len() {
+        let mut damaged = text.clone();
+        damaged[byte] ^= 1 << (byte % 8);
+        std::fs::write(&path, damaged).unwrap();
+        assert!(Agent::read(folder.path()).is_err(), "byte {byte}");
+    }
+    let mut earlier: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    earlier["format"] = 1.into();
+    assert!(earlier.as_object_mut().unwrap().remove("sha256").is_some());
+    std::fs::write(&path, earlier.to_string()).unwrap();
+    let earlier = Agent::read(folder.path()).unwrap();
+    assert_eq!(AgentInfo { format: FORMAT, ..earlier.info().clone() }, *whole.info());
+}
+
+#[test]
 fn a_network_larger_than_its_weights_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), env("SingleFamilyHouse-0014", "constant").spaces(), RESIDUAL, 0.4);
@@ -150,6 +171,7 @@ fn a_network_larger_than_its_weights_is_an_error() {
     for width in [1 << 20, 9_007_199_254_740_993_u64, 1 << 62] {
         let mut damaged = whole.clone();
         damaged["network"]["widths"][1] = width.into();
+        damaged["format"] = 1.into();
         std::fs::write(&path, damaged.to_string()).unwrap();
         let message = Agent::read(folder.path()).unwrap_err().to_string();
         assert!(message.contains("its network is larger than weights.safetensors"), "{message}");
@@ -232,7 +254,7 @@ fn the_error_for_a_damaged_agent_or_another_building_names_the_cause() {
     assert!(matches!(Agent::read(&path).unwrap_err(), Error::Damaged { .. }));
     std::fs::write(&weights, &whole).unwrap();
     let text = std::fs::read_to_string(path.join("agent.json")).unwrap();
-    std::fs::write(path.join("agent.json"), text.replace("\"format\": 1", "\"format\": 2")).unwrap();
+    std::fs::write(path.join("agent.json"), text.replace("\"format\": 2", "\"format\": 3")).unwrap();
     let said = Agent::read(&path).unwrap_err().to_string();
-    assert!(said.contains("its format is 2"), "{said}");
+    assert!(said.contains("its format is 3"), "{said}");
 }

@@ -156,7 +156,11 @@ fn the_error_for_an_agent_with_other_features_names_the_first() {
     write(folder.path(), interface(ObservationForm::Raw, Acting::Direct, false), 0.1, &NodeType::ALL);
     let path = folder.path().join("agent.json");
     let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace("VAV zone: occupancy", "VAV zone: presence")).unwrap();
+    std::fs::write(
+        &path,
+        text.replace("VAV zone: occupancy", "VAV zone: presence").replace("\"format\": 2", "\"format\": 1"),
+    )
+    .unwrap();
     let agent = Agent::read(folder.path()).unwrap();
     let said = agent.controller(env("OfficeSmall-0042", "occupancy").spaces()).unwrap_err().to_string();
     assert!(said.contains("VAV zone: occupancy") && said.contains("VAV zone: presence"), "{said}");

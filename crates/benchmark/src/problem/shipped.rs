@@ -13,7 +13,15 @@ use crate::error::at;
 use crate::{Error, Result};
 
 /// The shipped problems.
-pub(super) const SHIPPED: [&str; 15] = [
+pub(super) const SHIPPED: [&str; 23] = [
+    include_str!("../../data/problems/operate-office-small.json"),
+    include_str!("../../data/problems/operate-office-medium.json"),
+    include_str!("../../data/problems/operate-retail.json"),
+    include_str!("../../data/problems/operate-restaurant.json"),
+    include_str!("../../data/problems/operate-warehouse.json"),
+    include_str!("../../data/problems/operate-house.json"),
+    include_str!("../../data/problems/operate-all.json"),
+    include_str!("../../data/problems/operate-goal.json"),
     include_str!("../../data/problems/goal-energy-weight.json"),
     include_str!("../../data/problems/goal-setpoint-mode.json"),
     include_str!("../../data/problems/goal-leave-one-out.json"),
@@ -32,7 +40,7 @@ pub(super) const SHIPPED: [&str; 15] = [
 ];
 
 impl Problem {
-    /// Returns the shipped problems, family by family.
+    /// Returns the shipped problems: operation first, then the tracking problems family by family.
     pub fn all() -> &'static [Self] {
         static ALL: OnceLock<Vec<Problem>> = OnceLock::new();
         ALL.get_or_init(|| {

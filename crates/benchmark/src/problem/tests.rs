@@ -22,6 +22,17 @@ fn every_shipped_problem_is_valid_and_reads_back_as_written() {
 }
 
 #[test]
+fn operation_is_tested_in_five_periods_at_two_tariffs() {
+    for problem in Problem::all().iter().filter(|problem| problem.name.starts_with("operate-")) {
+        let tasks = || problem.test.tasks.iter().chain(&problem.train.tasks);
+        assert!(tasks().all(|task| task.is_operation() && task.preview.is_some()), "{}", problem.name);
+        let tariffs: HashSet<_> = tasks().map(|task| task.tariff.as_ref().map(|each| each.name())).collect();
+        assert!(tariffs.contains(&None) && tariffs.contains(&Some("tou")), "{}", problem.name);
+        assert_eq!(problem.protocol.windows.len(), 5, "{}", problem.name);
+    }
+}
+
+#[test]
 fn no_environment_is_on_both_sides() {
     for problem in Problem::all() {
         let restriction = |side: &Side| side.restriction.map(|each| each.to_string());
@@ -49,6 +60,9 @@ fn sides_have_the_documented_numbers_of_buildings() {
     assert_eq!(counts("unitary-5-10"), (1, 1));
     assert_eq!(counts("four-types"), (3600, 20));
     assert_eq!(counts("small-to-offices"), (1800, 40));
+    assert_eq!(counts("operate-warehouse"), (900, 8));
+    assert_eq!(counts("operate-all"), (5400, 48));
+    assert_eq!(counts("operate-goal"), (1, 1));
     let custom = Problem::cross_domain(
         &[BuildingType::RetailStandalone, BuildingType::RestaurantFastFood],
         &[BuildingType::OfficeSmall, BuildingType::OfficeMedium],

@@ -3,7 +3,7 @@
 use b2b_base::digest::sha256;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
-use b2b_env::{ActionSpace, RoleObservation, Spaces, attribute_name, attributes};
+use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
 use serde_json::Value;
 
 use super::definition::Problem;
@@ -103,9 +103,9 @@ impl Policy for WrappedPolicy<'_> {
         format!("{}, interface {}", self.policy.identity(), &sha256(wrapper)[..16])
     }
 
-    fn is_baseline(&self) -> bool {
+    fn is_baseline(&self, task: &Task) -> bool {
         let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
-        self.policy.is_baseline() && !pinned
+        self.policy.is_baseline(task) && !pinned
     }
 
     fn description(&self, context: &EpisodeContext<'_>) -> b2b_evaluate::Result<Option<Value>> {
@@ -128,7 +128,7 @@ impl Policy for WrappedPolicy<'_> {
         row.extend(attributes);
         let bypass = self.policy.ignores_interface();
         let partial_action = vec![0.0; interface.action.len()];
-        if bypass && restricted.is_some() && !self.policy.is_baseline() {
+        if bypass && restricted.is_some() && !self.policy.is_baseline(&spaces.episode.task) {
             let why = format!(
                 "{} controls all actuators; it cannot run with some of them withheld",
                 self.policy.name()

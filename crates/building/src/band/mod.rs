@@ -124,6 +124,11 @@ impl ZoneYear {
         self.profiles.iter().flatten()
     }
 
+    /// Returns the spans of a day of the year, from 1.
+    pub fn spans_of(&self, day_of_year: u32) -> &[Span] {
+        self.day(day_of_year as usize - 1)
+    }
+
     fn day(&self, day: usize) -> &[Span] {
         &self.profiles[usize::from(self.days[day % self.days.len()])]
     }

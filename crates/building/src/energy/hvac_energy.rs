@@ -137,6 +137,22 @@ impl HvacMeter {
     }
 }
 
+/// Beginnings of the classes of ventilation outside systems, with the electricity of their fans. It is in the meter of fans,
+/// and not in `Electricity:HVAC`.
+const OTHER_FANS: [(&str, &str); 2] = [
+    ("ZoneVentilation:", "Zone Ventilation Fan Electricity Energy"),
+    ("ZoneEarthtube", "Earth Tube Fan Electricity Energy"),
+];
+
+/// Returns the names of the outputs of zones, in J, that the end uses of these meters include and the meters do not.
+pub(crate) fn fans_outside(model: &Model, meters: &[HvacMeter]) -> Vec<&'static str> {
+    if meters.iter().all(|meter| meter.name != "Electricity:HVAC") {
+        return Vec::new();
+    }
+    let has = |begin: &str| model.classes().any(|class| class.starts_with(begin));
+    OTHER_FANS.into_iter().filter(|(begin, _)| has(begin)).map(|(_, output)| output).collect()
+}
+
 /// The engine's resources; a model need not use them.
 const RESOURCES: [(&str, Carrier); 13] = [
     ("Electricity", Carrier::Electricity),
@@ -237,6 +253,10 @@ mod tests {
         model.insert("Pump:ConstantSpeed", "Circulator", json!({}));
         model.insert("Coil:Heating:Fuel", "Furnace", json!({"fuel_type": "fueloilno2"}));
         assert_eq!(names(&model), ["Electricity:HVAC", "NaturalGas:HVAC", "FuelOilNo2:HVAC"]);
+        assert!(fans_outside(&model, &hvac_meters(&model)).is_empty());
+        model.insert("ZoneVentilation:DesignFlowRate", "Exhaust", json!({}));
+        let fans = fans_outside(&model, &hvac_meters(&model));
+        assert_eq!(fans, ["Zone Ventilation Fan Electricity Energy"]);
         let end_uses = hvac_meters(&model)[1].end_uses();
         assert_eq!(end_uses[0], (EndUse::Heating, "Heating:NaturalGas".to_owned()));
         assert!(end_uses.iter().all(|(end_use, _)| *end_use != EndUse::Pumps), "the circulator is not HVAC");
@@ -257,6 +277,8 @@ mod tests {
         let district = ["Heating:DistrictHeatingWater", "Cooling:DistrictHeatingWater"];
         assert_eq!(of(Carrier::DistrictHeating), district);
         assert_eq!(meters.len(), 9);
+        model.insert("ZoneVentilation:DesignFlowRate", "Exhaust", json!({}));
+        assert!(fans_outside(&model, &meters).is_empty(), "the meter of fans counts");
         assert!(
             meters.iter().all(|meter| matches!(&meter.end_uses()[..], [(_, name)] if *name == meter.name))
         );

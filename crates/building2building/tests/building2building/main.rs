@@ -3,3 +3,4 @@
 mod builder;
 mod examples;
 mod extension_points;
+mod sources;

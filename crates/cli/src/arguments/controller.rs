@@ -13,6 +13,7 @@ use b2b_env::Spaces;
 use serde_json::Value;
 
 use crate::prepare::Prepared;
+use crate::suggestion;
 
 /// A controller on the command line.
 #[derive(clap::Args)]
@@ -53,7 +54,9 @@ impl FromStr for Choice {
         if Path::new(text).is_dir() {
             return Ok(Self::Agent(text.into()));
         }
-        bail!("expected {} or the folder of an agent", KINDS.map(Kind::name).join(", "))
+        let names = KINDS.map(Kind::name);
+        let near = suggestion::near(text, names.into_iter());
+        bail!("{near}expected {} or the folder of an agent", names.join(", "))
     }
 }
 
@@ -149,7 +152,10 @@ impl FromStr for Parameters {
             file if Path::new(file).extension().is_some_and(|extension| extension == "json") => {
                 Ok(Self::File(file.into()))
             }
-            _ => bail!("expected default, tuned or a JSON file"),
+            _ => {
+                let near = suggestion::near(text, ["default", "tuned"].into_iter());
+                bail!("{near}expected default, tuned or a JSON file")
+            }
         }
     }
 }

@@ -9,6 +9,7 @@ use b2b_env::{HeatingOnlyZones, Task};
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::run::operation::asked;
 use crate::run::summary::Summary;
 use crate::run::trajectory_file::{self, Stored};
 
@@ -40,6 +41,8 @@ pub struct Described {
     pub task: String,
     task_hash: String,
     pub task_definition: Task,
+    /// Currency of the costs of a task with bands, if it is known.
+    pub currency: Option<String>,
     model_sha256: Option<String>,
     weather_sha256: Option<String>,
     trajectory_hash: String,
@@ -53,19 +56,34 @@ pub struct Described {
 struct DescribedZone {
     name: String,
     rms_deviation_k: f64,
+    #[serde(default)]
+    discomfort_k_h: f64,
     heating_and_cooling: bool,
 }
 
 /// Temperatures of a controlled zone.
 pub struct ZoneRecord {
     pub name: String,
-    pub rms_deviation: f64,
+    /// RMS deviation from target, K; in a task with bands, discomfort, K·h.
+    pub deviation_metric: f64,
     /// Whether temperatures above target count as deviations.
     penalize_above_target: bool,
     /// At the end of each step, °C.
     pub temperature: Vec<f64>,
     /// For the next step, °C, if it varies.
     pub target: Option<Vec<f64>>,
+    /// In a task with bands.
+    pub band: Option<BandRecord>,
+}
+
+/// The comfort band of a zone in each step.
+pub struct BandRecord {
+    /// °C.
+    pub heating: Vec<f64>,
+    /// °C; `None` without cooling.
+    pub cooling: Option<Vec<f64>>,
+    /// Whether people are present.
+    pub occupancy: Vec<f64>,
 }
 
 impl Recorded {
@@ -171,21 +189,25 @@ impl Described {
 
 impl ZoneRecord {
     fn of(zone: &DescribedZone, described: &Described, stored: &Stored) -> Option<Self> {
+        let band = BandRecord::of(&zone.name, stored).filter(|_| described.task_definition.is_operation());
         let both_sides = described.task_definition.heating_only_zones == HeatingOnlyZones::BothSides;
         Some(Self {
             name: zone.name.clone(),
-            rms_deviation: zone.rms_deviation_k,
+            deviation_metric: if band.is_some() { zone.discomfort_k_h } else { zone.rms_deviation_k },
             penalize_above_target: zone.heating_and_cooling || both_sides,
             temperature: stored.observed(&format!("{} air temperature", zone.name))?,
             target: stored.observed(&format!("{} target", zone.name)),
+            band,
         })
     }
 
-    /// Returns the target of a step, °C. That of the first step is not recorded; it is taken to be that of the second.
+    /// Returns the target of a step, °C; in a task with bands, the temperature or the setpoint that it is beyond. The target of
+    /// the first step is not recorded; it is taken to be that of the second.
     pub fn target_of(&self, step: usize, constant: Option<f64>) -> f64 {
-        match &self.target {
-            Some(targets) => targets[step.saturating_sub(1)],
-            None => constant.unwrap_or(f64::NAN),
+        match (&self.band, &self.target) {
+            (Some(band), _) => band.nearest(step, self.temperature[step]),
+            (None, Some(targets)) => targets[step.saturating_sub(1)],
+            (None, None) => constant.unwrap_or(f64::NAN),
         }
     }
 
@@ -193,6 +215,23 @@ impl ZoneRecord {
     pub fn deviation(&self, step: usize, constant: Option<f64>) -> f64 {
         let deviation = self.temperature[step] - self.target_of(step, constant);
         if self.penalize_above_target { deviation } else { deviation.min(0.0) }
+    }
+}
+
+impl BandRecord {
+    fn of(zone: &str, stored: &Stored) -> Option<Self> {
+        let asked = |word: &str| stored.observed(&format!("{zone} {word}")).map(asked);
+        Some(Self {
+            heating: asked("heating setpoint")?,
+            cooling: asked("cooling setpoint"),
+            occupancy: asked("occupancy")?,
+        })
+    }
+
+    /// Returns the temperature in the band that is nearest to one, °C.
+    fn nearest(&self, step: usize, temperature: f64) -> f64 {
+        let above = temperature.max(self.heating[step]);
+        self.cooling.as_ref().map_or(above, |cooling| above.min(cooling[step]))
     }
 }
 
@@ -249,4 +288,25 @@ pub fn set_names(runs: &mut [Recorded], given: &[String]) {
     let fallback = || runs.iter().map(|run| run.folder.display().to_string()).collect();
     let names = named.find(|names| distinct(names)).unwrap_or_else(fallback);
     runs.iter_mut().zip(names).for_each(|(run, name)| run.name = name);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temperature_in_its_band_does_not_deviate() {
+        let band = |cooling| BandRecord { heating: vec![21.0], cooling, occupancy: vec![1.0] };
+        let zone = |temperature, cooling| ZoneRecord {
+            name: "Core".into(),
+            deviation_metric: 0.0,
+            penalize_above_target: true,
+            temperature: vec![temperature],
+            target: None,
+            band: Some(band(cooling)),
+        };
+        let deviation = |temperature| zone(temperature, Some(vec![24.0])).deviation(0, None);
+        assert_eq!([20.0, 22.0, 25.5].map(deviation), [-1.0, 0.0, 1.5]);
+        assert_eq!(zone(30.0, None).deviation(0, None), 0.0);
+    }
 }

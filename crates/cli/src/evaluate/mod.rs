@@ -1,13 +1,13 @@
 //! `b2b evaluate`: evaluation of a policy on many buildings.
 
 mod compare;
+mod table;
 
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_env::Task;
-use b2b_evaluate::statistics::{Aggregate, score_text};
-use b2b_evaluate::{Baselines, Folder, Group, Results, Summary, Window};
+use b2b_evaluate::{Baselines, Folder, Results, Summary};
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
@@ -15,15 +15,14 @@ use crate::arguments::policy::PolicyArguments;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
-use crate::table::Table;
 use crate::{program, stdout};
 
-/// Evaluate a policy on many buildings and score it against the reactive controllers
+/// Evaluate a policy on many buildings and score it against the baseline
 ///
 /// Runs every combination of building, task, run period and seed, each episode in its own process, and writes
 /// episodes.parquet (one row per episode), summary.json (what --json prints) and report.html (opens in any browser,
-/// no network needed). The score is the return divided by that of the reactive controllers in the same episode: lower
-/// is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
+/// no network needed). The score is the return divided by that of the reactive controllers in the same episode, or at
+/// comfort the cost divided by that of guideline36 in tasks of operation: lower is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
 /// evaluation. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
 #[command(
@@ -106,7 +105,7 @@ fn run(arguments: &Run) -> Result<ExitCode> {
 /// Returns the text report.
 fn text(summary: &Summary, files: &[PathBuf]) -> String {
     let mut text: String =
-        summary.windows.iter().map(|window| window_text(&summary.policy, window)).collect();
+        summary.windows.iter().map(|window| table::window_text(&summary.policy, window)).collect();
     for lost in &summary.lost {
         text += &format!("failed: {lost}\n");
     }
@@ -115,60 +114,6 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     }
     let files: Vec<_> = files.iter().map(|file| format!("  {}", file.display())).collect();
     text + &files.join("\n")
-}
-
-/// Returns the scores of one run period and task.
-fn window_text(policy: &str, window: &Window) -> String {
-    let several = window.types.len() > 1;
-    let groups = || window.types.iter().chain(several.then_some(&window.all));
-    let episodes: usize = window.types.iter().map(Group::episodes).sum();
-    format!(
-        "{policy}, {episodes} episodes, {}, task {}\nresolved and normalized score: interquartile means (lower is better, \
-         reactive controllers = 1)\n\n{}\n\n  [95 % confidence intervals: bootstrap over episodes, stratified by type]\n\n",
-        window.period,
-        window.task,
-        table(groups())
-    )
-}
-
-fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
-    let mut table = Table::new([
-        "type",
-        "episodes",
-        "resolved score",
-        "score",
-        "median",
-        "mean",
-        "min",
-        "max",
-        "beats baseline (%)",
-        "RMS deviation (K)",
-        "energy / baseline",
-        "HVAC energy (kWh/m²)",
-        "actuator travel (strokes/day)",
-    ]);
-    for group in groups {
-        let text = |scores: &Option<Aggregate>, of: fn(&Aggregate) -> String| {
-            scores.as_ref().map_or("–".to_owned(), of)
-        };
-        let cell = |of: fn(&Aggregate) -> String| text(&group.scores, of);
-        table.row([
-            group.name.clone(),
-            group.episodes().to_string(),
-            text(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
-            cell(|scores| scores.interquartile_mean.to_string()),
-            cell(|scores| scores.median.to_string()),
-            cell(|scores| scores.mean.to_string()),
-            cell(|scores| score_text(scores.min)),
-            cell(|scores| score_text(scores.max)),
-            cell(Aggregate::beats_baseline_text),
-            format!("{:.2}", group.rms_deviation_k),
-            ratio(group.relative_energy),
-            format!("{:.2}", group.energy_wh_m2 / 1000.0),
-            format!("{:.1}", group.daily_travel),
-        ]);
-    }
-    table.text()
 }
 
 /// Formats a ratio of energies; a dash without a baseline.

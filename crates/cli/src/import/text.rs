@@ -74,14 +74,17 @@ fn trial_text(trial: &Trial) -> String {
         [] => String::new(),
         zones => format!("\n  warning: never within the comfort band of the target: {}", zones.join(", ")),
     };
+    let below = match trial.rms_heating_only_k {
+        rms if rms > 0.0 => format!(", {rms:.2} K below target over those without cooling"),
+        _ => String::new(),
+    };
     format!(
         "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {:.2} K over the zones with heating \
-         and cooling, {:.2} K below target over those without cooling; worst zone {}, {:.2} K{far}\n  HVAC energy \
+         and cooling{below}; worst zone {}, {:.2} K{far}\n  HVAC energy \
          {:.2} kWh/m² of electricity, {:.2} kWh/m² of gas and other carriers\n  engine messages: {} warnings, {} \
          severe{severe}",
         trial.period,
         trial.rms_deviation_k,
-        trial.rms_heating_only_k,
         trial.worst_zone,
         trial.worst_zone_rms_k,
         trial.electricity_kwh_m2,

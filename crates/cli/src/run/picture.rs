@@ -6,17 +6,23 @@ use anyhow::Result;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{Spaces, Target, Trajectory};
+use b2b_env::{EpisodeMetrics, Spaces, Target, Trajectory};
 use serde::Serialize;
 use serde_json::json;
 
+use super::operation::Operation;
 use super::summary::Summary;
+use crate::rollout::Rollout;
 use crate::time_series::{Series, TimeAxis, fill};
 
 /// Name of the file.
 pub const NAME: &str = "picture.html";
 
 const PAGE: &str = include_str!("picture.html");
+/// What tasks with bands show.
+const OPERATION: &str = include_str!("operation.js");
+/// What tasks with targets show.
+const TRACKING: &str = include_str!("tracking.js");
 
 /// Series of one unit over the time axis.
 #[derive(Serialize)]
@@ -32,28 +38,39 @@ struct Panel {
     band: Option<f64>,
 }
 
-/// Writes the page. If the trajectory of the reactive controllers is given, their zone temperatures and power are drawn
-/// beside those of the agent.
+/// The metrics of the reactive controllers under the names of their columns.
+#[derive(Serialize)]
+struct Beside {
+    #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
+    metrics: EpisodeMetrics,
+}
+
+/// Writes the page. If the episode of the reactive controllers is given, their zone temperatures, power and metrics are
+/// beside the agent's.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
-    trajectory: &Trajectory,
-    reactive: Option<&Trajectory>,
+    rollout: &Rollout,
+    reactive: Option<&Rollout>,
     summary: &Summary,
 ) -> Result<()> {
+    let Rollout { trajectory, decisions, .. } = rollout;
     let episode = &spaces.episode;
     let first_day = episode.period.first().day_of_year();
     let axis = TimeAxis::new(first_day, episode.steps_per_hour, trajectory.len());
-    let picture = Picture { spaces, trajectory, reactive, axis };
+    let beside = reactive.map(|rollout| Beside { metrics: (&rollout.metrics).into() });
+    let picture = Picture { spaces, trajectory, reactive: reactive.map(|rollout| &rollout.trajectory), axis };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
+        "reactive": beside,
         "axis": axis,
         "resolution": axis.resolution(),
         "target": spaces.observation.constant_target(),
         "panels": picture.panels(),
+        "operation": Operation::of(spaces, trajectory, decisions, axis)?,
     });
-    Ok(file.write_all(fill(PAGE, &data).as_bytes())?)
+    Ok(file.write_all(fill(&PAGE.replace("{{SCRIPT}}", &[OPERATION, TRACKING].concat()), &data).as_bytes())?)
 }
 
 struct Picture<'a> {
@@ -84,7 +101,8 @@ impl Picture<'_> {
             picture.zones(|conditioning| conditioning != Conditioning::None).collect::<Vec<_>>()
         };
         let series = self.with_reactive(zones);
-        let targets = Some(self.targets()).filter(|targets| !targets.is_empty());
+        let has_targets = !self.spaces.episode.task.is_operation();
+        let targets = Some(self.targets()).filter(|targets| has_targets && !targets.is_empty());
         Panel { title: "Zone air temperature".into(), unit: "°C", series, targets, band: Some(band) }
     }
 
@@ -204,7 +222,7 @@ mod tests {
     fn the_page_needs_no_network() {
         assert_eq!(PAGE.matches("{{DATA}}").count(), 1);
         for word in ["http://", "https://", "src=", "@import", "<link"] {
-            assert!(!PAGE.contains(word), "{word}");
+            assert!(![PAGE, OPERATION, TRACKING].iter().any(|part| part.contains(word)), "{word}");
         }
     }
 }

@@ -41,9 +41,14 @@ impl Monitor for Bar {
         }
     }
 
+    fn evaluating(&mut self, steps: u64) {
+        self.is_counting = false;
+        self.replace(spinner(format!("{steps} steps: evaluating the agent"), self.quiet));
+    }
+
     fn update(&mut self, row: &Row) {
         if !std::mem::replace(&mut self.is_counting, true) {
-            let bar = training(self.steps, row.steps, self.quiet);
+            let bar = training(self.steps, row.steps.min(self.steps), self.quiet);
             self.replace(bar);
         }
         if let (Some(score), Some(rms), Some(energy)) =
@@ -56,10 +61,29 @@ impl Monitor for Bar {
         }
         let speed = row.get("steps_per_s").unwrap_or_default();
         self.bar.set_message(format!("{speed:.0}/s  {}", self.evaluated));
-        self.bar.set_position(row.steps);
+        // The last rollout may go beyond the end.
+        self.bar.set_position(row.steps.min(self.steps));
     }
 
     fn warn(&mut self, text: &str) {
         self.bar.suspend(|| eprintln!("warning: {text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_ends_at_its_length_and_an_evaluation_has_no_time_left() {
+        let mut bar = Bar::new(60_000, true);
+        let row = |steps| Row { steps, values: vec![("steps_per_s", 1000.0)] };
+        bar.update(&row(30_000));
+        assert_eq!((bar.bar.position(), bar.bar.length()), (30_000, Some(60_000)));
+        bar.evaluating(62_208);
+        assert_eq!(bar.bar.length(), Some(0), "a spinner, which has no length");
+        assert_eq!(bar.bar.message(), "62208 steps: evaluating the agent");
+        bar.update(&row(62_208));
+        assert_eq!((bar.bar.position(), bar.bar.length()), (60_000, Some(60_000)));
     }
 }

@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod operation;
 mod rollouts;
 mod search;
 
@@ -37,12 +38,14 @@ Examples:
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
+  b2b tune operation                             the scale and the weight of rewards of operation
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
 
 #[derive(clap::Subcommand)]
 enum Command {
     Check(check::Arguments),
     Compare(compare::Arguments),
+    Operation(operation::Arguments),
 }
 
 /// Runs the command.
@@ -50,6 +53,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
     match &arguments.command {
         Some(Command::Check(arguments)) => check::check(arguments),
         Some(Command::Compare(arguments)) => compare::compare(arguments),
+        Some(Command::Operation(arguments)) => operation::operation(arguments),
         None => search::search(&arguments.search),
     }
 }

@@ -82,3 +82,20 @@ pub fn rollouts(
     let options = worker_options(catalog.library().path());
     Rollouts::new(options, catalog, ids, periods, tasks, &mut Download::new(true))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pages_name_the_days_of_the_tuning() {
+        let [winter, summer] = DAYS.map(|days| {
+            let (first, last) = days.split_once("..").unwrap();
+            [first, last].map(|date| date[3..].trim_start_matches('0')).join(" to ")
+        });
+        for page in [include_str!("../../../../docs/tasks.md"), include_str!("../../../../docs/tuning.md")] {
+            let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(page.contains(&format!("{winter} January and {summer} July")), "{winter}, {summer}");
+        }
+    }
+}

@@ -311,6 +311,7 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
     let mut count = |what: &str| browser.value(&format!("document.querySelectorAll('{what}').length"));
     assert_eq!((count(".boards table"), count(".js-plotly-plot")), (json!(1), json!(5)));
     assert_eq!(count(".boards tbody tr"), json!(2));
+    assert_eq!(count("nav li"), json!(0), "one problem needs no contents");
     let first = browser.value("document.querySelector('.boards tbody td').textContent");
     assert_eq!(first, json!("1. reactive"));
     let scale =
@@ -320,6 +321,22 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
         of_reactive.starts_with("\"1.000") && of_random.starts_with("\"0.000"),
         "{of_reactive} {of_random}"
     );
+
+    let other =
+        "dynamics-house --test SingleFamilyHouse-0018 --train SingleFamilyHouse-0001 --period 01-10..01-10";
+    run(folder.path(), &format!("{other} --seed 0 --policy constant --out other"));
+    let made = b2b(folder.path(), "benchmark report reactive other --out board.html");
+    assert!(made.status.success(), "{}", both_outputs(&made));
+    browser.emulate(400, false);
+    let page = folder.path().join("board.html");
+    browser.open(&page, "document.querySelectorAll('.boards .main-svg').length > 10");
+    let contents = browser.value(
+        "[...document.querySelectorAll('nav a')].every(link => document.querySelector(link.getAttribute('href')))",
+    );
+    assert_eq!(contents, json!(true));
+    assert_eq!(browser.value("document.querySelectorAll('nav a').length"), json!(2), "two problems");
+    assert_eq!(browser.value("document.documentElement.scrollWidth"), json!(400));
+    assert_eq!(browser.value(browser::OUTSIDE), json!([]));
     assert_eq!(browser.errors, [""; 0]);
 }
 

@@ -12,6 +12,16 @@ use serde_json::{Value, json};
 /// Names of the browser on the path.
 const NAMES: [&str; 5] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
 
+/// A script that names what is outside its card, but for what scrolls or is a drawing.
+pub const OUTSIDE: &str = "
+    [...document.querySelectorAll('section, .tile')].flatMap(card => {
+        const edges = card.getBoundingClientRect();
+        const leaves = ({ left, right, width }) => width && (left < edges.left - 1 || right > edges.right + 1);
+        const parts = [...card.querySelectorAll('*')].filter(part => !part.parentElement.closest('.scroll, svg, .legend'));
+        return parts.filter(part => leaves(part.getBoundingClientRect()))
+            .map(part => `${part.tagName} ${part.className}: ${part.textContent.slice(0, 40)}`);
+    })";
+
 /// The browser to test with: the one that `B2B_BROWSER` names, or one on the path.
 pub fn find() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("B2B_BROWSER") {

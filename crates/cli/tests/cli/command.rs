@@ -115,6 +115,16 @@ fn the_text_report_shows_metrics_zones_and_files() {
 }
 
 #[test]
+fn a_house_has_no_outdoor_air_of_its_systems_and_no_zero_instead() {
+    let page = include_str!("../../../../docs/tasks.md");
+    assert!(page.contains("The ventilation of houses is separate"));
+    let output = Sandbox::new().b2b("run SingleFamilyHouse --period 01-01..01-01");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let line = text.lines().find(|line| line.contains("outdoor air per person")).unwrap();
+    assert!(line.ends_with("none through the systems"), "{line}");
+}
+
+#[test]
 fn the_trajectory_file_has_a_row_per_step_and_a_named_column_per_value() {
     let sandbox = Sandbox::new();
     sandbox.json(&format!("{SHORT} --out here"));
@@ -149,7 +159,10 @@ fn a_misspelled_argument_is_answered_with_the_valid_ones() {
         ("run Warehouse --place Dever", ["Dever", "Denver"]),
         ("run Warehouse --period 02-30..03-05", ["02-30", "MM-DD"]),
         ("run Warehouse --period spring", ["spring", "winter, summer, full_year"]),
-        ("run Warehouse --controller reactiv", ["reactiv", "expected reactive, random"]),
+        ("run Warehouse --period sumer", ["sumer", "did you mean summer?"]),
+        ("run Warehouse --parameters tund", ["tund", "did you mean tuned?"]),
+        ("run mall", ["mall", ".idf or .epJSON"]),
+        ("run Warehouse --controller reactiv", ["did you mean reactive?", "expected reactive, random"]),
         ("run Warehouse --task warm", ["`warm`", "occupancy+energy0.5"]),
         ("run Warehouse --task constant:99", ["target", "99"]),
         ("run Warehouse --task none.json", ["none.json", "No such file"]),

@@ -109,6 +109,7 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     let scored = score("random");
     let ratio = random["return"].as_f64().unwrap() / reactive["return"].as_f64().unwrap();
     assert!(close(&scored["score"], ratio) && ratio > 1.0, "{scored}");
+    assert_eq!(json(folder.path(), "score random"), scored, "by the folder of the run");
     assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
 
     // With a weather file, the baseline is that of the same weather.

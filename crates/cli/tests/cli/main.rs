@@ -31,6 +31,8 @@ mod offline;
 #[cfg(target_os = "linux")]
 mod onnx_file;
 #[cfg(target_os = "linux")]
+mod operation;
+#[cfg(target_os = "linux")]
 mod pages;
 mod program;
 mod readme;

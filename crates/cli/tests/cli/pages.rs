@@ -6,7 +6,7 @@ use crate::program::{b2b, stderr};
 use serde_json::json;
 
 /// A command that writes a page, the page, and a script whose value is true once it is drawn.
-const PAGES: [(&str, &str, &str); 5] = [
+const PAGES: [(&str, &str, &str); 8] = [
     ("run RestaurantFastFood --period 01-01..01-02 --task occupancy --out a", "a/picture.html", DRAWN),
     ("compare a b --out compare.html", "compare.html", DRAWN),
     ("dataset explore --out .", "dataset.html", "document.querySelectorAll('tbody tr').length === 25"),
@@ -20,7 +20,21 @@ const PAGES: [(&str, &str, &str); 5] = [
         "e/report.html",
         "document.querySelectorAll('.grid .main-svg').length > 5",
     ),
+    (
+        "evaluate SingleFamilyHouse-0014 --policy random --period 01-10..01-10 07-10..07-10 --task constant \
+         occupancy+energy0.5 --out several",
+        "several/report.html",
+        "document.querySelectorAll('.grid .main-svg').length > 5",
+    ),
+    (
+        "train SingleFamilyHouse --config t.toml --period 01-01..01-02 --steps 2000 --environments 2 --out t",
+        "t/curve.html",
+        "document.querySelectorAll('.main-svg').length > 2",
+    ),
+    ("run SingleFamilyHouse --controller t --period 01-01..01-02 --out c", "c/picture.html", DRAWN),
 ];
+/// A short training with an evaluation at its end.
+const TRAINING: &str = "window_days = 1\n[evaluation]\nevery = 0\n";
 const DRAWN: &str =
     "document.querySelector('canvas')?.height > 50 && document.querySelectorAll('.legend li').length > 3";
 
@@ -36,6 +50,7 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
         assert!(output.status.success(), "{arguments}: {}", stderr(&output));
     };
     run("run RestaurantFastFood --period 01-01..01-02 --task occupancy --controller random --out b");
+    std::fs::write(folder.path().join("t.toml"), TRAINING).unwrap();
     PAGES.iter().for_each(|(arguments, ..)| run(arguments));
     let mut browser = Browser::start(&path, folder.path());
     for (_, page, drawn) in PAGES {
@@ -43,9 +58,30 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
             browser.emulate(width, dark);
             browser.open(&folder.path().join(page), drawn);
             assert_eq!(browser.value("document.documentElement.scrollWidth"), json!(width), "{page}");
+            assert_eq!(browser.value(browser::OUTSIDE), json!([]), "{page} at {width} pixels");
             assert_eq!(browser.errors, [""; 0], "{page}");
         }
     }
+
+    // All zones have their targets.
+    browser.open(&folder.path().join("a/picture.html"), DRAWN);
+    let legend =
+        "[...document.querySelectorAll('.legend')[0].querySelectorAll('em')].map(name => name.textContent)";
+    assert!(browser.value(legend).to_string().contains("target"), "{}", browser.value(legend));
+    // An agent's values are beside the baseline's.
+    browser.open(&folder.path().join("c/picture.html"), DRAWN);
+    let beside = browser.value("document.querySelectorAll('.tile small').length");
+    assert!(beside.as_u64().is_some_and(|count| count >= 10), "{beside}");
+    // Several tasks and run periods are rows of one table.
+    browser.open(&folder.path().join("several/report.html"), PAGES[5].2);
+    let counts = browser.value(
+        "['.tile', '.tables table', '.tables tbody tr'].map(what => document.querySelectorAll(what).length)",
+    );
+    assert_eq!(counts, json!([0, 1, 4]));
+    // The result of a training is before its curves.
+    browser.open(&folder.path().join("t/curve.html"), PAGES[6].2);
+    let result = browser.value("document.querySelector('.tile').textContent");
+    assert!(result.to_string().contains("resolved score, whole run period"), "{result}");
 
     // Zones, filters and the list of buildings respond.
     browser.open(&folder.path().join("compare.html"), DRAWN);

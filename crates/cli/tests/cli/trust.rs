@@ -227,6 +227,28 @@ fn a_temporary_folder_that_cannot_be_used_is_named_with_the_remedy() {
 }
 
 #[test]
+fn a_limit_of_the_shell_is_an_error_that_names_it_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    for (limit, value, arguments) in [
+        ("ulimit -f", 100, "run SingleFamilyHouse --period 01-01..01-02 --out o"),
+        ("ulimit -f", 100, "evaluate SingleFamilyHouse --policy constant --period 01-01..01-01 --out o"),
+        ("ulimit -f", 10, "generate SingleFamilyHouse --count 1 --out o"),
+        ("ulimit -v", 6_000_000, "run SingleFamilyHouse --period 01-01..01-02 --out o"),
+    ] {
+        let temporary = tempfile::tempdir().unwrap();
+        let mut limited = std::process::Command::new("bash");
+        let command = format!("{limit} {value}; exec {} {arguments}", env!("CARGO_BIN_EXE_b2b"));
+        limited.args(["-c", &command]).current_dir(folder.path()).env("TMPDIR", temporary.path());
+        let output = limited.output().unwrap();
+        let said = both_outputs(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(limit) && said.contains("raise the limit"), "{arguments}: {said}");
+        assert_eq!(names(temporary.path()), Vec::<PathBuf>::new(), "{arguments}: {said}");
+    }
+}
+
+#[test]
 fn a_network_that_never_ends_ends_the_command_and_a_signal_does_within_10_s() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("p.onnx"), endless_policy()).unwrap();

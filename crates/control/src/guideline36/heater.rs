@@ -30,9 +30,9 @@ impl Heater {
 
     /// Writes the action of a step.
     pub(super) fn act(&mut self, site: SiteInput, input: &ZoneInput, action: &mut [f64], hours: f64) {
-        let need = self.zone.observe(input, site.demand, hours);
+        let need = self.zone.observe(input, site, hours);
         let mode = self.group.step(std::iter::once(need));
-        self.zone.control(mode, hours);
+        self.zone.control(mode, 1.0, hours);
         action[0] = self.zone.setpoints().heating.clamp(self.bounds[0], self.bounds[1]);
     }
 

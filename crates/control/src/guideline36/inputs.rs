@@ -1,99 +1,97 @@
 //! The points of zones and site from an observation.
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_climate::EpwFile;
-use b2b_env::{Bands, ObservationSpace, Spaces, Target};
+use b2b_env::{Bands, Spaces, Target};
 
-use super::points::{NextBand, SiteInput, ZoneInput};
-use super::zone::demand::DemandLevel;
+use super::points::{NextBand, ZoneInput};
 
 /// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
 const HALF_BAND: f64 = 0.25;
 
+/// Density (kg/m³) and specific heat (J/(kg K)) of air at rated conditions.
+const AIR_DENSITY: f64 = 1.2;
+const AIR_SPECIFIC_HEAT: f64 = 1006.0;
+/// Field of the outdoor temperature below which a compressor does not heat, and its default in the engine, °C.
+const CUTOFF: &str = "minimum_outdoor_dry_bulb_temperature_for_compressor_operation";
+const ENGINE_CUTOFF: f64 = -8.0;
+
+/// Where the points of zones and site are in the observation.
+#[derive(Clone, Debug)]
+pub(super) struct Inputs {
+    /// The controlled zones, in model order.
+    zones: Vec<ZoneSlots>,
+    /// The bands of the zones, as a building management system knows them; `None` in a task with targets.
+    bands: Option<Bands>,
+    outdoor_temperature: usize,
+    day_of_year: usize,
+    time_of_day: usize,
+}
+
 /// Where the points of a zone are in the observation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ZoneSlots {
+struct ZoneSlots {
     temperature: usize,
     target: Target,
     /// Slot of the occupancy; a task without it counts as always occupied.
     occupancy: Option<usize>,
     cools: bool,
-    /// Index among the controlled zones.
-    controlled: usize,
 }
 
-/// The bands of a building's zones with the slots of the time, as a building management system knows them.
-#[derive(Clone, Debug)]
-pub(super) struct Schedules {
-    /// `None` in a task with targets.
-    bands: Option<Bands>,
-    day_of_year: usize,
-    time_of_day: usize,
-}
-
-impl Schedules {
-    pub(super) fn of(spaces: &Spaces) -> Self {
+impl Inputs {
+    pub(super) fn new(spaces: &Spaces) -> Self {
         let space = &spaces.observation;
+        let zone = |(controlled, index): (usize, usize)| ZoneSlots {
+            temperature: space.zone_temperatures().start + index,
+            target: space.target(controlled),
+            occupancy: space.occupancy(controlled),
+            cools: spaces.building.zones[index].conditioning == Conditioning::HeatingAndCooling,
+        };
+        let zones = spaces.controlled_zones().enumerate().map(zone).collect();
         Self {
+            zones,
             bands: Bands::new(&spaces.episode.task.setpoints, &spaces.building),
+            outdoor_temperature: space.outdoor_temperature(),
             day_of_year: space.day_of_year(),
             time_of_day: space.time_of_day(),
         }
     }
 
-    /// Returns the next change of a controlled zone's setpoints.
-    fn next(&self, zone: usize, observation: &[f64]) -> Option<NextBand> {
+    /// Writes the points of the zones; returns the outdoor temperature, °C. Allocates nothing once `points` has room for all.
+    pub(super) fn read(&self, observation: &[f64], points: &mut Vec<ZoneInput>) -> f64 {
+        points.clear();
         let (day, hour) = (observation[self.day_of_year] as u32, observation[self.time_of_day]);
-        let next = self.bands.as_ref()?.next(zone, day, hour)?;
-        Some(NextBand { hours: next.hours, heating: next.pair.heating, cooling: next.pair.cooling })
+        let zones = self.zones.iter().enumerate();
+        points.extend(zones.map(|(controlled, zone)| match &self.bands {
+            None => zone.read(observation),
+            Some(bands) => {
+                let next = bands.next(controlled, day, hour).map(|next| NextBand {
+                    hours: next.hours,
+                    heating: next.pair.heating,
+                    cooling: next.pair.cooling,
+                });
+                zone.read_band(observation, next)
+            }
+        }));
+        observation[self.outdoor_temperature]
     }
 }
 
 impl ZoneSlots {
-    /// Returns the slots of a zone, given its indices among all and among the controlled zones.
-    pub(super) fn of(space: &ObservationSpace, index: usize, controlled: usize, cools: bool) -> Self {
-        Self {
-            temperature: space.zone_temperatures().start + index,
-            target: space.target(controlled),
-            occupancy: space.occupancy(controlled),
-            cools,
-            controlled,
-        }
-    }
-
-    /// Returns the points of the zone.
-    pub(super) fn read(&self, observation: &[f64], schedules: &Schedules) -> ZoneInput {
-        let has_bands = schedules.bands.is_some();
-        let mut pair = self.target.pair_of(observation, has_bands);
-        if !has_bands {
-            pair.heating -= HALF_BAND;
-            pair.cooling = if self.cools { pair.cooling + HALF_BAND } else { f64::INFINITY };
-        }
+    fn read(&self, observation: &[f64]) -> ZoneInput {
+        let target = self.target.of(observation);
         ZoneInput {
             temperature: observation[self.temperature],
-            heating: pair.heating,
-            cooling: pair.cooling,
+            heating: target - HALF_BAND,
+            cooling: if self.cools { target + HALF_BAND } else { f64::INFINITY },
             people: self.occupancy.is_none_or(|slot| observation[slot] > 0.5),
-            next: schedules.next(self.controlled, observation),
+            next: None,
         }
     }
-}
 
-/// Where the points of the site are in the observation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SiteSlots {
-    outdoor_temperature: usize,
-    demand: DemandLevel,
-}
-
-impl SiteSlots {
-    pub(super) fn of(space: &ObservationSpace, demand: DemandLevel) -> Self {
-        Self { outdoor_temperature: space.outdoor_temperature(), demand }
-    }
-
-    /// Returns the points of the site.
-    pub(super) fn read(&self, observation: &[f64]) -> SiteInput {
-        SiteInput { outdoor_temperature: observation[self.outdoor_temperature], demand: self.demand }
+    fn read_band(&self, observation: &[f64], next: Option<NextBand>) -> ZoneInput {
+        let pair = self.target.pair_of(observation, true);
+        ZoneInput { heating: pair.heating, cooling: pair.cooling, next, ..self.read(observation) }
     }
 }
 
@@ -109,4 +107,18 @@ pub(super) fn has_economizer(building: &PreparedBuilding) -> bool {
         let control = fields.get("economizer_control_type").and_then(|control| control.as_str());
         control.is_some_and(|control| !control.eq_ignore_ascii_case("NoEconomizer"))
     })
+}
+
+/// Returns the temperature rise of the rated flow by the weakest compressor that heats in a building, K, and the outdoor
+/// temperature below which one of them does not heat, °C; `None` without heat pumps.
+pub(super) fn compressor(building: &PreparedBuilding) -> Option<[f64; 2]> {
+    let coils = building.model().objects("Coil:Heating:DX:SingleSpeed");
+    let of_coil = |fields: &b2b_building::model::Fields| {
+        let number = |field| b2b_building::model::number(fields, field);
+        let flow = number("rated_air_flow_rate")? * AIR_DENSITY;
+        let rise = number("gross_rated_heating_capacity")? / (flow * AIR_SPECIFIC_HEAT);
+        Some([rise, number(CUTOFF).unwrap_or(ENGINE_CUTOFF)])
+    };
+    let of_coils = coils.iter().filter_map(|(_, fields)| of_coil(fields));
+    of_coils.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

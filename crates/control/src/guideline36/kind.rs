@@ -11,6 +11,10 @@ use super::{Guideline36, Guideline36Parameters, inputs};
 use crate::kind::{self, AnyController, Case};
 use crate::{Error, Result};
 
+/// Lift of the supply air of a heat pump up to which flow is not raised, K. Its efficiency grows with the flow: in a small
+/// office in January, 7 instead of 11 K saves 3 % of energy, while 4 K saves no more.
+const HEAT_PUMP_LIFT: f64 = 7.0;
+
 /// The kind `guideline36`.
 pub struct Kind;
 
@@ -35,10 +39,16 @@ impl kind::Kind for Kind {
         to_json(&Guideline36Parameters::default())
     }
 
-    /// The defaults, with the economizer of the building.
+    /// The defaults, with the economizer and the compressor of the building's units.
     fn tuned(&self, building: &PreparedBuilding, _: &Task) -> Value {
         let mut parameters = Guideline36Parameters::default();
         parameters.unitary.economizer = f64::from(u8::from(inputs::has_economizer(building)));
+        if let Some([lift, cutoff]) = inputs::compressor(building) {
+            let unitary = &mut parameters.unitary;
+            (unitary.compressor_lift, unitary.compressor_cutoff) =
+                (lift.min(60.0), cutoff.clamp(-60.0, 20.0));
+            unitary.heating_lift = HEAT_PUMP_LIFT;
+        }
         to_json(&parameters)
     }
 

@@ -27,9 +27,8 @@ mod zone;
 
 use std::ops::Range;
 
-use b2b_building::Conditioning;
 use b2b_building::hvac::{Sequence, System, SystemLayout};
-use b2b_env::{Controller, Spaces};
+use b2b_env::{Controller, Decisions, Spaces};
 
 pub use air_loop::TrimRespond as Guideline36Reset;
 pub(crate) use kind::Kind;
@@ -41,21 +40,22 @@ pub use zone::demand::DemandLevel;
 
 use air_loop::AirLoop;
 use heater::Heater;
-use inputs::{Schedules, SiteSlots, ZoneSlots};
-use record::{Entry, Record};
+use inputs::Inputs;
+use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
 
 /// The guideline's sequences, one set per system of a building.
 #[derive(Clone, Debug)]
 pub struct Guideline36 {
     systems: Vec<ControlledSystem>,
-    site: SiteSlots,
-    schedules: Schedules,
+    inputs: Inputs,
+    demand: DemandLevel,
     /// Length of a step, h.
     hours: f64,
-    /// Points of the zones of a system.
+    /// Points of the controlled zones.
     points: Vec<ZoneInput>,
-    record: Record,
+    /// Modes ([`Mode::number`]), setpoints, requests and loops of the last step.
+    record: Decisions,
 }
 
 /// A system with its sequences.
@@ -63,7 +63,8 @@ pub struct Guideline36 {
 struct ControlledSystem {
     sequences: Sequences,
     actions: Range<usize>,
-    zones: Vec<ZoneSlots>,
+    /// Its zones, as indices of controlled zones.
+    zones: Vec<usize>,
 }
 
 /// The sequences of a system.
@@ -78,33 +79,32 @@ impl Guideline36 {
     /// Creates the sequences of all systems of a building.
     pub fn new(spaces: &Spaces, parameters: &Guideline36Parameters) -> Self {
         let climate_zone = inputs::climate_zone(spaces);
-        let mut record = Record::default();
+        let mut record = Decisions::default();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
-            let sequences = Sequences::of(system, parameters, climate_zone.as_deref());
-            record.add(system.name(), sequences.entries(), &system.zones());
-            let cools = system.conditioning() == Conditioning::HeatingAndCooling;
-            let slots = layout
-                .zones
-                .iter()
-                .map(|zone| ZoneSlots::of(&spaces.observation, zone.index, zone.controlled, cools));
-            ControlledSystem { sequences, actions: layout.actions.clone(), zones: slots.collect() }
+            let floor_area = spaces.building.zones[layout.zones[0].index].floor_area;
+            let sequences = Sequences::of(system, floor_area, parameters, climate_zone.as_deref());
+            record::add(&mut record, system.name(), sequences.entries(), &system.zones());
+            let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
+            ControlledSystem { sequences, actions: layout.actions.clone(), zones }
         };
-        let systems: Vec<_> = spaces.building.laid_out_systems().map(control).collect();
-        let zones = systems.iter().map(|system| system.zones.len()).max().unwrap_or(0);
-        let demand = DemandLevel::new(parameters.demand_level.round() as u8).unwrap_or_default();
         Self {
-            systems,
-            site: SiteSlots::of(&spaces.observation, demand),
-            schedules: Schedules::of(spaces),
+            systems: spaces.building.laid_out_systems().map(control).collect(),
+            inputs: Inputs::new(spaces),
+            demand: DemandLevel::new(parameters.demand_level.round() as u8).unwrap_or_default(),
             hours: 1.0 / f64::from(spaces.episode.steps_per_hour),
-            points: Vec::with_capacity(zones),
+            points: Vec::with_capacity(spaces.controlled_zones().count()),
             record,
         }
     }
 
-    /// Returns what was decided in the last step: modes ([`Mode::number`]), setpoints, requests and loops, by name.
-    pub fn record(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.record.iter()
+    /// Writes the action for the points of the controlled zones, in model order, and of the site.
+    pub fn act_on(&mut self, site: SiteInput, zones: &[ZoneInput], action: &mut [f64]) {
+        let mut writer = Writer::new(&mut self.record);
+        for system in &mut self.systems {
+            let zones = system.zones.iter().map(|&zone| &zones[zone]);
+            system.sequences.act(site, zones, &mut action[system.actions.clone()], self.hours);
+            system.sequences.write(&mut writer);
+        }
     }
 }
 
@@ -114,28 +114,25 @@ impl Controller for Guideline36 {
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
-        let site = self.site.read(observation);
-        let mut writer = self.record.writer();
-        for ControlledSystem { sequences, actions, zones } in &mut self.systems {
-            self.points.clear();
-            self.points.extend(zones.iter().map(|zone| zone.read(observation, &self.schedules)));
-            sequences.act(site, &self.points, &mut action[actions.clone()], self.hours);
-            let entries = sequences.entries();
-            match sequences {
-                Sequences::AirLoop(own) => writer.write(entries, |entry| own.value(entry), own.zones()),
-                Sequences::SingleZone(own) => {
-                    writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
-                }
-                Sequences::Heater(own) => {
-                    writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
-                }
-            }
-        }
+        let mut points = std::mem::take(&mut self.points);
+        let outdoor_temperature = self.inputs.read(observation, &mut points);
+        self.act_on(SiteInput { outdoor_temperature, demand: self.demand }, &points, action);
+        self.points = points;
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        Some(&self.record)
     }
 }
 
 impl Sequences {
-    fn of(system: &dyn System, parameters: &Guideline36Parameters, climate_zone: Option<&str>) -> Self {
+    /// Returns the sequences of a system with the floor area of its first zone, m².
+    fn of(
+        system: &dyn System,
+        floor_area: f64,
+        parameters: &Guideline36Parameters,
+        climate_zone: Option<&str>,
+    ) -> Self {
         let Guideline36Parameters { unitary, air_loop, .. } = parameters;
         match system.sequence() {
             Sequence::MultipleZones(own) => {
@@ -145,12 +142,13 @@ impl Sequences {
             Sequence::SingleZone { flow, supply_temperature } => {
                 let outdoor_air = system.ventilation().map_or(0.0, |air| air.min_outdoor_air);
                 let economizes = unitary.economizer >= 0.5 && system.ventilation().is_some();
-                let unit = Unit::new(flow, supply_temperature, outdoor_air, economizes, climate_zone);
+                let actuators = [flow, supply_temperature];
+                let unit = Unit::new(actuators, floor_area, outdoor_air, economizes, climate_zone);
                 let rules = parameters.zone_rules(unitary.gains);
                 Self::SingleZone(Box::new(SingleZone::new(unit, unitary, rules)))
             }
             Sequence::Thermostat => {
-                let rules = parameters.zone_rules(LoopGains::default());
+                let rules = parameters.zone_rules(LoopGains::UNIT);
                 Self::Heater(Box::new(Heater::new(system.actuators()[0], rules)))
             }
         }
@@ -172,11 +170,30 @@ impl Sequences {
         }
     }
 
-    fn act(&mut self, site: SiteInput, zones: &[ZoneInput], action: &mut [f64], hours: f64) {
+    fn act<'z>(
+        &mut self,
+        site: SiteInput,
+        zones: impl Iterator<Item = &'z ZoneInput>,
+        action: &mut [f64],
+        hours: f64,
+    ) {
         match self {
             Self::AirLoop(own) => own.act(site, zones, action, hours),
-            Self::SingleZone(own) => own.act(site, &zones[0], action, hours),
-            Self::Heater(own) => own.act(site, &zones[0], action, hours),
+            Self::SingleZone(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
+            Self::Heater(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
+        }
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) {
+        let entries = self.entries();
+        match self {
+            Self::AirLoop(own) => writer.write(entries, |entry| own.value(entry), own.zones()),
+            Self::SingleZone(own) => {
+                writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
+            }
+            Self::Heater(own) => {
+                writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
+            }
         }
     }
 }

@@ -5,8 +5,9 @@
 //!
 //! - With the setpoints of occupied hours, or once optimum start has begun, a zone outside them starts warm-up or
 //!   cool-down: no minimum outdoor air, and the fan runs only while a zone needs it.
-//! - With a wider band, a zone outside it starts setback or setup, which last until it is 1 K inside. The guideline waits
-//!   for five zones or the average of all; here every zone counts, because every zone's discomfort does.
+//! - With a wider band, a zone outside it starts setback or setup, which last until it is 1 K inside or needs nothing more
+//!   to stay inside. The guideline starts with five zones or the average of all, and always heats by 1 K; here every zone
+//!   counts, because every zone's discomfort does, and the loops modulate: a fan at low flow takes little.
 //! - Otherwise the group is unoccupied: no flow.
 
 use super::points::Side;
@@ -36,6 +37,10 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// Names of the modes, in the order of their numbers from 1.
+    pub const NAMES: &'static [&'static str] =
+        &["occupied", "cool-down", "setup", "warm-up", "setback", "freeze protection", "unoccupied"];
+
     /// Returns the number of the mode, for records.
     pub fn number(self) -> f64 {
         f64::from(self as u8)

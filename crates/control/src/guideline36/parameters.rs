@@ -46,6 +46,10 @@ pub struct UnitaryParameters {
     pub cooling_temperature: f64,
     /// Whether the units have an economizer, 0 or 1.
     pub economizer: f64,
+    /// Temperature rise of the design flow by the compressor of a heat pump at 8.3 °C outdoors, K; 0 to 60, 0 without one.
+    pub compressor_lift: f64,
+    /// Outdoor temperature below which the compressor does not heat, °C; -60 to 20.
+    pub compressor_cutoff: f64,
 }
 
 /// Parameters of central air loops (5.6, 5.16).
@@ -89,13 +93,15 @@ impl Default for Guideline36Parameters {
 impl Default for UnitaryParameters {
     fn default() -> Self {
         Self {
-            gains: LoopGains::default(),
+            gains: LoopGains::UNIT,
             margin: 0.2,
             min_flow: 0.2,
             heating_flow: 1.0,
             heating_lift: 11.0,
             cooling_temperature: 13.0,
             economizer: 0.0,
+            compressor_lift: 0.0,
+            compressor_cutoff: -60.0,
         }
     }
 }
@@ -103,7 +109,7 @@ impl Default for UnitaryParameters {
 impl Default for AirLoopParameters {
     fn default() -> Self {
         Self {
-            gains: LoopGains::default(),
+            gains: LoopGains::TERMINAL,
             heating_margin: 0.05,
             cooling_margin: 0.2,
             min_flow: 0.0,
@@ -125,7 +131,7 @@ macro_rules! parameter {
 
 impl Guideline36Parameters {
     /// All parameters. A name is the JSON keys joined by dots.
-    pub const TABLE: [Field<Self>; 26] = [
+    pub const TABLE: [Field<Self>; 28] = [
         parameter!("optimum_start", "h", 0.0, 6.0, optimum_start),
         parameter!("setback", "1", 0.0, 1.0, setback),
         parameter!("demand_level", "1", 0.0, 3.0, demand_level),
@@ -137,6 +143,8 @@ impl Guideline36Parameters {
         parameter!("unitary.heating_lift", "K", 0.0, 30.0, unitary.heating_lift),
         parameter!("unitary.cooling_temperature", "°C", 10.0, 20.0, unitary.cooling_temperature),
         parameter!("unitary.economizer", "1", 0.0, 1.0, unitary.economizer),
+        parameter!("unitary.compressor_lift", "K", 0.0, 60.0, unitary.compressor_lift),
+        parameter!("unitary.compressor_cutoff", "°C", -60.0, 20.0, unitary.compressor_cutoff),
         parameter!("air_loop.gains.proportional", "1/K", 0.001, 10.0, air_loop.gains.proportional),
         parameter!("air_loop.gains.integral_time", "s", 60.0, 100_000.0, air_loop.gains.integral_time),
         parameter!("air_loop.heating_margin", "K", 0.0, 1.0, air_loop.heating_margin),
@@ -202,7 +210,7 @@ impl Guideline36Parameters {
     /// Returns how zones are controlled, with the margins of no system.
     pub(super) fn zone_rules(&self, gains: LoopGains) -> ZoneRules {
         let setback = self.setback >= 0.5;
-        ZoneRules { gains, margins: [0.0; 2], optimum_start: self.optimum_start, setback }
+        ZoneRules { gains: [gains; 2], margins: [0.0; 2], optimum_start: self.optimum_start, setback }
     }
 }
 

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{Sequence, ServedZone, System, SystemLayout};
-use b2b_env::{Controller, Environment, ObservationSpace, Target};
+use b2b_env::{Controller, Environment, ObservationSpace, Spaces, Target};
 
 pub use air_loop::AirLoopParameters;
 pub(crate) use kind::Kind;
@@ -47,10 +47,27 @@ impl Reactive {
         steps_per_hour: u32,
         parameters: &ReactiveParameters,
     ) -> Self {
+        Self::with_targets(building, space, steps_per_hour, parameters, &|zone| space.target(zone))
+    }
+
+    /// Creates controllers that hold every controlled zone at the same target.
+    pub(crate) fn at(target: Target, spaces: &Spaces, parameters: &ReactiveParameters) -> Self {
+        let (building, space) = (&spaces.building, &spaces.observation);
+        Self::with_targets(building, space, spaces.episode.steps_per_hour, parameters, &|_| target)
+    }
+
+    /// Creates controllers that hold controlled zones, by their numbers, at these targets.
+    fn with_targets(
+        building: &PreparedBuilding,
+        space: &ObservationSpace,
+        steps_per_hour: u32,
+        parameters: &ReactiveParameters,
+        target: &dyn Fn(usize) -> Target,
+    ) -> Self {
         let hours = 1.0 / f64::from(steps_per_hour);
         let slots = |zone: &ServedZone| ZoneSlots {
             temperature: space.zone_temperatures().start + zone.index,
-            target: space.target(zone.controlled),
+            target: target(zone.controlled),
         };
         let outdoor = space.outdoor_temperature();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {

@@ -1,5 +1,6 @@
 //! Controllers on the real engine.
 
 mod commercial;
+mod guideline36;
 mod houses;
 mod tasks;

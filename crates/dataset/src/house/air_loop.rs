@@ -14,7 +14,7 @@ use super::zones::LIVING;
 const LOOP: &str = "Air Loop";
 pub(super) const UNIT: &str = "Air Handler";
 pub(super) const COOLING_COIL: &str = "Cooling Coil";
-const FAN: &str = "Supply Fan";
+pub(super) const FAN: &str = "Supply Fan";
 const TERMINAL: &str = "Living Terminal";
 const DISTRIBUTION: &str = "Living Air Distribution";
 
@@ -31,10 +31,10 @@ const RETURN_OUTLET: &str = "Return Duct";
 
 /// Total pressure of a residential air handler with filter, coils and ducts, Pa, and its efficiency: 770 W per m³/s,
 /// the fan power that AHRI 210/240 assumes (365 W per 1000 cfm).
-const FAN_PRESSURE: f64 = 300.0;
-const FAN_EFFICIENCY: f64 = 0.39;
+pub(super) const FAN_PRESSURE: f64 = 300.0;
+pub(super) const FAN_EFFICIENCY: f64 = 0.39;
 /// Motor efficiency (engineering judgment).
-const MOTOR_EFFICIENCY: f64 = 0.65;
+pub(super) const MOTOR_EFFICIENCY: f64 = 0.65;
 /// Fan power over design power by flow fraction (ASHRAE 90.1 Appendix G, variable-speed drive).
 const FAN_POWER: [f64; 5] = [0.0408, 0.088, -0.0729, 0.9437, 0.0];
 

@@ -44,6 +44,7 @@ mod schedules;
 mod simulation;
 mod stock;
 mod surface;
+mod thermostat;
 mod zones;
 
 pub use bounds::{NUMBERS, Number};
@@ -52,6 +53,7 @@ pub use geometry::Geometry;
 pub use household::Household;
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};
+pub use thermostat::add_thermostat;
 pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 
 use b2b_building::Model;

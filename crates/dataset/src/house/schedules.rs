@@ -54,11 +54,11 @@ pub(super) fn occupancy(model: &mut Model, name: &str, household: &Household) {
     compact(model, name, data);
 }
 
-fn compact(model: &mut Model, name: &str, data: Vec<Value>) {
+pub(super) fn compact(model: &mut Model, name: &str, data: Vec<Value>) {
     let schedule = json!({"schedule_type_limits_name": ANY_NUMBER, "data": data});
     model.insert("Schedule:Compact", name, schedule);
 }
 
-fn field(text: &str) -> Value {
+pub(super) fn field(text: &str) -> Value {
     json!({"field": text})
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, PreparedBuilding};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{by_carrier, by_end_use};
@@ -46,6 +46,8 @@ pub(super) struct Engine {
     meters: Vec<(Carrier, Meter)>,
     /// Those of their end uses that the engine has.
     end_uses: Vec<(Carrier, EndUse, Meter)>,
+    /// Electricity of fans that are in the meter of fans and are not HVAC, J.
+    fans_outside: Vec<Variable>,
     actuators: Vec<(Actuator, f64)>,
     /// Schedule and number of people of each group with random presence.
     groups: Vec<(Variable, Actuator)>,
@@ -83,8 +85,13 @@ impl Engine {
         for group in &groups {
             run = run.request(SCHEDULE, &group.schedule);
         }
-        for air in building.systems.iter().filter_map(|system| system.ventilation()) {
-            run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
+        for OutdoorAir { ventilation, .. } in building.outdoor_air().flatten() {
+            let variable = &ventilation.outdoor_air;
+            run = run.request(&variable.name, &variable.key);
+        }
+        let fans_outside: Vec<_> = building.fans_outside().collect();
+        for fan in &fans_outside {
+            run = run.request(&fan.name, &fan.key);
         }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
         for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
@@ -108,21 +115,14 @@ impl Engine {
                 .filter_map(|(end_use, name)| Some((carrier, end_use, simulation.meter(&name).ok()?)));
             found.collect::<Vec<_>>()
         };
-        let mut ventilated = Vec::new();
-        for (system, layout) in building.laid_out_systems() {
-            let Some(air) = system.ventilation() else {
-                ventilated.push(None);
-                continue;
-            };
-            let damper = air.damper.as_ref().map(|d| simulation.actuator(&d.component, &d.control, &d.key));
-            ventilated.push(Some(Ventilated {
-                zones: layout.zones.iter().map(|zone| zone.controlled).collect(),
-                outdoor_air: variable(&air.outdoor_air)?,
-                damper: damper.transpose()?,
-            }));
-        }
+        let ventilated = |air: Option<OutdoorAir>| {
+            let Some(OutdoorAir { ventilation, zones }) = air else { return Ok(None) };
+            let damper = ventilation.damper.as_ref();
+            let damper = damper.map(|d| simulation.actuator(&d.component, &d.control, &d.key)).transpose()?;
+            Ok(Some(Ventilated { zones, outdoor_air: variable(&ventilation.outdoor_air)?, damper }))
+        };
         Ok(Self {
-            ventilated,
+            ventilated: building.outdoor_air().map(ventilated).collect::<Result<_>>()?,
             temperatures: building
                 .zones
                 .iter()
@@ -133,6 +133,10 @@ impl Engine {
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             end_uses: building.meters.iter().flat_map(end_uses).collect(),
+            fans_outside: fans_outside
+                .iter()
+                .filter_map(|fan| simulation.variable(&fan.name, &fan.key).ok())
+                .collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             groups: groups.iter().map(handles).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
@@ -208,13 +212,15 @@ impl Engine {
     /// The sum of the end uses of HVAC in the step, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
     /// transformer.
     pub(super) fn energy_of_end_uses(&self, floor_area: f64) -> CarrierEnergy {
-        let read = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
-        by_carrier(self.end_uses.iter().map(read), floor_area)
+        let metered = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
+        let other = |fan: &Variable| (Carrier::Electricity, -self.simulation.read(*fan));
+        by_carrier(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
     }
 
     /// HVAC energy of the step by end use, Wh/m².
     pub(super) fn end_uses(&self, floor_area: f64) -> EndUseEnergy {
-        let read = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
-        by_end_use(self.end_uses.iter().map(read), floor_area)
+        let metered = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
+        let other = |fan: &Variable| (EndUse::Fans, -self.simulation.read(*fan));
+        by_end_use(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
     }
 }

@@ -28,7 +28,7 @@ use crate::faults::Impairment;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
-use crate::presence::Attendance;
+use crate::presence::{self, Attendance};
 use crate::preview::Forecast;
 use crate::reward::{Reward, RewardFunction, ZoneStep};
 use crate::setpoints::{Asked, Targets};
@@ -144,7 +144,7 @@ impl Env {
             engine: None,
             truncated: false,
             messages: Messages::default(),
-            never_occupied: Vec::new(),
+            never_occupied: presence::never_occupied(&spaces.building, &zones)?,
             observe_effects: false,
             history: None,
             steps: spaces.episode_steps(),
@@ -195,8 +195,6 @@ impl Env {
         let attendance = self.attendance.as_ref();
         let mut engine =
             Engine::start(library, &spaces.building, &self.zones, &model, weather, attendance, effects)?;
-        let zones = self.zones.iter().zip(&engine.people).filter(|(_, people)| people.is_none());
-        self.never_occupied = zones.map(|(zone, _)| spaces.building.zones[zone.slot].name.clone()).collect();
         self.warm_up(&mut engine)?;
         if let Some(attendance) = &mut self.attendance {
             attendance.restart(self.spaces.episode.period.first().day_of_year());
@@ -401,7 +399,7 @@ impl Env {
     }
 
     /// The names of the controlled zones that are never occupied: with occupancy setpoints, their target is always the
-    /// unoccupied one. Empty before the first episode.
+    /// unoccupied one.
     pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
         self.never_occupied.iter().map(String::as_str)
     }

@@ -128,11 +128,8 @@ impl Env {
     /// Starts the indicators of operation in the state just observed.
     pub(super) fn begin_kpis(&mut self) {
         if self.spaces.episode.task.is_operation() {
-            let zones = self.zones.iter().zip(&self.asked);
-            let outside = |(zone, asked): (&ControlledZone, &Asked)| {
-                zone_step(self.observation[zone.slot], *asked, zone).deviation().abs()
-            };
-            self.metrics.kpis = Some(Kpis::begin(zones.map(outside).sum()));
+            let temperatures = self.zones.iter().map(|zone| self.observation[zone.slot]);
+            self.metrics.kpis = Some(Kpis::begin(temperatures.collect()));
         }
     }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::band::Band;
 use crate::comfort::Comfort;
+use crate::cost_scale::CostScale;
 use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
 use crate::limits::within;
@@ -119,10 +120,12 @@ impl Default for Task {
     }
 }
 
-/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost.
-pub(crate) const OPERATION_WEIGHT: f64 = 20.0;
-/// Cost that counts as 1 in the tasks of operation where no cost of the guideline controller is known, currency/m² and hour.
-const TYPICAL_COST: f64 = 9e-4;
+/// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
+const UNMET: f64 = 0.5;
+/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost: a K·h per zone costs as much as half a
+/// day. Under it, discomfort is about a tenth of the guideline controller's penalty; `b2b tune operation` shows which weight makes
+/// it so (docs/tasks.md).
+pub const OPERATION_WEIGHT: f64 = 12.0;
 
 /// Limit of weights, scales and prices: far above sensible values, yet sums over a year stay exact enough to compare.
 const LARGEST: f64 = 1e6;
@@ -139,7 +142,7 @@ impl Task {
             comfort: Comfort::Band { weight: OPERATION_WEIGHT },
             resource: Resource::COST,
             energy_weight: 1.0,
-            comfort_band: 0.0,
+            comfort_band: UNMET,
             ..Self::default()
         }
     }
@@ -147,6 +150,17 @@ impl Task {
     /// Returns whether the task is one of operation: it has comfort bands instead of targets.
     pub fn is_operation(&self) -> bool {
         self.setpoints.is_band()
+    }
+
+    /// Returns the currency of costs; `None` where prices of one's own do not say theirs.
+    ///
+    /// # Errors
+    /// [`Error::Tariff`] for an unknown tariff, or with the line of an error.
+    pub fn currency(&self) -> Result<Option<String>> {
+        match &self.tariff {
+            Some(tariff) => Ok(Some(tariff.tariff()?.currency)),
+            None => Ok((self.prices == PRICES).then(|| "USD".to_owned())),
+        }
     }
 
     /// Reads a task from a JSON file.
@@ -212,11 +226,11 @@ impl Task {
     }
 
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
-    /// [`EnergyScale`] of the class at `steps_per_hour`; otherwise 1.
+    /// [`EnergyScale`] of the class at `steps_per_hour`; for the cost of operation, the [`CostScale`]; otherwise 1.
     pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
         let usual = || match self.resource {
             Resource::ENERGY => EnergyScale::of(class?, steps_per_hour),
-            Resource::COST if self.is_operation() => Some(TYPICAL_COST / f64::from(steps_per_hour)),
+            Resource::COST if self.is_operation() => Some(CostScale::of(class, steps_per_hour)),
             _ => None,
         };
         self.energy_scale.or_else(usual).unwrap_or(1.0)
@@ -282,6 +296,24 @@ mod tests {
             (Resource::of_word("cost").unwrap(), Comfort::Deadband { half_width: 0.5 })
         );
         assert!(Task::NAMED.iter().all(|name| text.contains(name.split('+').next().unwrap())));
+    }
+
+    #[test]
+    fn the_example_of_operation_in_the_documentation_is_a_valid_task() {
+        let text = include_str!("../../../../docs/operation.md");
+        let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let task = Task::from_text(json).unwrap();
+        assert!(task.is_operation() && task.preview.is_some());
+        let form = task.clone();
+        let plain = Task::operate(Band::Own);
+        assert_eq!(
+            (form.comfort, form.comfort_band),
+            (plain.comfort, plain.comfort_band),
+            "the defaults of `operate`"
+        );
+        for word in text.split('`').filter(|word| word.starts_with("operate")) {
+            word.parse::<Task>().unwrap();
+        }
     }
 
     #[test]

@@ -76,3 +76,21 @@ fn fuel_oil_counts_as_much_energy_as_gas_at_its_own_price() {
     let per_kwh = (oil.total(Term::Cost) - gas.total(Term::Cost)) / (oil.total(Term::Gas) / 1000.0);
     assert!((per_kwh - (0.10 - 0.0365)).abs() < 1e-9, "{per_kwh} more per kWh");
 }
+
+#[test]
+fn energy_of_imported_models_is_the_sum_of_its_end_uses() {
+    for model in ["RefBldgSmallOfficeNew2004_Chicago.idf", "RefBldgLargeOfficeNew2004_Chicago.idf"] {
+        let case = Case::imported(model, CHICAGO);
+        for period in ["01-08..01-08", "07-09..07-09"] {
+            let mut env = case.env(period);
+            random_episode(&mut env, 1);
+            let metrics = env.metrics();
+            let sum: f64 = Term::END_USES.into_iter().map(|term| metrics.total(term)).sum();
+            let energy = metrics.total(Term::Energy);
+            assert!(
+                sum > 0.0 && (energy - sum).abs() < 1e-6 * energy,
+                "{model} {period}: {energy} and {sum}"
+            );
+        }
+    }
+}

@@ -8,6 +8,8 @@ mod example_system;
 mod faults;
 mod imported;
 mod morphology;
+mod operation;
+mod pages;
 mod presence;
 mod random_actions;
 mod role_observation;

@@ -186,16 +186,6 @@ fn an_episode_starts_near_its_target() {
     }
 }
 
-#[test]
-fn zones_that_are_never_occupied_are_listed() {
-    let mut env = Case::at_home(BuildingType::Warehouse).env_for("01-03..01-03", "occupancy");
-    env.reset().unwrap();
-    let empty: Vec<String> = env.never_occupied().map(str::to_owned).collect();
-    assert!(
-        empty.iter().any(|zone| zone.contains("Bulk")) && !empty.iter().any(|zone| zone.contains("Office"))
-    );
-}
-
 /// A reward from only the warmest zone, with the number of steps.
 #[derive(Debug, Default)]
 struct Warmest {

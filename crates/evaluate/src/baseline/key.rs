@@ -1,19 +1,22 @@
 //! The key of a baseline: everything that it depends on.
 
 use b2b_base::digest::sha256;
-use b2b_control::{Objective, parameters_hash};
+use b2b_control::{Objective, kind_hash, parameters_hash};
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::Task;
+use b2b_env::{Band, Task};
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Episode;
+use crate::policy::BuiltIn;
 use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
 
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
 pub(super) const REVISION: u32 = 4;
+/// The same for the guideline controller, the baseline of the tasks of operation.
+const OPERATION_REVISION: u32 = 1;
 
 /// Everything that a baseline depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -22,7 +25,7 @@ pub struct Key {
     pub building: String,
     /// The task without its energy term: spelling, with a hash where it has none.
     pub task: String,
-    /// Objective of the controllers' parameters.
+    /// Objective of the reactive controllers' parameters; the guideline controller has one set for all.
     pub objective: Objective,
     /// Run period.
     pub period: String,
@@ -44,16 +47,24 @@ impl Key {
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) for a user's file that cannot be read.
     pub fn of(episode: &Episode, site: &SiteInfo) -> Result<Self> {
+        let task = &episode.task;
+        let (objective, controller, revision) = match task.is_operation() {
+            true => (Objective::Energy, kind_hash(BuiltIn::guideline36().kind()), OPERATION_REVISION),
+            false => {
+                let parameters = controller_parameters(&episode.subject, site, task);
+                (Objective::of(task), parameters_hash(&parameters), REVISION)
+            }
+        };
         Ok(Self {
             building: episode.subject.identity()?,
-            task: without_energy(&episode.task).to_string(),
-            objective: Objective::of(&episode.task),
+            task: without_energy(task).to_string(),
+            objective,
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
             generator: GENERATOR_VERSION.to_owned(),
             engine: ENGINE_VERSION.to_owned(),
-            controller: parameters_hash(&controller_parameters(&episode.subject, site, &episode.task)),
-            revision: REVISION,
+            controller,
+            revision,
         })
     }
 
@@ -64,8 +75,16 @@ impl Key {
     }
 }
 
-/// Returns a task without energy term and comfort band, which are not part of a baseline's key.
+/// Returns a task without energy term and comfort band, which are not part of a baseline's key; a task of operation has that of
+/// `operate` instead, and no preview, which the guideline controller does not read.
 pub(super) fn without_energy(task: &Task) -> Task {
-    let Task { energy_weight, energy_scale, resource, comfort_band, .. } = Task::default();
-    Task { energy_weight, energy_scale, resource, comfort_band, ..task.clone() }
+    let usual = if task.is_operation() { Task::operate(Band::Own) } else { Task::default() };
+    let Task { energy_weight, energy_scale, resource, comfort_band, preview, .. } = usual;
+    Task { energy_weight, energy_scale, resource, comfort_band, preview, ..task.clone() }
+}
+
+/// Returns the task of the episode that a baseline of an objective is computed in.
+pub(super) fn baseline_task(task: &Task, objective: Objective) -> Task {
+    let plain = without_energy(task);
+    if task.is_operation() { plain } else { objective.task(&plain) }
 }

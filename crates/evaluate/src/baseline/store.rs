@@ -9,10 +9,10 @@ use b2b_energyplus::install::{cache_dir, seal, unseal};
 use b2b_env::Resource;
 use serde::{Deserialize, Serialize};
 
-use super::key::{Key, without_energy};
+use super::key::{Key, baseline_task};
 use super::table;
 use crate::error::at;
-use crate::evaluation::{Episode, Evaluation, Lost, Progress};
+use crate::evaluation::{Episode, Evaluation, Lost, Outcome, Progress};
 use crate::return_terms::ReturnTerms;
 use crate::scores::Baseline;
 use crate::tuned::task_for;
@@ -115,8 +115,7 @@ impl Baselines {
         let days = episodes.iter().map(|(_, episode)| episode.days()).sum();
         progress.begin("baselines", episodes.len(), days);
         let lost = Mutex::new(HashMap::new());
-        let numbered: Vec<_> = episodes.iter().map(|(_, episode)| episode).enumerate().collect();
-        evaluation.run(&numbered, &BuiltIn::reactive(), progress, &|number, outcome| {
+        let keep = |number: usize, outcome: Outcome| {
             let key = &episodes[number].0;
             match outcome {
                 Ok(finished) => self.remember(key, finished.terms),
@@ -125,7 +124,12 @@ impl Baselines {
                 }
             }
             Ok(())
-        })?;
+        };
+        for policy in BuiltIn::baselines() {
+            let is_own = |(_, episode): &(usize, &Episode)| BuiltIn::baseline_of(&episode.task) == policy;
+            let numbered = episodes.iter().map(|(_, episode)| episode).enumerate().filter(is_own);
+            evaluation.run(&numbered.collect::<Vec<_>>(), &policy, progress, &keep)?;
+        }
         Ok(lost.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -138,14 +142,13 @@ impl Baselines {
         });
         unknown
             .map(|(key, episode)| {
-                let task = without_energy(&episode.task);
-                let task = key.objective.task(&task);
+                let task = baseline_task(&episode.task, key.objective);
                 (key, Episode { task, seed: 0, ..episode })
             })
             .collect()
     }
 
-    /// Returns return and energy of the reactive controllers for an episode's building, task and days, computed if unknown.
+    /// Returns the baseline of an episode's building, task and days, computed if unknown.
     ///
     /// # Errors
     /// [`Error::NoBaseline`] if their episode is lost; [`Error::Interrupted`]; [`Error::Io`].
@@ -202,6 +205,7 @@ mod tests {
     const TERMS: ReturnTerms = ReturnTerms {
         temperature_penalty: 614.725_113_2,
         used: [Some(11_620.1 + 0.2), Some(1.37), Some(4120.0), Some(13.9)],
+        discomfort: None,
     };
 
     #[test]

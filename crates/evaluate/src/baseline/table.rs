@@ -5,7 +5,7 @@ use std::fmt::Write;
 use b2b_env::{RESOURCES, Resource};
 
 use super::key::Key;
-use crate::return_terms::ReturnTerms;
+use crate::return_terms::{DISCOMFORT, ReturnTerms};
 
 const KEY: &str = "building,task,objective,period,steps_per_hour,generator,engine,controller,revision";
 /// Number of columns of [`KEY`].
@@ -13,11 +13,15 @@ const KEYS: usize = 9;
 const TEMPERATURE: &str = "temperature_penalty";
 
 /// Writes the table; numbers are in the shortest form that reads back the same. A resource that is unknown in every row has no
-/// column, and else empty cells.
+/// column, and else empty cells; so has the discomfort, which is the last.
 pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
     let known = |resource: &Resource| rows.iter().any(|(_, terms)| terms.used(*resource).is_some());
     let resources: Vec<Resource> = Resource::ALL.into_iter().filter(known).collect();
-    let columns: String = resources.iter().map(|each| format!(",{}", each.penalty().column)).collect();
+    let mut columns: String = resources.iter().map(|each| format!(",{}", each.penalty().column)).collect();
+    let has_discomfort = rows.iter().any(|(_, terms)| terms.discomfort.is_some());
+    if has_discomfort {
+        columns += &format!(",{DISCOMFORT}");
+    }
     let mut text = format!("{KEY},{TEMPERATURE}{columns}\n");
     for (key, terms) in rows {
         let Key {
@@ -31,8 +35,10 @@ pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
             controller,
             revision,
         } = key;
-        let cell = |resource: &Resource| terms.used(*resource).map_or(String::new(), |sum| sum.to_string());
-        let sums: String = resources.iter().map(|resource| format!(",{}", cell(resource))).collect();
+        let cell = |sum: Option<f64>| sum.map_or(String::new(), |sum| sum.to_string());
+        let sums = resources.iter().map(|resource| terms.used(*resource));
+        let sums = sums.chain(has_discomfort.then_some(terms.discomfort));
+        let sums: String = sums.map(|sum| format!(",{}", cell(sum))).collect();
         write!(
             text,
             "{building},{task},{objective},{period},{steps_per_hour},{generator},{engine},{controller},{revision},"
@@ -47,13 +53,24 @@ pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
 pub fn read(text: &str) -> Option<Vec<(Key, ReturnTerms)>> {
     let mut lines = text.lines();
     let columns = lines.next()?.strip_prefix(KEY)?.strip_prefix(',')?.strip_prefix(TEMPERATURE)?;
-    let of_column = |column| Resource::ALL.iter().position(|each| each.penalty().column == column);
-    let places: Vec<usize> = columns.split(',').skip(1).map(of_column).collect::<Option<_>>()?;
+    let of_column = |column| match Resource::ALL.iter().position(|each| each.penalty().column == column) {
+        Some(place) => Some(Sum::Resource(place)),
+        None => (column == DISCOMFORT).then_some(Sum::Discomfort),
+    };
+    let places: Vec<Sum> = columns.split(',').skip(1).map(of_column).collect::<Option<_>>()?;
     lines.map(|line| row(line, &places)).collect()
 }
 
-/// Reads a line with the resources at `places`.
-fn row(line: &str, places: &[usize]) -> Option<(Key, ReturnTerms)> {
+/// A sum that a column has.
+#[derive(Clone, Copy)]
+enum Sum {
+    /// Of the resource at a place.
+    Resource(usize),
+    Discomfort,
+}
+
+/// Reads a line with the sums at `places`.
+fn row(line: &str, places: &[Sum]) -> Option<(Key, ReturnTerms)> {
     let cells: Vec<&str> = line.split(',').collect();
     let (key, numbers) = cells.split_at_checked(KEYS)?;
     let [building, task, objective, period, steps_per_hour, generator, engine, controller, revision] = *key
@@ -61,12 +78,17 @@ fn row(line: &str, places: &[usize]) -> Option<(Key, ReturnTerms)> {
         return None;
     };
     let (temperature, sums) = numbers.split_first()?;
-    let mut terms = ReturnTerms { temperature_penalty: temperature.parse().ok()?, used: [None; RESOURCES] };
+    let temperature_penalty = temperature.parse().ok()?;
+    let mut terms = ReturnTerms { temperature_penalty, used: [None; RESOURCES], discomfort: None };
     if sums.len() != places.len() {
         return None;
     }
     for (place, cell) in places.iter().zip(sums).filter(|(_, cell)| !cell.is_empty()) {
-        terms.used[*place] = Some(cell.parse().ok()?);
+        let sum = Some(cell.parse().ok()?);
+        match *place {
+            Sum::Resource(place) => terms.used[place] = sum,
+            Sum::Discomfort => terms.discomfort = sum,
+        }
     }
     let key = Key {
         building: building.into(),

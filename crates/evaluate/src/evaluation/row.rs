@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
-use crate::scores::Baseline;
+use crate::scores::{Baseline, RESOLUTION, Scores, excess_discomfort};
 
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,40 +28,46 @@ pub struct Scored {
     pub inputs: Inputs,
     /// SHA-256 of every observation, action and penalty.
     pub trajectory_hash: String,
-    /// Return of the reactive controllers for the same episode, if known.
+    /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a task of
+    /// operation.
     pub baseline_return: Option<f64>,
-    /// HVAC energy of the reactive controllers in the same episode, Wh/m², if known.
+    /// HVAC energy of the baseline in the same episode, Wh/m², if known.
     pub baseline_energy: Option<f64>,
     /// Amount of the task's resource over the episode, in the unit of the resource; `None` in older results.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resource: Option<f64>,
-    /// That of the reactive controllers, if known.
+    /// The baseline's, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline_resource: Option<f64>,
-    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
+    /// Discomfort of the baseline in a task of operation, K·h per zone, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline_discomfort: Option<f64>,
+    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score). In a task
+    /// of operation: see [`score_at_comfort`](crate::score_at_comfort).
     pub score: Option<f64>,
-    /// See [`resolved_score`](crate::resolved_score).
+    /// See [`resolved_score`](crate::resolved_score); in a task of operation the same as `score`.
     pub resolved_score: Option<f64>,
 }
 
 impl Row {
-    /// Scores an episode against the reactive controllers. `resource` is the amount of the task's resource in the episode and
-    /// in theirs.
+    /// Scores an episode against its baseline. `resource` is the amount of the task's resource in the episode.
     pub(crate) fn scored(
         record: Record,
         step_rewards: StepRewards,
         baseline: Option<Baseline>,
-        [resource, baseline_resource]: [Option<f64>; 2],
+        resource: Option<f64>,
     ) -> Self {
         let Record { info, metrics, inputs, trajectory_hash } = record;
-        let EpisodeMetrics { episode_return, steps, .. } = metrics;
+        let scores = baseline.map(|baseline| baseline.scores(&metrics, resource, info.steps_per_hour));
+        let Scores { score, resolved } = scores.unwrap_or_default();
         let scored = Scored {
             baseline_return: baseline.map(|baseline| baseline.episode_return),
             baseline_energy: baseline.map(|baseline| baseline.energy),
             resource,
-            baseline_resource,
-            score: baseline.and_then(|baseline| baseline.score(episode_return)),
-            resolved_score: baseline.and_then(|baseline| baseline.resolved_score(episode_return, steps)),
+            baseline_resource: baseline.and_then(|baseline| baseline.resource),
+            baseline_discomfort: baseline.and_then(|baseline| baseline.discomfort),
+            score,
+            resolved_score: resolved,
             metrics,
             step_rewards,
             inputs,
@@ -87,14 +93,45 @@ impl Row {
 }
 
 impl Scored {
-    /// Returns HVAC energy relative to the reactive controllers; `None` if theirs is unknown or 0.
+    /// Returns the baseline, if it is known.
+    pub fn baseline(&self) -> Option<Baseline> {
+        Some(Baseline {
+            episode_return: self.baseline_return?,
+            energy: self.baseline_energy?,
+            resource: self.baseline_resource,
+            discomfort: self.baseline_discomfort,
+        })
+    }
+
+    /// Returns whether a task of operation left people less comfortable than the baseline by more than is free; `None` in a task
+    /// with targets.
+    pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
+        let days = self.metrics.steps as f64 / (24.0 * f64::from(steps_per_hour));
+        Some(excess_discomfort(self.metrics.tdis_tot?, self.baseline_discomfort?, days) > 0.0)
+    }
+
+    /// Returns HVAC energy relative to the baseline; `None` if the latter's is unknown or 0.
     pub fn relative_energy(&self) -> Option<f64> {
         let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
         Some(self.metrics.energy() / baseline)
     }
 
-    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the reactive controllers; `None` if
-    /// one of both is unknown or theirs is not above 0, which it may be with negative prices.
+    /// Returns the root of the temperature penalty relative to the reactive controllers', after adding a deviation of
+    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the resource,
+    /// to which penalties are proportional.
+    pub fn relative_comfort(&self) -> Option<f64> {
+        let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
+        let energy_penalty_of_baseline = match energy_penalty {
+            0.0 => 0.0,
+            penalty => penalty * self.baseline_resource? / self.resource?,
+        };
+        let floor = steps as f64 * RESOLUTION * RESOLUTION;
+        let baseline = (-self.baseline_return? - energy_penalty_of_baseline).max(0.0);
+        (floor > 0.0).then(|| ((temperature_penalty + floor) / (baseline + floor)).sqrt())
+    }
+
+    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one of both is
+    /// unknown or the latter's is not above 0, which it may be with negative prices.
     pub fn relative_resource(&self) -> Option<f64> {
         let baseline = self.baseline_resource.filter(|amount| *amount > 0.0)?;
         Some(self.resource? / baseline)
@@ -144,5 +181,29 @@ mod tests {
         ] {
             assert_eq!(scored(amounts).relative_resource(), expected, "{amounts:?}");
         }
+    }
+
+    #[test]
+    fn comfort_is_relative_to_the_baseline_without_its_energy_penalty() {
+        let metrics = |temperature_penalty, energy_penalty| EpisodeMetrics {
+            steps: 100,
+            temperature_penalty,
+            energy_penalty,
+            ..EpisodeMetrics::default()
+        };
+        // 100 steps of 0.2 K add 4 to both.
+        let comfort =
+            Scored { metrics: metrics(60.0, 0.0), baseline_return: Some(-12.0), ..Scored::default() };
+        assert_eq!(comfort.relative_comfort(), Some(2.0));
+        let energy = Scored {
+            metrics: metrics(60.0, 5.0),
+            baseline_return: Some(-22.0),
+            resource: Some(1.0),
+            baseline_resource: Some(2.0),
+            ..Scored::default()
+        };
+        assert_eq!(energy.relative_comfort(), Some(2.0));
+        assert_eq!(Scored { baseline_resource: None, ..energy.clone() }.relative_comfort(), None);
+        assert_eq!(Scored { baseline_return: None, ..comfort }.relative_comfort(), None);
     }
 }

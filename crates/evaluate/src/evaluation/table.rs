@@ -131,6 +131,9 @@ impl Columns<'_> {
         self.push::<Float64Type>("baseline_resource", "1", |row| {
             row.outcome.as_ref().ok()?.baseline_resource
         });
+        self.push::<Float64Type>("baseline_discomfort_k_h", "K h", |row| {
+            row.outcome.as_ref().ok()?.baseline_discomfort
+        });
         self.push::<Float64Type>("score", "1", Row::score);
         self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
         self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
@@ -265,6 +268,7 @@ impl Cells {
             baseline_energy: self.optional::<Float64Type>("baseline_energy_wh_m2", row)?,
             resource: self.younger("resource", row)?,
             baseline_resource: self.younger("baseline_resource", row)?,
+            baseline_discomfort: self.younger("baseline_discomfort_k_h", row)?,
             score: self.optional::<Float64Type>("score", row)?,
             resolved_score: self.optional::<Float64Type>("resolved_score", row)?,
         })
@@ -307,6 +311,7 @@ mod tests {
             baseline_energy: Some(4.5),
             resource: Some(0.5),
             baseline_resource: Some(2.0),
+            baseline_discomfort: Some(3.5),
             score: Some(1.225),
             resolved_score: Some(1.125),
         };

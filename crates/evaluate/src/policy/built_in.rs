@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use b2b_building::Controls;
 use b2b_control::{Case, Controller, Kind, KindDescription, kind};
+use b2b_env::Task;
 use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
@@ -16,9 +17,29 @@ use crate::{Error, Result};
 pub struct BuiltIn(&'static dyn Kind);
 
 impl BuiltIn {
-    /// Returns the reactive controllers: the baseline of every score.
+    /// Returns the reactive controllers: the baseline in tasks with targets.
     pub fn reactive() -> Self {
         Self::shipped("reactive")
+    }
+
+    /// Returns the sequences of Guideline 36: the baseline in tasks of operation.
+    pub fn guideline36() -> Self {
+        Self::shipped("guideline36")
+    }
+
+    /// Returns the baselines of all tasks.
+    pub fn baselines() -> [Self; 2] {
+        [Self::reactive(), Self::guideline36()]
+    }
+
+    /// Returns the baseline that scores under a task are relative to.
+    pub fn baseline_of(task: &Task) -> Self {
+        if task.is_operation() { Self::guideline36() } else { Self::reactive() }
+    }
+
+    /// Returns the kind.
+    pub(crate) fn kind(self) -> &'static dyn Kind {
+        self.0
     }
 
     /// Returns uniformly random actions.
@@ -43,7 +64,7 @@ impl BuiltIn {
     /// Returns the values of the parameters in an episode.
     fn values(self, context: &EpisodeContext<'_>) -> Value {
         let task = &context.spaces.episode.task;
-        match self.is_baseline() {
+        match self == Self::reactive() {
             // Scores are relative to the parameters of the building's class, wherever its model comes from.
             true => {
                 let parameters = controller_parameters(context.subject, context.site, task);
@@ -91,8 +112,8 @@ impl Policy for BuiltIn {
         self.to_string()
     }
 
-    fn is_baseline(&self) -> bool {
-        *self == Self::reactive()
+    fn is_baseline(&self, task: &Task) -> bool {
+        *self == Self::baseline_of(task)
     }
 
     fn controls(&self) -> Controls {
@@ -128,10 +149,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_named_kinds_exist_and_only_the_reactive_controllers_are_the_baseline() {
-        assert!(BuiltIn::reactive().is_baseline());
-        assert!(!BuiltIn::random().is_baseline() && BuiltIn::random().is_stochastic());
-        assert!(!BuiltIn::constant().is_baseline() && !BuiltIn::constant().is_stochastic());
+    fn the_named_kinds_exist_and_a_task_of_operation_has_the_guideline_as_its_baseline() {
+        let [tracking, operation] =
+            ["occupancy+cost1", "operate+tou"].map(|text| text.parse::<Task>().unwrap());
+        let baseline_of = |task: &Task| {
+            ["reactive", "guideline36", "random", "constant", "own"]
+                .into_iter()
+                .filter(|name| name.parse::<BuiltIn>().unwrap().is_baseline(task))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(baseline_of(&tracking), ["reactive"]);
+        assert_eq!(baseline_of(&operation), ["guideline36"]);
+        assert!(BuiltIn::random().is_stochastic() && !BuiltIn::constant().is_stochastic());
         assert_eq!("planner".parse::<BuiltIn>().unwrap().to_string(), "planner");
     }
 }

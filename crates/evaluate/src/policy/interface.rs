@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_building::Controls;
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
-use b2b_env::Spaces;
+use b2b_env::{Spaces, Task};
 use b2b_workers::Episode;
 use serde_json::Value;
 
@@ -20,8 +20,8 @@ pub trait Policy: Sync {
     /// same identity act alike.
     fn identity(&self) -> String;
 
-    /// Returns whether the policy is the reactive controllers, which scores are relative to.
-    fn is_baseline(&self) -> bool {
+    /// Returns whether the policy is the baseline that scores under a task are relative to.
+    fn is_baseline(&self, _task: &Task) -> bool {
         false
     }
 

@@ -11,6 +11,8 @@ const PALETTE: [&str; 8] =
 const WIDE: f64 = 20.0;
 /// The ratio above which a logarithmic axis is labeled at powers of ten only.
 const DECADES: f64 = 100.0;
+/// Powers of ten from which labels have an exponent.
+const LONG: i32 = 5;
 
 /// Number of values below which they are drawn without a violin.
 const FEW: usize = 10;
@@ -64,15 +66,37 @@ pub fn range(values: &[f64]) -> (f64, f64) {
     (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
+/// Returns a dashed vertical line across the chart.
+pub fn vertical_line(value: f64) -> Value {
+    json!({"type": "line", "yref": "paper", "y0": 0, "y1": 1, "x0": value, "x1": value,
+           "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
+}
+
 /// Makes an axis logarithmic if the range of its values is wide; returns whether it is.
 pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
     let wide = low > 0.0 && high / low > WIDE;
     if wide {
-        axis["type"] = "log".into();
-        // Labels at powers of ten, and at 2 and 5 times these where there is room.
-        axis["dtick"] = if high / low > DECADES { 1.into() } else { "D2".into() };
+        label_logarithmic(axis, (low, high));
     }
     wide
+}
+
+/// Makes an axis logarithmic, with whole numbers as labels: at powers of ten, and at 2 and 5 times these where there is
+/// room. By itself, plotly writes a 2 and a 5 between any two powers.
+pub fn label_logarithmic(axis: &mut Value, (low, high): (f64, f64)) {
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let factors = if high / low > DECADES { &[1][..] } else { &[1, 2, 5] };
+    let labels: Vec<String> = decades
+        .flat_map(|decade| {
+            factors.iter().map(move |factor| match format!("{factor}e{decade}") {
+                text if decade.abs() >= LONG => text,
+                text => text.parse::<f64>().map_or(text, |value| value.to_string()),
+            })
+        })
+        .collect();
+    axis["type"] = "log".into();
+    axis["tickvals"] = labels.iter().map(|label| label.parse::<f64>().unwrap_or_default()).collect();
+    axis["ticktext"] = labels.into();
 }
 
 /// Returns a violin with a point per value, or the points alone if they are too few for a distribution.
@@ -105,16 +129,6 @@ pub fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
     })
 }
 
-/// Returns the chart of HVAC energy and RMS deviation, with these traces.
-pub(super) fn energy_vs_comfort(data: Value, height: u32, wide: bool) -> Chart {
-    let layout = json!({
-        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
-        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-    });
-    let note = "one point per episode; lower left is better";
-    Chart { title: "Energy vs. comfort".into(), note: note.into(), height, wide, data, layout }
-}
-
 /// Names an episode in two lines, for hover labels.
 pub(super) fn hover_name(info: &EpisodeInfo) -> String {
     let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;
@@ -135,12 +149,20 @@ mod tests {
 
     #[test]
     fn a_wide_axis_is_logarithmic() {
-        for (range, dtick) in
-            [((1.0, 10.0), Value::Null), ((1.0, 50.0), "D2".into()), ((1.0, 1000.0), 1.into())]
-        {
+        for (range, labels) in [
+            ((1.0, 10.0), Value::Null),
+            ((0.5, 25.0), json!(["0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100", "200", "500"])),
+            ((1.0, 50_000.0), json!(["1", "10", "100", "1000", "10000", "1e5"])),
+        ] {
             let mut axis = json!({});
-            assert_eq!(make_logarithmic(&mut axis, range), !dtick.is_null());
-            assert_eq!(axis["dtick"], dtick);
+            assert_eq!(make_logarithmic(&mut axis, range), !labels.is_null());
+            assert_eq!(axis["ticktext"], labels);
+            let different: std::collections::BTreeSet<_> =
+                axis["ticktext"].as_array().into_iter().flatten().map(Value::to_string).collect();
+            assert_eq!(different.len(), labels.as_array().map_or(0, Vec::len), "no label twice");
         }
+        let mut axis = json!({});
+        make_logarithmic(&mut axis, (0.5, 25.0));
+        assert_eq!(axis["tickvals"][1], json!(0.2));
     }
 }

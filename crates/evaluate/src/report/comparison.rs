@@ -4,9 +4,10 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, energy_vs_comfort, hover_name};
+use super::chart::{Chart, hover_name};
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
+use super::trade_off::energy_and_comfort;
 use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
 use crate::statistics::score_text;
 use crate::{Error, Result};
@@ -35,7 +36,7 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
     let episodes = all.first().map_or(0, |compared| compared.rows.len());
     let series: Vec<_> =
         all.iter().map(|compared| Series { name: &compared.name, episodes: compared.ran() }).collect();
-    let charts = [step_rewards(&series), rms_deviations(&series), energy_and_comfort(all)];
+    let charts = [step_rewards(&series), rms_deviations(&series), energy_and_comfort(&series, 340, false)];
     let data = json!({
         "title": format!("{} policies on {episodes} episodes", all.len()),
         "tiles": [],
@@ -105,21 +106,6 @@ fn table(all: &[Compared]) -> Value {
                    "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
         "rows": all.iter().map(row).collect::<Vec<_>>(),
     })
-}
-
-fn energy_and_comfort(all: &[Compared]) -> Chart {
-    let trace = |(number, compared): (usize, &Compared)| {
-        let ran = compared.ran();
-        json!({
-            "type": "scatter", "mode": "markers", "name": compared.name,
-            "x": ran.iter().map(|(_, scored)| scored.metrics.energy() / 1000.0).collect::<Vec<_>>(),
-            "y": ran.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect::<Vec<_>>(),
-            "text": ran.iter().map(|(info, _)| hover_name(info)).collect::<Vec<_>>(),
-            "hovertemplate": "%{text}<br>%{x:.1f} kWh/m², %{y:.2f} K<extra></extra>",
-            "marker": {"size": 7, "color": color(number), "opacity": 0.8},
-        })
-    };
-    energy_vs_comfort(all.iter().enumerate().map(trace).collect(), 340, false)
 }
 
 #[cfg(test)]

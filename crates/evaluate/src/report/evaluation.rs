@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use b2b_env::Term;
 use serde_json::{Value, json};
 
 use super::deviation_chart::StepDeviations;
@@ -9,9 +10,9 @@ use super::evaluation_charts;
 use super::hourly_chart;
 use crate::evaluation::{Finished, Row};
 use crate::results::Results;
-use crate::scores::RESOLUTION;
+use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::{Aggregate, score_text};
-use crate::summary::{Group, Summary, Window, type_label};
+use crate::summary::{Group, OperationComfort, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
 const WORST: usize = 4;
@@ -35,7 +36,7 @@ pub fn write(
     let data = json!({
         "title": format!("{} on {} episodes", summary.policy, summary.episodes),
         "tiles": tiles(summary),
-        "tables": summary.windows.iter().map(table).collect::<Vec<_>>(),
+        "tables": [table(&summary.windows)],
         "lost": summary.lost.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "drawings": charts,
         "footer": footer(summary),
@@ -70,70 +71,229 @@ fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Ve
     types
 }
 
-/// Returns pairs of a label and a value.
+/// Returns pairs of a label and a value; none for several tasks or run periods, which are rows of the table.
 fn tiles(summary: &Summary) -> Value {
+    let [Window { all, .. }] = &summary.windows[..] else { return json!([]) };
     let mut tiles = Vec::new();
-    for Window { task, period, all, .. } in &summary.windows {
-        let which = if summary.windows.len() > 1 { format!(" · {task}, {period}") } else { String::new() };
-        if let Some(scores) = &all.resolved_scores {
-            let score = scores.interquartile_mean.to_string();
-            tiles.push(json!([format!("resolved score, interquartile mean{which}"), score]));
-        }
-        if let Some(scores) = &all.scores {
-            let score = scores.interquartile_mean.to_string();
-            tiles.push(json!([format!("score, interquartile mean{which}"), score]));
-            let share = scores.beats_baseline_text();
-            tiles.push(json!([format!("beats baseline (%){which}"), share]));
-        }
-        let deviation = format!("{:.2} K", all.rms_deviation_k);
-        tiles.push(json!([format!("RMS deviation, mean{which}"), deviation]));
-        let energy = format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0);
-        tiles.push(json!([format!("HVAC energy, mean{which}"), energy]));
-        if let Some(ratio) = all.relative_energy {
-            tiles.push(json!([format!("energy / baseline{which}"), format!("{ratio:.2}")]));
-        }
+    if let Some(scores) = &all.resolved_scores {
+        tiles.push(json!(["resolved score, interquartile mean", scores.interquartile_mean.to_string()]));
+    }
+    if let Some(scores) = &all.scores {
+        tiles.push(json!(["score, interquartile mean", scores.interquartile_mean.to_string()]));
+        tiles.push(json!(["beats baseline (%)", scores.beats_baseline_text()]));
+    }
+    tiles.push(json!(["RMS deviation, mean", format!("{:.2} K", all.rms_deviation_k)]));
+    tiles.push(json!(["HVAC energy, mean", format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0)]));
+    if let Some(ratio) = all.relative_energy {
+        tiles.push(json!(["energy / baseline", format!("{ratio:.2}")]));
     }
     tiles.into()
 }
 
-fn table(window: &Window) -> Value {
-    let row = |group: &Group| {
-        let cell = |scores: &Option<Aggregate>, text: fn(&Aggregate) -> String| {
-            scores.as_ref().map_or("–".to_owned(), text)
-        };
-        let of = |text: fn(&Aggregate) -> String| cell(&group.scores, text);
-        json!([
-            group.name,
-            group.episodes().to_string(),
-            cell(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
-            of(|scores| scores.interquartile_mean.to_string()),
-            of(|scores| scores.median.to_string()),
-            of(|scores| scores.mean.to_string()),
-            of(|scores| score_text(scores.min)),
-            of(|scores| score_text(scores.max)),
-            of(Aggregate::beats_baseline_text),
-            format!("{:.2}", group.rms_deviation_k),
-            group.relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
-            group.relative_resource.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
-            format!("{:.2}", group.energy_wh_m2 / 1000.0),
-            format!("{:.1}", group.daily_travel),
-        ])
+/// The columns of a group of episodes.
+const COLUMNS: [&str; 20] = [
+    "building type",
+    "episodes",
+    "resolved score, interquartile mean",
+    "score, interquartile mean",
+    "score, median",
+    "score, mean",
+    "score, min",
+    "score, max",
+    "beats baseline (%)",
+    "RMS deviation (K)",
+    "occupied hours too cold (%)",
+    "occupied hours too warm (%)",
+    "energy / baseline",
+    "task's resource / baseline",
+    "HVAC energy (kWh/m²)",
+    "heating (kWh/m²)",
+    "cooling (kWh/m²)",
+    "fans (kWh/m²)",
+    "pumps and others (kWh/m²)",
+    "actuator travel (strokes/day)",
+];
+
+/// The columns of a group of episodes of operation: cost at comfort first.
+const OPERATION_COLUMNS: [&str; 15] = [
+    "building type",
+    "episodes",
+    "score at comfort, interquartile mean",
+    "score, median",
+    "beats baseline (%)",
+    "cost / baseline",
+    "energy / baseline",
+    "discomfort (K·h per zone)",
+    "baseline's discomfort",
+    "episodes beyond the free discomfort",
+    "HVAC energy (kWh/m²)",
+    "heating (kWh/m²)",
+    "cooling (kWh/m²)",
+    "fans (kWh/m²)",
+    "actuator travel (strokes/day)",
+];
+
+/// Returns one table, with a row for each task, run period and building type.
+fn table(windows: &[Window]) -> Value {
+    const LOWER: &str = "lower is better, 1 is the baseline";
+    let several = windows.len() > 1;
+    let title = match windows {
+        [Window { task, period, .. }] => format!("{period}, task {task}; {LOWER}"),
+        _ => LOWER.to_owned(),
     };
-    let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
+    let operation = windows.iter().all(|window| window.all.comfort.is_some());
+    let columns = if operation { &OPERATION_COLUMNS[..] } else { &COLUMNS };
+    let cells = |group| if operation { operation_cells(group).to_vec() } else { cells(group).to_vec() };
+    let which = if several { &["task", "run period"][..] } else { &[] };
+    let rows = windows.iter().flat_map(|window| {
+        let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
+        let which = if several { vec![window.task.clone(), window.period.clone()] } else { Vec::new() };
+        groups.map(move |group| which.iter().cloned().chain(cells(group)).collect::<Vec<_>>())
+    });
     json!({
-        "title": format!("{}, task {}; lower is better, 1 is the baseline", window.period, window.task),
-        "header": ["building type", "episodes", "resolved score, interquartile mean", "score, interquartile mean",
-                   "score, median", "score, mean", "score, min", "score, max", "beats baseline (%)",
-                   "RMS deviation (K)", "energy / baseline", "task's resource / baseline", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
-        "rows": groups.map(row).collect::<Vec<_>>(),
+        "title": title,
+        "header": which.iter().chain(columns).collect::<Vec<_>>(),
+        "rows": rows.collect::<Vec<_>>(),
     })
+}
+
+/// Returns the cells of a group of episodes in the order of [`OPERATION_COLUMNS`].
+fn operation_cells(group: &Group) -> [String; OPERATION_COLUMNS.len()] {
+    let of = |text: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), text);
+    let number = |number: Option<f64>| number.map_or("–".to_owned(), |number| format!("{number:.2}"));
+    let [heating, cooling, fans] = end_uses(group);
+    let comfort = group.comfort.as_ref();
+    [
+        group.name.clone(),
+        group.episodes().to_string(),
+        of(|scores| scores.interquartile_mean.to_string()),
+        of(|scores| scores.median.to_string()),
+        of(Aggregate::beats_baseline_text),
+        number(group.relative_resource),
+        number(group.relative_energy),
+        number(comfort.map(|comfort| comfort.discomfort_k_h)),
+        number(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+        comfort.map_or_else(String::new, OperationComfort::mark),
+        format!("{:.2}", group.energy_wh_m2 / 1000.0),
+        number(heating),
+        number(cooling),
+        number(fans),
+        format!("{:.1}", group.daily_travel),
+    ]
+}
+
+/// Returns heating, cooling and fans, kWh/m².
+fn end_uses(group: &Group) -> [Option<f64>; 3] {
+    [Term::Heating, Term::Cooling, Term::Fans]
+        .map(|term| group.end_uses.get(term.entry().column.as_ref()?.name).map(|energy| energy / 1000.0))
+}
+
+/// Returns the cells of a group of episodes in the order of [`COLUMNS`].
+fn cells(group: &Group) -> [String; COLUMNS.len()] {
+    let cell = |scores: &Option<Aggregate>, text: fn(&Aggregate) -> String| {
+        scores.as_ref().map_or("–".to_owned(), text)
+    };
+    let of = |text: fn(&Aggregate) -> String| cell(&group.scores, text);
+    let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"));
+    let percent =
+        |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share));
+    let [heating, cooling, fans] = end_uses(group);
+    let known = group.end_uses.values().map(|energy| energy / 1000.0).sum::<f64>();
+    let others =
+        heating.zip(cooling).zip(fans).map(|((heating, cooling), fans)| known - heating - cooling - fans);
+    [
+        group.name.clone(),
+        group.episodes().to_string(),
+        cell(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
+        of(|scores| scores.interquartile_mean.to_string()),
+        of(|scores| scores.median.to_string()),
+        of(|scores| scores.mean.to_string()),
+        of(|scores| score_text(scores.min)),
+        of(|scores| score_text(scores.max)),
+        of(Aggregate::beats_baseline_text),
+        format!("{:.2}", group.rms_deviation_k),
+        percent(group.occupied_too_cold_share),
+        percent(group.occupied_too_warm_share),
+        ratio(group.relative_energy),
+        ratio(group.relative_resource),
+        format!("{:.2}", group.energy_wh_m2 / 1000.0),
+        ratio(heating),
+        ratio(cooling),
+        ratio(fans),
+        ratio(others.map(|energy| energy.max(0.0))),
+        format!("{:.1}", group.daily_travel),
+    ]
 }
 
 fn footer(summary: &Summary) -> String {
     format!(
         "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days, as \
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
-         an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+         an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by that of the guideline \
+         controller (the baseline), plus {DISCOMFORT_COST} days of the latter for every K·h per zone of discomfort beyond its own \
+         and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
         summary.versions
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_tasks_and_run_periods_are_rows_of_one_table_and_no_tiles() {
+        let group = |name: &str| Group {
+            name: name.into(),
+            scores: None,
+            resolved_scores: None,
+            rms_deviation_k: 0.5,
+            occupied_too_cold_share: Some(0.125),
+            occupied_too_warm_share: None,
+            energy_wh_m2: 1000.0,
+            end_uses: [
+                ("cooling_wh_m2", 0.0),
+                ("fans_wh_m2", 250.0),
+                ("heating_wh_m2", 700.0),
+                ("pumps_wh_m2", 50.0),
+            ]
+            .into(),
+            relative_energy: None,
+            relative_resource: Some(0.5),
+            daily_travel: 2.0,
+            comfort: None,
+        };
+        let window = |task: &str, period: &str| Window {
+            task: task.into(),
+            period: period.into(),
+            types: vec![group("offices"), group("houses")],
+            all: group("all"),
+        };
+        let summary = |windows| Summary {
+            versions: b2b_control::Versions::current(),
+            policy: "p".into(),
+            episodes: 4,
+            lost: Vec::new(),
+            windows,
+        };
+        let several = summary(vec![window("constant", "winter"), window("occupancy", "summer")]);
+        assert_eq!(tiles(&several), json!([]));
+        let table_of_several = table(&several.windows);
+        let rows = table_of_several["rows"].as_array().unwrap();
+        assert_eq!(rows.len(), 6, "three of each");
+        assert_eq!(rows[3].as_array().unwrap()[..3], ["occupancy", "summer", "offices"]);
+        assert!(rows.iter().all(|row| row.as_array().unwrap().len() == COLUMNS.len() + 2));
+        let cell = |name: &str| &rows[3][2 + COLUMNS.iter().position(|column| *column == name).unwrap()];
+        assert_eq!(
+            (cell("occupied hours too cold (%)"), cell("occupied hours too warm (%)")),
+            (&json!("12.5"), &json!("–"))
+        );
+        assert_eq!(
+            (cell("heating (kWh/m²)"), cell("pumps and others (kWh/m²)")),
+            (&json!("0.70"), &json!("0.05"))
+        );
+
+        let one = summary(vec![window("constant", "winter")]);
+        assert_eq!(tiles(&one).as_array().unwrap().len(), 2);
+        assert_eq!(table(&one.windows)["header"][0], "building type");
+    }
 }

@@ -4,10 +4,12 @@ use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
 use super::chart::{
-    Chart, color, distribution, energy_vs_comfort, has_several_tasks, horizontal_line, hover_name,
-    make_logarithmic, mean_diamond, range,
+    Chart, color, distribution, has_several_tasks, horizontal_line, hover_name, make_logarithmic,
+    mean_diamond, range,
 };
 use super::deviation_chart::{StepDeviations, step_deviations};
+use super::series::Series;
+use super::trade_off::energy_and_comfort;
 use crate::evaluation::{EpisodeInfo, Row};
 use crate::results::Results;
 use crate::summary::type_label;
@@ -36,7 +38,7 @@ pub(super) fn all(results: &Results, deviations: &[StepDeviations]) -> Vec<Value
         scores_by_zone(&rows, &types),
         step_deviations("Deviation from target, all steps".into(), deviations),
         rms_deviations(&rows, &types),
-        energy_and_comfort(&rows, &types),
+        trade_off(results, &types),
     ];
     charts.into_iter().map(Chart::json).collect()
 }
@@ -134,8 +136,8 @@ fn scores(
         "shapes": [horizontal_line(1.0)],
     });
     let (low, high) = range(&values);
+    let (low, high) = (low.min(1.0), high.max(1.0));
     if !make_logarithmic(&mut layout["yaxis"], (low, high)) {
-        let (low, high) = (low.min(1.0), high.max(1.0));
         // Leaves room around the line even if every score is on it.
         let margin = ((high - low) * 0.08).max(0.02);
         layout["yaxis"]["range"] = json!([low - margin, high + margin]);
@@ -175,13 +177,12 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     }
 }
 
-fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
-    let mut data = Vec::new();
-    for name in types {
-        let own = of_type(rows, name);
-        let x = own.iter().map(|row| (row.metrics.energy() / 1000.0).into()).collect();
-        let y = own.iter().map(|row| row.metrics.rms_deviation.into()).collect();
-        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
-    }
-    energy_vs_comfort(data.into(), 400, true)
+fn trade_off(results: &Results, types: &[String]) -> Chart {
+    let episodes = |name: &String| {
+        let own = results.rows.iter().filter(|row| row.info.building_type == *name);
+        own.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+    };
+    let series: Vec<_> =
+        types.iter().map(|name| Series { name: type_label(name), episodes: episodes(name) }).collect();
+    energy_and_comfort(&series, 400, true)
 }

@@ -9,8 +9,12 @@ mod histogram;
 mod hourly_chart;
 mod reward_chart;
 mod series;
+mod trade_off;
 
-pub use chart::{Chart, color, has_several_tasks, horizontal_line, make_logarithmic, mean_diamond, range};
+pub use chart::{
+    Chart, color, has_several_tasks, horizontal_line, label_logarithmic, make_logarithmic, mean_diamond,
+    range,
+};
 pub use comparison::{Compared, write as write_comparison};
 pub use deviation_chart::{StepDeviations, step_deviations};
 pub use evaluation::write;

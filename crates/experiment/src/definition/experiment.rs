@@ -52,6 +52,9 @@ pub struct Experiment {
     /// Whether the episodes of the reactive controllers are kept, too; those of random actions as well on problems.
     #[serde(default)]
     pub reactive: bool,
+    /// Controllers that need no training, such as `guideline36`, evaluated on the test buildings of the types.
+    #[serde(default)]
+    pub controllers: Vec<String>,
     /// Agents.
     #[serde(default)]
     pub agents: Vec<Agent>,
@@ -81,6 +84,8 @@ pub enum ReportKind {
     Transfer,
     /// Temperature deviation and energy by the weight of energy.
     Weights,
+    /// Cost, energy, discomfort and peak demand of controllers by type and period.
+    Operation,
     /// Times of a step by type.
     StepTimes,
     /// The leaderboard of the problems.
@@ -119,6 +124,12 @@ impl Experiment {
             near: nearest(name, names()),
             known: names().collect::<Vec<_>>().join(", "),
         })
+    }
+
+    /// Returns the controllers whose episodes on test buildings are kept.
+    pub fn kept_controllers(&self) -> impl Iterator<Item = &str> {
+        let reactive = self.reactive && !self.types.is_empty();
+        reactive.then_some(REACTIVE).into_iter().chain(self.controllers.iter().map(String::as_str))
     }
 
     /// Returns the agents of a budget.

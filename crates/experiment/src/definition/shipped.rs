@@ -9,7 +9,7 @@ use super::validation;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 12] = [
+const SHIPPED: [(&str, &str); 13] = [
     ("ppo", include_str!("../../data/ppo.toml")),
     ("direct", include_str!("../../data/direct.toml")),
     ("residual", include_str!("../../data/residual.toml")),
@@ -21,6 +21,7 @@ const SHIPPED: [(&str, &str); 12] = [
     ("cross-domain", include_str!("../../data/cross-domain.toml")),
     ("board", include_str!("../../data/board.toml")),
     ("weights", include_str!("../../data/weights.toml")),
+    ("operation", include_str!("../../data/operation.toml")),
     ("speed", include_str!("../../data/speed.toml")),
 ];
 
@@ -114,6 +115,22 @@ mod tests {
             let said = Experiment::parse("x", &broken).unwrap_err().to_string();
             assert!(said.contains(word), "{said}");
         }
+    }
+
+    #[test]
+    fn an_unknown_controller_or_an_agent_with_the_name_of_one_is_refused() {
+        let text = SHIPPED.iter().find(|(name, _)| *name == "operation").unwrap().1;
+        for (old, new, word) in [
+            ("\"own\"", "\"onw\"", "onw"),
+            ("\"own\"", "\"reactive\"", "listed twice"),
+            ("mixed", "mixd", "mixd"),
+        ] {
+            let said = Experiment::parse("x", &text.replacen(old, new, 1)).unwrap_err().to_string();
+            assert!(said.contains(word), "{said}");
+        }
+        let text = SHIPPED[0].1.replacen("name = \"residual\"", "name = \"guideline36\"", 1);
+        let said = Experiment::parse("x", &text).unwrap_err().to_string();
+        assert!(said.contains("two agents are named `guideline36`"), "{said}");
     }
 
     #[test]

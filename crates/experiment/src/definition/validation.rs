@@ -1,16 +1,17 @@
 //! The constraints of a definition that the types do not enforce.
 
 use b2b_benchmark::Problem;
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_env::Task;
+use b2b_evaluate::BuiltIn;
 use b2b_learn::train::TrainConfig;
 
 use super::agent::{Agent, Training};
-use super::experiment::{Experiment, RANDOM, REACTIVE, ReportKind};
+use super::experiment::{Experiment, ReportKind};
 
 /// Returns the fault of a definition; `None` if it has none.
 pub(super) fn fault(experiment: &Experiment) -> Option<String> {
-    let checks = [tasks, budgets, agents, problems, subjects];
+    let checks = [tasks, budgets, controllers, agents, problems, subjects];
     checks.iter().find_map(|check| check(experiment).err())
 }
 
@@ -19,7 +20,7 @@ fn tasks(experiment: &Experiment) -> Result<(), String> {
         task.parse::<Task>().map_err(|error| error.to_string())?;
     }
     for period in &experiment.periods {
-        period.parse::<RunPeriod>().map_err(|error| error.to_string())?;
+        period.parse::<Period>().map_err(|error| error.to_string())?;
     }
     Ok(())
 }
@@ -47,11 +48,22 @@ fn budgets(experiment: &Experiment) -> Result<(), String> {
     Ok(())
 }
 
+fn controllers(experiment: &Experiment) -> Result<(), String> {
+    let all: Vec<&str> = experiment.kept_controllers().collect();
+    for (number, name) in all.iter().enumerate() {
+        name.parse::<BuiltIn>().map_err(|error| error.to_string())?;
+        if all[..number].contains(name) {
+            return Err(format!("controller `{name}` is listed twice"));
+        }
+    }
+    Ok(())
+}
+
 fn agents(experiment: &Experiment) -> Result<(), String> {
     for (number, agent) in experiment.agents.iter().enumerate() {
         check_name("agent", &agent.name)?;
         let is_taken = experiment.agents[..number].iter().any(|other| other.name == agent.name);
-        if is_taken || [REACTIVE, RANDOM].contains(&&agent.name[..]) {
+        if is_taken || agent.name.parse::<BuiltIn>().is_ok() {
             return Err(format!("two agents are named `{}`", agent.name));
         }
         options(agent).map_err(|error| format!("agent `{}`: {error}", agent.name))?;
@@ -99,7 +111,7 @@ fn problems(experiment: &Experiment) -> Result<(), String> {
 
 /// Checks that there is something to run or measure.
 fn subjects(experiment: &Experiment) -> Result<(), String> {
-    let Experiment { types, problems, tasks, periods, climate_zones, measure, .. } = experiment;
+    let Experiment { types, problems, tasks, periods, climate_zones, measure, controllers, .. } = experiment;
     let is_board = experiment.report == ReportKind::Board;
     if is_board == problems.is_empty() {
         return Err("`problems` belongs to `report = \"board\"`, which needs it".into());
@@ -113,12 +125,15 @@ fn subjects(experiment: &Experiment) -> Result<(), String> {
     if types.iter().any(|each| experiment.buildings(*each, 1).is_empty()) {
         return Err(format!("no test building is in the climate zones {}", climate_zones.join(", ")));
     }
-    let runs = experiment.reactive || !experiment.agents.is_empty();
+    let runs = experiment.reactive || !controllers.is_empty() || !experiment.agents.is_empty();
     if runs && (tasks.is_empty() || periods.is_empty()) {
-        return Err("it has agents, but `tasks` or `periods` is empty".into());
+        return Err("it has agents or controllers, but `tasks` or `periods` is empty".into());
     }
     if runs != measure.is_empty() {
-        return Err("it has either agents (or `reactive = true`) or a command under `measure`".into());
+        return Err(
+            "it has either agents (or `controllers`, or `reactive = true`) or a command under `measure`"
+                .into(),
+        );
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ pub enum Action {
         /// Environment steps.
         steps: u64,
     },
-    /// Evaluates the agent of the job, or the reactive controllers in a job without a training.
+    /// Evaluates the agent of the job, or the controller of a job without a training.
     Evaluate(Episodes),
     /// Evaluates the last agent of the job's training, beside the one that it keeps.
     EvaluateLast(Episodes),
@@ -134,7 +134,13 @@ impl Job {
         buildings.iter().map(|building| building.split_once('-').map_or(&building[..], |(name, _)| name))
     }
 
-    /// Returns the first part of the key: the name of the agent.
+    /// Returns what the job evaluates: its agent, or the controller of a job without a training.
+    pub fn policy(&self) -> &str {
+        let trains = self.actions.iter().any(|action| matches!(action, Action::Train { .. }));
+        if trains { AGENT } else { self.agent() }
+    }
+
+    /// Returns the first part of the key: the name of the agent or controller.
     pub fn agent(&self) -> &str {
         self.key.split_once('/').map_or(&self.key, |(agent, _)| agent)
     }

@@ -24,7 +24,7 @@ impl Experiment {
         if !self.measure.is_empty() {
             return vec![self.measurement()];
         }
-        let mut jobs = if self.reactive { self.built_in_jobs(budget) } else { Vec::new() };
+        let mut jobs = self.controller_jobs(budget);
         for agent in self.agents_of(budget) {
             let own = agent.budget(budget);
             match agent.trains {
@@ -43,23 +43,27 @@ impl Experiment {
         Job { key: "measure/all".into(), actions: vec![Action::Measure(arguments)] }
     }
 
-    /// Returns the jobs of the reactive controllers and, on problems, of random actions.
-    fn built_in_jobs(&self, budget: &Budget) -> Vec<Job> {
-        let of_type = |each: &BuildingType| self.reactive_job(*each, budget.buildings.of(*each));
-        let mut jobs: Vec<Job> = self.types.iter().map(of_type).collect();
-        for policy in [REACTIVE, RANDOM] {
+    /// Returns the jobs of the controllers and, on problems, of the reactive ones and of random actions.
+    fn controller_jobs(&self, budget: &Budget) -> Vec<Job> {
+        let mut jobs = Vec::new();
+        for controller in self.kept_controllers() {
+            let of_type =
+                |each: &BuildingType| self.controller_job(controller, *each, budget.buildings.of(*each));
+            jobs.extend(self.types.iter().map(of_type));
+        }
+        for policy in [REACTIVE, RANDOM].into_iter().filter(|_| self.reactive) {
             jobs.extend(self.problems.iter().map(|problem| entry::built_in(policy, problem, budget)));
         }
         jobs
     }
 
-    fn reactive_job(&self, building_type: BuildingType, count: usize) -> Job {
+    fn controller_job(&self, controller: &str, building_type: BuildingType, count: usize) -> Job {
         let episodes = Episodes {
             buildings: texts(&self.buildings(building_type, count)),
             tasks: self.tasks.clone(),
             periods: self.periods.clone(),
         };
-        Job { key: format!("{REACTIVE}/{building_type}"), actions: vec![Action::Evaluate(episodes)] }
+        Job { key: format!("{controller}/{building_type}"), actions: vec![Action::Evaluate(episodes)] }
     }
 
     fn trainings(&self, agent: &Agent, budget: &Budget) -> Vec<Job> {
@@ -208,6 +212,18 @@ mod tests {
         );
         let reactive = of(jobs("quick"), "reactive/four-types");
         assert!(matches!(&reactive.actions[..], [Action::Enter(entry)] if entry.policy == REACTIVE));
+    }
+
+    #[test]
+    fn controllers_are_evaluated_on_the_test_buildings_of_each_type_without_a_training() {
+        let (quick, full) = (jobs("operation", "quick"), jobs("operation", "full"));
+        assert_eq!((quick.len(), full.len()), (18, 18), "three controllers, six types");
+        let count = |jobs: &[Job]| jobs.iter().map(Job::episode_count).sum::<usize>();
+        assert_eq!((count(&quick), count(&full)), (180, 720), "five periods");
+        let job = quick.iter().find(|job| job.key == "own/OfficeSmall").unwrap();
+        assert_eq!((job.policy(), job.steps(), job.actions.len()), ("own", 0, 1));
+        let trained = &jobs("ppo", "quick")[0];
+        assert_eq!(trained.policy(), AGENT);
     }
 
     #[test]

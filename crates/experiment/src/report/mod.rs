@@ -3,6 +3,7 @@
 mod adaptation;
 mod content;
 mod group;
+mod operation;
 mod scores;
 mod step_times;
 mod tails;
@@ -62,6 +63,7 @@ fn content(experiment: &Experiment, results: &Results) -> Option<Content> {
         ReportKind::Adaptation => adaptation::content(experiment, results),
         ReportKind::Transfer => transfer::content(experiment, results),
         ReportKind::Weights => weights::content(experiment, results),
+        ReportKind::Operation => operation::content(experiment, results),
         ReportKind::StepTimes => step_times::content(results),
     };
     if matches!(experiment.report, ReportKind::Adaptation | ReportKind::Transfer) {

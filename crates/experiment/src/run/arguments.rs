@@ -1,19 +1,17 @@
 //! The arguments of `b2b` for an action.
 
-use crate::definition::REACTIVE;
 use crate::folder::{CONFIG, ENTRY, EVALUATION, EVALUATION_LAST};
-use crate::job::{AGENT, Action, Entry, Episodes, LAST_AGENT};
+use crate::job::{Action, Entry, Episodes, Job, LAST_AGENT};
 
-/// Returns the arguments that run an action of the job of an agent, in the folder of the job.
-pub(super) fn of(action: &Action, agent_name: &str) -> Vec<String> {
+/// Returns the arguments that run an action of a job, in the folder of the job.
+pub(super) fn of(action: &Action, job: &Job) -> Vec<String> {
     match action {
         Action::Train { agent, .. } => {
             words(&["train", "--config", CONFIG, "--out", agent, "--jobs", "1", "--json"])
         }
-        Action::Evaluate(episodes) if agent_name == REACTIVE => evaluate(episodes, REACTIVE, EVALUATION),
-        Action::Evaluate(episodes) => evaluate(episodes, AGENT, EVALUATION),
+        Action::Evaluate(episodes) => evaluate(episodes, job.policy(), EVALUATION),
         Action::EvaluateLast(episodes) => evaluate(episodes, LAST_AGENT, EVALUATION_LAST),
-        Action::Enter(entry) => enter(entry, agent_name),
+        Action::Enter(entry) => enter(entry, job.agent()),
         Action::Measure(arguments) => arguments.iter().cloned().chain(words(&["--json"])).collect(),
     }
 }

@@ -1,7 +1,7 @@
 //! Checks of results: agents are evaluated again.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use b2b_agent::Agent;
 use b2b_base::machine;
@@ -17,32 +17,40 @@ use crate::job::{AGENT, Action, Episodes, Job, LAST_AGENT};
 /// Relative difference of scores on machines that do not give the same bits.
 const TOLERANCE: f64 = 1e-3;
 
-/// The check of an agent.
+/// The check of an agent or controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
     /// Key of the job, with `, best` for the best agent of one that evaluates two.
     pub job: String,
-    /// Why its results are not those of its agent; `None` if they are.
+    /// Why its results are not those of its agent or controller; `None` if they are.
     pub fault: Option<String>,
 }
 
-/// An agent with the results to compare with.
+/// An agent or controller with the results to compare with.
 struct Subject<'a> {
     name: String,
-    path: PathBuf,
+    policy: Checkable,
     episodes: &'a Episodes,
     agent_sha256: Option<&'a str>,
     machine: &'a str,
     rows: &'a [Row],
 }
 
-/// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
+/// What is evaluated again.
+enum Checkable {
+    /// The folder of an agent.
+    Agent(PathBuf),
+    /// The name of a controller.
+    Controller(String),
+}
+
+/// Evaluates the experiment's `controllers` again and the agents whose folders are at hand, and compares their episodes with the results that
 /// `Folder::keep` kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
 /// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
 /// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
 ///
 /// # Errors
-/// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].
+/// [`Error::NoAgents`] if there is neither; the errors of [`Runner::run`].
 pub fn check(
     runner: &Runner<'_>,
     experiment: &Experiment,
@@ -52,7 +60,8 @@ pub fn check(
 ) -> Result<Vec<Checked>> {
     let jobs: Vec<Job> = experiment.jobs(budget);
     let kept = jobs.iter().filter_map(|job| Some((job, runner.folder.kept(job)?)));
-    let to_check: Vec<Subject<'_>> = kept.flat_map(|(job, result)| subjects(runner, job, result)).collect();
+    let to_check: Vec<Subject<'_>> =
+        kept.flat_map(|(job, result)| subjects(runner, experiment, job, result)).collect();
     let all = runner.each(&to_check, &|subject| {
         let checked = Checked { fault: fault(runner, subject, buildings)?, job: subject.name.clone() };
         done(&checked);
@@ -64,15 +73,25 @@ pub fn check(
     }
 }
 
-/// Returns the agents of a job whose folders are at hand.
-fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec<Subject<'a>> {
+/// Returns the controller of a job, or its agents whose folders are at hand.
+fn subjects<'a>(
+    runner: &Runner<'_>,
+    experiment: &Experiment,
+    job: &'a Job,
+    result: &'a JobResult,
+) -> Vec<Subject<'a>> {
     let Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) = job.actions.last() else {
         return Vec::new();
     };
     let folder = runner.folder.job(job);
+    let policy = match job.policy() {
+        AGENT if result.best.is_some() => Checkable::Agent(folder.path().join(LAST_AGENT)),
+        AGENT => Checkable::Agent(folder.path().join(AGENT)),
+        controller => Checkable::Controller(controller.to_owned()),
+    };
     let own = Subject {
         name: job.key.clone(),
-        path: folder.path().join(if result.best.is_some() { LAST_AGENT } else { AGENT }),
+        policy,
         episodes,
         agent_sha256: result.agent_sha256.as_deref(),
         machine: &result.machine,
@@ -80,13 +99,13 @@ fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec
     };
     let best = result.best.as_ref().map(|best| Subject {
         name: best_of(&job.key),
-        path: folder.path().join(AGENT),
+        policy: Checkable::Agent(folder.path().join(AGENT)),
         episodes,
         agent_sha256: best.agent_sha256.as_deref(),
         machine: &best.machine,
         rows: &best.rows,
     });
-    [own].into_iter().chain(best).filter(|subject| subject.path.join("agent.json").exists()).collect()
+    [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand(experiment)).collect()
 }
 
 /// Returns why a result is not that of its agent, if it is not.
@@ -95,26 +114,47 @@ fn fault(
     subject: &Subject<'_>,
     buildings: Option<NonZeroUsize>,
 ) -> Result<Option<String>> {
-    let Subject { path, episodes, .. } = subject;
-    let agent = match Agent::read(path) {
-        Ok(agent) => agent,
-        Err(error) => return Ok(Some(error.to_string())),
+    let Subject { policy, episodes, .. } = subject;
+    let policy = match policy {
+        Checkable::Controller(name) => name.clone(),
+        Checkable::Agent(path) => {
+            if let Some(fault) = other_agent(path, subject.agent_sha256) {
+                return Ok(Some(fault));
+            }
+            std::path::absolute(path).map_err(at(path))?.to_string_lossy().into_owned()
+        }
     };
-    if subject.agent_sha256 != Some(agent.sha256()) {
-        return Ok(Some(format!("{} is another agent than that of the results", path.display())));
-    }
-    let again = b2b_base::scratch::folder_in(&std::env::temp_dir(), "b2b-check-").map_err(at(path))?;
-    let policy = std::path::absolute(path).map_err(at(path))?;
+    let temporary = std::env::temp_dir();
+    let again = b2b_base::scratch::folder_in(&temporary, "b2b-check-").map_err(at(&temporary))?;
     let buildings = spread(&episodes.buildings, buildings);
     let is_own = |row: &&Row| buildings.contains(&row.info.building);
     let there: Vec<Row> = subject.rows.iter().filter(is_own).cloned().collect();
     let episodes = Episodes { buildings, ..(*episodes).clone() };
-    let arguments = evaluate(&episodes, &policy.to_string_lossy(), EVALUATION);
+    let arguments = evaluate(&episodes, &policy, EVALUATION);
     if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
         return Ok(Some(error));
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;
     Ok(difference(&there, &rows, subject.machine == machine::fingerprint()))
+}
+
+/// Returns why a folder does not have the agent of a result, if it does not.
+fn other_agent(path: &Path, sha256: Option<&str>) -> Option<String> {
+    match Agent::read(path) {
+        Ok(agent) if sha256 == Some(agent.sha256()) => None,
+        Ok(_) => Some(format!("{} is another agent than that of the results", path.display())),
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+impl Checkable {
+    fn is_at_hand(&self, experiment: &Experiment) -> bool {
+        match self {
+            Self::Agent(path) => path.join("agent.json").exists(),
+            // The reactive controllers beside agents are baselines, which `b2b baseline --check` checks.
+            Self::Controller(name) => experiment.controllers.contains(name),
+        }
+    }
 }
 
 /// Returns at most `limit` of `all`, evenly spaced.

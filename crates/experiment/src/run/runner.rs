@@ -121,7 +121,7 @@ impl Runner<'_> {
             own.set_config(config)?;
         }
         let result = matches!(action, Action::Measure(_)).then(|| own.path().join(MEASURED));
-        self.command(own.path(), &own.log(), &arguments::of(action, job.agent()), result.as_deref())
+        self.command(own.path(), &own.log(), &arguments::of(action, job), result.as_deref())
     }
 
     /// Runs a command in a folder, and adds it and its output to a log, or writes its output to the file of a result. Returns why

@@ -11,6 +11,7 @@ use super::order::{Order, Purpose};
 use crate::credit::part_places;
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
+use crate::widths::mismatch;
 
 /// The runners of a worker: see [`b2b_workers::run_if_worker_with`].
 pub const RUNNERS: Runners = Runners(&[(ROLLOUT, make_rollout_runner), (LEARNER, make_runner)]);
@@ -35,8 +36,7 @@ fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> 
     let parts = block.parts();
     let places = part_places(env.spaces(), plan.as_ref(), parts);
     if (scratch.observations(), scratch.actions()) != pilot.widths() {
-        let name = &env.building().name;
-        return Err(format!("the observation or the actuators of {name} do not match the network").into());
+        return Err(mismatch(&env.building().name).into());
     }
     Ok(Box::new(FragmentRunner {
         action: vec![0.0; scratch.actions()],

@@ -53,7 +53,7 @@ impl Checkpoint {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(wrong(error.to_string())),
         };
-        let all = unseal(bytes).map_err(|error| wrong(error.to_string()))?;
+        let all = unseal(&bytes).map_err(|error| wrong(error.to_string()))?;
         let [steps] = all.read_u64("steps").map_err(|error| wrong(error.to_string()))?;
         let mut numbers = [0.0; 4];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;

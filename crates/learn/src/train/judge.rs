@@ -1,4 +1,4 @@
-//! Scores of an agent against the reactive controllers.
+//! Scores of an agent against the baseline.
 
 use std::cell::OnceCell;
 use std::sync::{Mutex, PoisonError};
@@ -22,17 +22,17 @@ pub(super) struct Judge<'a> {
 /// What an agent is judged by.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measures {
-    /// Score against the reactive controllers: below 1 beats them.
+    /// Score against the baseline: below 1 beats it.
     pub score: f64,
     /// Resolved score: see [`b2b_evaluate::resolved_score`].
     pub resolved_score: f64,
     /// Root mean square deviation from target, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy over that of the reactive controllers.
+    /// HVAC energy over the baseline's.
     pub energy_ratio: f64,
     /// Actuator travel, full strokes/day.
     pub travel_per_day: f64,
-    /// Actuator travel over its limit: 5 strokes/day, or that of the reactive controllers where it is higher. Above 1, actuators
+    /// Actuator travel over its limit: 5 strokes/day, or the baseline's where it is higher. Above 1, actuators
     /// hunt. The worst building counts, not the mean.
     pub relative_travel: f64,
     /// Share of zone-steps in sustained oscillation: see [`b2b_env::Metrics::oscillating_share`].
@@ -80,43 +80,52 @@ impl<'a> Judge<'a> {
     /// Returns the scores of an agent. It acts without exploration.
     pub(super) fn judge(&self, agent: &Agent) -> Result<Scores> {
         let limits = self.travel_limits()?;
-        let metrics = self.metrics(agent)?;
+        let metrics = self.run(&self.numbered().collect::<Vec<_>>(), agent)?;
         let judged = self.episodes.iter().zip(limits).zip(&metrics);
         let scores = judged.map(|(((episode, baseline), limit), metrics)| BuildingScores {
             building: episode.subject.name.to_string(),
             task: episode.task.to_string(),
-            measures: Measures::of(metrics, baseline, *limit),
+            measures: Measures::of(metrics, episode, baseline, *limit),
         });
         Ok(Scores::of(scores.collect()))
     }
 
-    /// Returns the limits of actuator travel. The reactive controllers run for them once: travel is not part of a baseline.
+    /// Returns the limits of actuator travel. The baselines run for them once: travel is not part of what is known of one.
     fn travel_limits(&self) -> Result<&[f64]> {
         if let Some(limits) = self.travel_limits.get() {
             return Ok(limits);
         }
-        let references = self.metrics(&BuiltIn::reactive())?;
-        let limits = references.iter().map(|metrics| travel_limit(metrics.daily_travel)).collect();
+        let mut limits = vec![f64::NAN; self.episodes.len()];
+        for policy in BuiltIn::baselines() {
+            let is_own = |(_, episode): &(usize, &Episode)| BuiltIn::baseline_of(&episode.task) == policy;
+            let own: Vec<_> = self.numbered().filter(is_own).collect();
+            for ((number, _), metrics) in own.iter().zip(self.run(&own, &policy)?) {
+                limits[*number] = travel_limit(metrics.daily_travel);
+            }
+        }
         Ok(self.travel_limits.get_or_init(|| limits))
     }
 
-    /// Returns the metrics of a policy in the episodes.
-    fn metrics(&self, policy: &dyn Policy) -> Result<Vec<EpisodeMetrics>> {
+    fn numbered(&self) -> impl Iterator<Item = (usize, &Episode)> {
+        self.episodes.iter().map(|(episode, _)| episode).enumerate()
+    }
+
+    /// Returns the metrics of a policy in some of the episodes.
+    fn run(&self, episodes: &[(usize, &Episode)], policy: &dyn Policy) -> Result<Vec<EpisodeMetrics>> {
         let outcomes: Mutex<Vec<Option<Outcome>>> = Mutex::new(vec![None; self.episodes.len()]);
-        let numbered: Vec<_> = self.episodes.iter().map(|(episode, _)| episode).enumerate().collect();
-        self.evaluation.run(&numbered, policy, &(), &|number, outcome| {
+        self.evaluation.run(episodes, policy, &(), &|number, outcome| {
             outcomes.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(outcome);
             Ok(())
         })?;
-        let outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let of = |((episode, _), outcome): (&(Episode, Baseline), Option<Outcome>)| {
+        let mut outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let of = |(number, episode): &(usize, &Episode)| {
             let lost = |why: String| {
                 Error::Invalid(format!("the evaluation in {} was lost: {why}", episode.subject.name))
             };
-            let finished = outcome.ok_or_else(|| lost("it did not run".into()))?;
+            let finished = outcomes[*number].take().ok_or_else(|| lost("it did not run".into()))?;
             Ok(finished.map_err(|why| lost(why.reason))?.record.metrics)
         };
-        self.episodes.iter().zip(outcomes).map(of).collect()
+        episodes.iter().map(of).collect()
     }
 }
 
@@ -132,11 +141,12 @@ impl Measures {
         oscillating_share: f64::NAN,
     };
 
-    fn of(metrics: &EpisodeMetrics, baseline: &Baseline, travel_limit: f64) -> Self {
-        let (episode_return, steps) = (metrics.episode_return, metrics.steps);
+    fn of(metrics: &EpisodeMetrics, episode: &Episode, baseline: &Baseline, travel_limit: f64) -> Self {
+        let used = metrics.used(episode.task.resource);
+        let scores = baseline.scores(metrics, used, episode.steps_per_hour);
         Self {
-            score: baseline.score(episode_return).unwrap_or(f64::NAN),
-            resolved_score: baseline.resolved_score(episode_return, steps).unwrap_or(f64::NAN),
+            score: scores.score.unwrap_or(f64::NAN),
+            resolved_score: scores.resolved.unwrap_or(f64::NAN),
             rms_deviation_k: metrics.rms_deviation,
             energy_ratio: if baseline.energy > 0.0 { metrics.energy() / baseline.energy } else { f64::NAN },
             travel_per_day: metrics.daily_travel,

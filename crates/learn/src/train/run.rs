@@ -280,6 +280,7 @@ impl<'a> Run<'a> {
     /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
+        self.monitor.evaluating(self.steps);
         let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
             Ok(scores) => scores.mean,
             Err(error) => {
@@ -307,7 +308,7 @@ impl<'a> Run<'a> {
     fn save_or_warn(&mut self) {
         let saved = self.save();
         self.warn_of(saved, "this checkpoint");
-        self.warn_of(curve::write(self.out, self.config), "the learning curve");
+        self.warn_of(curve::write(self.out, self.config, None), "the learning curve");
     }
 
     /// Writes the last agent and a checkpoint.
@@ -352,7 +353,7 @@ impl<'a> Run<'a> {
             out: self.out.to_owned(),
         };
         summary.write(self.out)?;
-        self.warn_of(curve::write(self.out, self.config), "the learning curve");
+        self.warn_of(curve::write(self.out, self.config, Some(&summary)), "the learning curve");
         Ok(summary)
     }
 

@@ -8,8 +8,8 @@ use b2b_env::EpisodeMetrics;
 use super::{CheckOutcome, ROUNDING, TOLERANCE, expected, is_near, near};
 use crate::entry::result::RunResult;
 use crate::problem::Stage;
-use b2b_evaluate::Baseline;
 use b2b_evaluate::task_for;
+use b2b_evaluate::{Baseline, Scores};
 use b2b_evaluate::{Baselines, Key};
 use b2b_evaluate::{Episode, EpisodeInfo, Row, Scored};
 
@@ -62,15 +62,12 @@ fn score(row: &Row) -> Result<(), String> {
     if hash.len() != HASH_DIGITS || !hash.bytes().all(|byte| byte.is_ascii_hexdigit()) {
         return Err(format!("`{hash}` is not a trajectory hash; expected {HASH_DIGITS} hexadecimal digits"));
     }
-    let (Some(baseline_return), Some(energy)) = (scored.baseline_return, scored.baseline_energy) else {
-        return Err("its baseline is missing".into());
-    };
-    let baseline = Baseline { episode_return: baseline_return, energy };
-    let score = baseline.score(episode_return);
+    let baseline = scored.baseline().ok_or("its baseline is missing")?;
+    let Scores { score, resolved } =
+        baseline.scores(&scored.metrics, scored.resource, row.info.steps_per_hour);
     if score.is_none() || score != scored.score {
-        return Err(format!("the score is {:?}; return over baseline is {score:?}", scored.score));
+        return Err(format!("the score is {:?}; relative to the baseline it is {score:?}", scored.score));
     }
-    let resolved = baseline.resolved_score(episode_return, steps);
     if resolved.is_none() || resolved != scored.resolved_score {
         return Err(format!("the resolved score is {:?}; expected {resolved:?}", scored.resolved_score));
     }
@@ -86,11 +83,8 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
         let episodes = expected(result, *stage).unwrap_or_default();
         for (row, episode) in rows.iter().zip(&episodes) {
             let Ok(scored) = &row.outcome else { continue };
-            let (Some(episode_return), Some(energy)) = (scored.baseline_return, scored.baseline_energy)
-            else {
-                continue;
-            };
-            let here = Baseline { episode_return, energy };
+            let Some(here) = scored.baseline() else { continue };
+            let Baseline { episode_return, .. } = here;
             let site = row.info.site();
             let key = Key::of(episode, &site).map_err(|error| error.to_string())?;
             let wrong = |other: &Baseline, whose: &str| {
@@ -139,4 +133,8 @@ fn resource(scored: &Scored, episode: &Episode, of_baseline: Option<f64>) -> Res
 fn same(there: &Baseline, here: &Baseline, tolerance: f64) -> bool {
     is_near(there.episode_return, here.episode_return, tolerance)
         && is_near(there.energy, here.energy, tolerance)
+        && match (there.discomfort, here.discomfort) {
+            (Some(there), Some(here)) => is_near(there, here, tolerance),
+            (there, here) => there == here,
+        }
 }

@@ -102,14 +102,24 @@ impl AirLoop {
     }
 
     /// Writes the action of a step.
-    pub(super) fn act(&mut self, site: SiteInput, inputs: &[ZoneInput], action: &mut [f64], hours: f64) {
+    pub(super) fn act<'z>(
+        &mut self,
+        site: SiteInput,
+        inputs: impl Iterator<Item = &'z ZoneInput>,
+        action: &mut [f64],
+        hours: f64,
+    ) {
         for (served, input) in self.zones.iter_mut().zip(inputs) {
-            served.zone.observe(input, site.demand, hours);
+            served.zone.observe(input, site, hours);
         }
+        let heated = self.group.mode().heats();
         let mode = self.group.step(self.zones.iter().map(|served| served.zone.need()));
         self.requests = 0.0;
         for served in &mut self.zones {
-            served.zone.control(mode, hours);
+            if mode.heats() != heated {
+                served.zone.forget_heating();
+            }
+            served.zone.control(mode, 1.0, hours);
             self.requests += served.zone.cooling_requests();
         }
         self.setpoint = self.supply.step(mode, site.outdoor_temperature, self.requests, hours);

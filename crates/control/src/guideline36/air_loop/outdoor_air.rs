@@ -39,9 +39,10 @@ impl OutdoorAir {
         if mode == Mode::Occupied { self.minimum } else { 0.0 }
     }
 
-    /// Returns the outdoor air flow, kg/s: the minimum, or what the economizer mixes to the supply air temperature.
+    /// Returns the outdoor air flow, kg/s: the minimum, or what the economizer mixes to the supply air temperature. A minimum
+    /// above the supply flow means all outdoor air.
     pub(super) fn step(&self, mode: Mode, air: Air) -> f64 {
-        let minimum = self.minimum(mode).min(air.flow);
+        let minimum = self.minimum(mode);
         if !air.economizes {
             return minimum;
         }
@@ -67,7 +68,6 @@ mod tests {
     #[test]
     fn the_minimum_holds_in_occupied_mode_and_is_0_in_all_others() {
         assert_eq!(OUTDOOR_AIR.step(Mode::Occupied, AIR), 0.5);
-        assert_eq!(OUTDOOR_AIR.step(Mode::Occupied, Air { flow: 0.3, ..AIR }), 0.3);
         for mode in [Mode::WarmUp, Mode::CoolDown, Mode::Setback, Mode::Setup, Mode::Unoccupied] {
             assert_eq!(OUTDOOR_AIR.step(mode, AIR), 0.0);
         }

@@ -2,8 +2,8 @@
 //!
 //! The actuators are the damper, as a share of the design flow, and the setpoint that the reheat coil holds in its zone by
 //! itself. The guideline's discharge temperature, which rises over the first half of the heating loop, cannot be commanded:
-//! the coil does that within its capacity. The loop aims a little below the setpoint of the coil, so that it leaves 0, and
-//! in its second half raises the flow, only when the coil alone does not hold the zone.
+//! the coil does that within its capacity. The loop aims a little below the setpoint of the coil, so that it leaves 0 only
+//! when the coil alone does not hold the zone. All of it is the guideline's second half: it raises the flow.
 
 use super::super::modes::Mode;
 use super::super::zone::zone_loops::Outputs;
@@ -78,11 +78,11 @@ impl TerminalRules {
         if cools { minimum + (1.0 - minimum) * cooling } else { minimum }
     }
 
-    /// Returns the opening in heating by the coil: the least one, and in the second half of the loop up to the largest.
+    /// Returns the opening in heating by the coil: from the least one to the largest.
     fn reheating(&self, mode: Mode, heating: f64) -> f64 {
         let least = self.minimum(mode).max(LEAST_HEATING);
         let most = self.heating_max.max(least);
-        least + (most - least) * (2.0 * heating - 1.0).max(0.0)
+        least + (most - least) * heating
     }
 }
 
@@ -115,9 +115,9 @@ mod tests {
     }
 
     #[test]
-    fn heating_raises_the_flow_only_in_the_second_half_of_the_loop() {
-        let openings = [0.2, 0.5, 0.75, 1.0].map(|heating| step(Mode::Occupied, heating, 0.0).opening);
-        for (opening, expected) in openings.into_iter().zip([0.15, 0.15, 0.325, 0.5]) {
+    fn heating_raises_the_flow_from_the_minimum_to_half_of_the_design_flow() {
+        let openings = [0.0, 0.5, 1.0].map(|heating| step(Mode::Occupied, heating, 0.0).opening);
+        for (opening, expected) in openings.into_iter().zip([0.15, 0.325, 0.5]) {
             assert!((opening - expected).abs() < 1e-12, "{openings:?}");
         }
         assert!((step(Mode::Occupied, 0.0, 0.0).reheat - 21.1).abs() < 1e-9, "the coil leads the loop");
@@ -131,7 +131,7 @@ mod tests {
         };
         assert_eq!(warm(18.0), TerminalCommand { opening: 0.6, reheat: 10.0 });
         let weak = warm(33.0);
-        assert!((weak.opening - 0.18).abs() < 1e-12 && weak.reheat > 21.0, "without central heat: {weak:?}");
+        assert!((weak.opening - 0.34).abs() < 1e-12 && weak.reheat > 21.0, "without central heat: {weak:?}");
     }
 
     #[test]

@@ -10,6 +10,9 @@ const OFFSETS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 pub struct DemandLevel(u8);
 
 impl DemandLevel {
+    /// No limiting.
+    pub const NONE: Self = Self(0);
+
     /// Returns a level; `None` above 3.
     pub fn new(level: u8) -> Option<Self> {
         (usize::from(level) < OFFSETS.len()).then_some(Self(level))

@@ -9,8 +9,7 @@ pub(super) mod requests;
 pub(super) mod zone_loops;
 
 use super::modes::Mode;
-use super::points::{Setpoints, Side, ZoneInput};
-use demand::DemandLevel;
+use super::points::{Setpoints, Side, SiteInput, ZoneInput};
 use optimum_start::{Goal, OptimumStart};
 use requests::CoolingRequests;
 pub use zone_loops::LoopGains;
@@ -20,9 +19,7 @@ use zone_loops::{Outputs, ZoneLoops};
 const LEAST_BAND: f64 = 0.5;
 /// Distance inside a relaxed band at which setback and setup end, K (5.4.6).
 const RELAXED_RELEASE: f64 = 1.0;
-/// Distance inside a relaxed band at which the loops aim in setback and setup, so that they get to its end, K.
-const RELAXED_AIM: f64 = 1.5;
-/// Distance beyond the aim of the loops at which a call ends with the band of occupied hours, K.
+/// Distance beyond the aim of the loops at which a call ends once its loop is at 0, K.
 const RELEASE: f64 = 0.15;
 /// Change of a setpoint that counts as a relaxed band, K.
 const RELAXATION: f64 = 0.1;
@@ -35,7 +32,8 @@ const REST: Setpoints = Setpoints { heating: 16.0, cooling: 32.0 };
 /// How zones are controlled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZoneRules {
-    pub(super) gains: LoopGains,
+    /// Gains of the heating and the cooling loop.
+    pub(super) gains: [LoopGains; 2],
     /// Distances inside the band at which the heating and the cooling loop aim, K.
     pub(super) margins: [f64; 2],
     /// Longest optimum start, h; 0 without.
@@ -93,10 +91,10 @@ impl Zone {
     }
 
     /// Derives the setpoints in use and the calls of the zone.
-    pub(super) fn observe(&mut self, input: &ZoneInput, demand: DemandLevel, hours: f64) -> ZoneNeed {
+    pub(super) fn observe(&mut self, input: &ZoneInput, site: SiteInput, hours: f64) -> ZoneNeed {
         self.need.temperature = input.temperature;
         self.need.people = input.people;
-        self.setpoints = demand.widen(self.scheduled(input, hours));
+        self.setpoints = site.demand.widen(self.scheduled(input, site.outdoor_temperature, hours));
         for side in Side::BOTH {
             self.need.calls[side as usize] = self.calls(side);
         }
@@ -104,7 +102,7 @@ impl Zone {
     }
 
     /// Returns the setpoints by schedule and optimum start, and notes which are relaxed.
-    fn scheduled(&mut self, input: &ZoneInput, hours: f64) -> Setpoints {
+    fn scheduled(&mut self, input: &ZoneInput, outdoor: f64, hours: f64) -> Setpoints {
         let band = input.band();
         let mut used = band;
         for side in Side::BOTH {
@@ -113,7 +111,7 @@ impl Zone {
                 side.gap(band.of(side), *setpoint) > RELAXATION && setpoint.is_finite()
             });
             let goal = narrower.map(|(hours, setpoint)| Goal { hours, setpoint });
-            let starts = self.starts[side as usize].step(input.temperature, goal, hours);
+            let starts = self.starts[side as usize].step(input.temperature, goal, outdoor, hours);
             let uses_next = narrower.is_some() && (starts || !self.rules.setback);
             if side == Side::Heating {
                 self.preheats = starts;
@@ -131,29 +129,38 @@ impl Zone {
 
     /// Returns the distance inside the band at which the loops aim, K.
     fn aim(&self, side: Side) -> f64 {
-        let rested = self.need.relaxed[side as usize] && !self.need.people;
-        let wanted = if rested { RELAXED_AIM } else { self.rules.margins[side as usize] };
-        wanted.min((self.setpoints.cooling - self.setpoints.heating) / 4.0)
+        self.rules.margins[side as usize].min((self.setpoints.cooling - self.setpoints.heating) / 4.0)
     }
 
-    /// Returns whether the zone calls: from the setpoint on, until it is well inside.
+    /// Returns whether the zone calls: from the setpoint on, until it is inside and its loop has come to 0. Setback and setup
+    /// end 1 K inside in any case.
     fn calls(&self, side: Side) -> bool {
         let inside = -side.gap(self.need.temperature, self.setpoints.of(side));
-        let start = self.rules.margins[side as usize].min(self.aim(side)) / 2.0;
-        let release = match self.need.relaxed[side as usize] {
-            true => RELAXED_RELEASE.min(self.aim(side)),
-            false => self.aim(side) + RELEASE,
+        let aim = self.aim(side);
+        let output = match side {
+            Side::Heating => self.outputs.heating,
+            Side::Cooling => self.outputs.cooling,
         };
-        inside < if self.need.calls[side as usize] { release } else { start }
+        match (self.need.calls[side as usize], self.need.relaxed[side as usize]) {
+            (false, _) => inside < aim / 2.0,
+            (true, true) if inside >= RELAXED_RELEASE => false,
+            (true, _) => output > 0.0 || inside < aim + RELEASE,
+        }
     }
 
-    /// Runs the loops that the mode of the group allows. Returns their outputs.
-    pub(super) fn control(&mut self, mode: Mode, hours: f64) -> Outputs {
+    /// Runs the loops that the mode of the group allows, that of heating up to a limit. Returns their outputs.
+    pub(super) fn control(&mut self, mode: Mode, heating_limit: f64, hours: f64) -> Outputs {
         let ZoneNeed { temperature, calls, .. } = self.need;
         self.aims = self.aims_in(mode);
-        self.outputs = self.loops.step(temperature, self.aims, mode.allows(calls), hours);
+        let [heats, cools] = mode.allows(calls).map(|allowed| f64::from(u8::from(allowed)));
+        self.outputs = self.loops.step(temperature, self.aims, [heats * heating_limit, cools], hours);
         self.requests.step(temperature, self.setpoints.cooling, self.outputs.cooling, hours);
         self.outputs
+    }
+
+    /// Forgets the load of the heating loop, whose output is about to mean something else.
+    pub(super) fn forget_heating(&mut self) {
+        self.loops.forget_heating();
     }
 
     /// Returns the temperatures at which the loops aim in a mode, °C.
@@ -198,15 +205,18 @@ impl Zone {
 #[cfg(test)]
 mod tests {
     use super::super::points::NextBand;
+    use super::demand::DemandLevel;
     use super::*;
 
     const STEP: f64 = 1.0 / 12.0;
     pub(super) const RULES: ZoneRules = ZoneRules {
-        gains: LoopGains { proportional: 0.1, integral_time: 900.0 },
+        gains: [LoopGains { proportional: 0.1, integral_time: 900.0 }; 2],
         margins: [0.2; 2],
         optimum_start: 3.0,
         setback: true,
     };
+
+    const SITE: SiteInput = SiteInput { outdoor_temperature: 10.0, demand: DemandLevel::NONE };
 
     fn night(temperature: f64, hours: f64) -> ZoneInput {
         let next = Some(NextBand { hours, heating: 21.0, cooling: 24.0 });
@@ -214,31 +224,31 @@ mod tests {
     }
 
     #[test]
-    fn setback_starts_below_the_setpoint_and_ends_1_k_above() {
+    fn setback_starts_below_the_setpoint_and_ends_at_most_1_k_above() {
         let mut zone = Zone::new(RULES);
-        let mut calls = |temperature| zone.observe(&night(temperature, 9.0), DemandLevel::default(), STEP);
-        let needs = [16.5, 15.9, 16.5, 16.9, 17.1, 16.5].map(&mut calls);
-        assert_eq!(needs.map(|need| need.calls[0]), [false, true, true, true, false, false]);
+        let mut calls = |temperature| zone.observe(&night(temperature, 9.0), SITE, STEP);
+        let needs = [16.5, 15.9, 16.3, 17.1, 16.3].map(&mut calls);
+        assert_eq!(needs.map(|need| need.calls[0]), [false, true, true, false, false]);
         assert!(needs.iter().all(|need| need.relaxed == [true; 2]));
     }
 
     #[test]
     fn optimum_start_uses_the_next_band_and_is_not_a_setback() {
         let mut zone = Zone::new(RULES);
-        let need = zone.observe(&night(18.0, 1.5), DemandLevel::default(), STEP);
+        let need = zone.observe(&night(18.0, 1.5), SITE, STEP);
         assert_eq!(
             (zone.setpoints(), need.relaxed),
             (Setpoints { heating: 21.0, cooling: 32.0 }, [false, true])
         );
         assert_eq!(need.calls, [true, false]);
         let off = ZoneRules { optimum_start: 0.0, ..RULES };
-        assert_eq!(Zone::new(off).observe(&night(18.0, 1.5), DemandLevel::default(), STEP).calls, [false; 2]);
+        assert_eq!(Zone::new(off).observe(&night(18.0, 1.5), SITE, STEP).calls, [false; 2]);
     }
 
     #[test]
     fn without_setback_the_band_of_occupied_hours_is_held_all_night() {
         let mut zone = Zone::new(ZoneRules { setback: false, ..RULES });
-        let need = zone.observe(&night(20.0, 9.0), DemandLevel::default(), STEP);
+        let need = zone.observe(&night(20.0, 9.0), SITE, STEP);
         assert_eq!(zone.setpoints(), Setpoints { heating: 21.0, cooling: 24.0 });
         assert_eq!((need.calls, need.relaxed), ([true, false], [false; 2]));
     }
@@ -249,8 +259,8 @@ mod tests {
         let mut heats = |temperature, level| {
             let day = ZoneInput { temperature, heating: 21.0, cooling: 24.0, people: true, next: None };
             zone.reset();
-            zone.observe(&day, DemandLevel::new(level).unwrap(), STEP);
-            zone.control(Mode::Occupied, STEP).heating > 0.0
+            zone.observe(&day, SiteInput { demand: DemandLevel::new(level).unwrap(), ..SITE }, STEP);
+            zone.control(Mode::Occupied, 1.0, STEP).heating > 0.0
         };
         assert_eq!(
             [heats(21.1, 0), heats(21.25, 0), heats(20.5, 2), heats(20.1, 2)],

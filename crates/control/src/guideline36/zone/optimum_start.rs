@@ -2,9 +2,13 @@
 //! its next setpoint in time.
 //!
 //! The rate at which a zone recovers is learned as in the Modelica Buildings Library (`OptimalStart`): the mean rate of the
-//! last three starts, at least 1 K/h, and a start at most 3 h ahead. Unlike there, the time is estimated at every step from
-//! the present temperature rather than once at 3 h, so that the drift of the zone until the start counts, and the rate is
-//! the rise that was reached rather than the one that was wanted.
+//! last three starts, at least 1 K/h, and a start at most 3 h ahead. Unlike there,
+//!
+//! - the time is estimated at every step from the present temperature rather than once at 3 h, so that the drift of the zone
+//!   until the start counts;
+//! - the rate is the rise that was reached rather than the one that was wanted;
+//! - the rate depends on the outdoor temperature, as 90.1 requires: losses take a share of the capacity that grows with the
+//!   distance between outdoors and the setpoint, to all of it at the distance for which equipment is designed.
 
 use super::super::points::Side;
 
@@ -16,6 +20,10 @@ const FIRST_RATE: f64 = 1.5;
 const SLOWEST: f64 = 1.0;
 /// Shortest time over which a rate is measured, h: 120 s.
 const SHORTEST: f64 = 120.0 / 3600.0;
+/// Distance between outdoors and the setpoint at which losses take the whole capacity, K.
+const DESIGN_DISTANCE: f64 = 50.0;
+/// Least share of the capacity that is left for recovery.
+const LEAST_SHARE: f64 = 0.25;
 /// Gap that needs no start, K.
 const NEGLIGIBLE: f64 = 0.1;
 /// Change of the next setpoint that makes it another one, K.
@@ -36,6 +44,8 @@ struct Measurement {
     setpoint: f64,
     /// Gap to the setpoint when it began, K.
     first_gap: f64,
+    /// Share of the capacity that was left by losses.
+    share: f64,
     /// Time since, h.
     hours: f64,
 }
@@ -46,7 +56,7 @@ pub(in super::super) struct OptimumStart {
     side: Side,
     /// Longest time ahead of the change, h.
     limit: f64,
-    /// Rates of the last starts, K/h, the oldest first.
+    /// Rates of the last starts without losses, K/h, the oldest first.
     rates: [f64; MEMORY],
     starts: usize,
     /// Setpoint for which the zone has been started ahead.
@@ -60,8 +70,14 @@ impl OptimumStart {
     }
 
     /// Returns whether the zone must recover now to the next setpoint, if that is narrower than the present one. To be
-    /// called at every step, of `hours`.
-    pub(in super::super) fn step(&mut self, temperature: f64, goal: Option<Goal>, hours: f64) -> bool {
+    /// called at every step, of `hours`. Temperatures of the zone and outdoors, °C.
+    pub(in super::super) fn step(
+        &mut self,
+        temperature: f64,
+        goal: Option<Goal>,
+        outdoor: f64,
+        hours: f64,
+    ) -> bool {
         self.measure(temperature, hours);
         let Some(goal) = goal else {
             self.started = None;
@@ -69,25 +85,26 @@ impl OptimumStart {
         };
         let same = self.started.is_some_and(|setpoint| (setpoint - goal.setpoint).abs() < OTHER_GOAL);
         let gap = self.side.gap(temperature, goal.setpoint);
-        let begins = gap > NEGLIGIBLE && goal.hours <= self.start_time(gap);
+        let share = self.share(outdoor, goal.setpoint);
+        let begins = gap > NEGLIGIBLE && goal.hours <= (gap / self.rate(share)).min(self.limit);
         if begins && !same {
-            self.measured = Some(Measurement { setpoint: goal.setpoint, first_gap: gap, hours: 0.0 });
+            self.measured = Some(Measurement { setpoint: goal.setpoint, first_gap: gap, share, hours: 0.0 });
         }
         self.started = (same || begins).then_some(goal.setpoint);
         self.started.is_some()
     }
 
-    /// Returns the time that a zone needs to close a gap (K), h.
-    fn start_time(&self, gap: f64) -> f64 {
-        (gap / self.rate()).min(self.limit)
+    /// Returns the share of the capacity that losses leave for recovery.
+    fn share(&self, outdoor: f64, setpoint: f64) -> f64 {
+        (1.0 - self.side.gap(outdoor, setpoint) / DESIGN_DISTANCE).clamp(LEAST_SHARE, 1.0)
     }
 
-    /// Returns the mean rate of the last starts, K/h.
-    pub(in super::super) fn rate(&self) -> f64 {
+    /// Returns the rate expected with a share of the capacity, K/h: from the mean of the last starts.
+    pub(in super::super) fn rate(&self, share: f64) -> f64 {
         let known = &self.rates[MEMORY - self.starts..];
         match known.len() {
             0 => FIRST_RATE,
-            count => (known.iter().sum::<f64>() / count as f64).max(SLOWEST),
+            count => (share * known.iter().sum::<f64>() / count as f64).max(SLOWEST),
         }
     }
 
@@ -103,7 +120,7 @@ impl OptimumStart {
         self.measured = None;
         let closed = measured.first_gap - gap.max(0.0);
         self.rates.rotate_left(1);
-        self.rates[MEMORY - 1] = (closed / measured.hours.max(SHORTEST)).max(0.0);
+        self.rates[MEMORY - 1] = (closed / measured.hours.max(SHORTEST) / measured.share).max(0.0);
         self.starts = (self.starts + 1).min(MEMORY);
     }
 }
@@ -113,6 +130,9 @@ mod tests {
     use super::*;
 
     const STEP: f64 = 1.0 / 12.0;
+    const OUTDOOR: f64 = 11.0;
+    /// Share of the capacity left 10 K below the setpoint.
+    const SHARE: f64 = 0.8;
 
     /// Runs a night and a morning from 16 °C with a change to 21 °C at 6:00, in a zone that warms by `rate` (K/h) from the
     /// start on. Returns how long before the change it started, and its temperature at the change.
@@ -121,7 +141,8 @@ mod tests {
         for step in 0..144 {
             let hours = 6.0 - f64::from(step) * STEP;
             let before = hours > 1e-9;
-            let started = start.step(temperature, before.then_some(Goal { hours, setpoint: 21.0 }), STEP);
+            let started =
+                start.step(temperature, before.then_some(Goal { hours, setpoint: 21.0 }), OUTDOOR, STEP);
             if started && ahead == 0.0 {
                 ahead = hours;
             }
@@ -137,7 +158,7 @@ mod tests {
         let mut start = OptimumStart::new(Side::Heating, 3.0);
         let (ahead, _) = night(&mut start, 4.0);
         assert!((ahead - 3.0).abs() < STEP, "5 K at 1.5 K/h, at most 3 h: {ahead}");
-        assert!((start.rate() - 4.0).abs() < 0.3, "{}", start.rate());
+        assert!((start.rate(SHARE) - 4.0).abs() < 0.3, "{}", start.rate(SHARE));
         let (ahead, reached) = night(&mut start, 4.0);
         assert!((ahead - 1.25).abs() < 1.5 * STEP, "5 K at 4 K/h: {ahead}");
         assert!(reached > 20.6, "{reached}");
@@ -149,26 +170,36 @@ mod tests {
         for rate in [8.0, 2.0, 2.0, 2.0] {
             night(&mut start, rate);
         }
-        assert!((start.rate() - 2.0).abs() < 0.2, "the first is forgotten: {}", start.rate());
+        assert!((start.rate(SHARE) - 2.0).abs() < 0.2, "the first is forgotten: {}", start.rate(SHARE));
         for _ in 0..3 {
             night(&mut start, 0.1);
         }
-        assert_eq!(start.rate(), 1.0);
+        assert_eq!(start.rate(SHARE), 1.0);
+    }
+
+    #[test]
+    fn a_start_is_earlier_on_a_colder_day() {
+        let mut start = OptimumStart::new(Side::Heating, 3.0);
+        night(&mut start, 4.0);
+        let goal = |hours| Some(Goal { hours, setpoint: 21.0 });
+        // 4 K at 4 K/h with 80 % of the capacity: 1 h; with 40 %, 2 h.
+        assert!(!start.clone().step(17.0, goal(1.5), OUTDOOR, STEP));
+        assert!(start.step(17.0, goal(1.5), -9.0, STEP));
     }
 
     #[test]
     fn a_zone_at_its_next_setpoint_is_not_started() {
         for (side, temperature) in [(Side::Heating, 20.95), (Side::Heating, 25.0), (Side::Cooling, 20.0)] {
             let mut start = OptimumStart::new(side, 3.0);
-            assert!(!start.step(temperature, Some(Goal { hours: STEP, setpoint: 21.0 }), STEP));
+            assert!(!start.step(temperature, Some(Goal { hours: STEP, setpoint: 21.0 }), OUTDOOR, STEP));
         }
         let mut start = OptimumStart::new(Side::Cooling, 3.0);
         assert!(
-            start.step(29.0, Some(Goal { hours: 2.0, setpoint: 24.0 }), STEP),
+            start.step(29.0, Some(Goal { hours: 2.0, setpoint: 24.0 }), OUTDOOR, STEP),
             "cooling recovers downward"
         );
         assert!(
-            start.step(23.0, Some(Goal { hours: 1.0, setpoint: 24.0 }), STEP),
+            start.step(23.0, Some(Goal { hours: 1.0, setpoint: 24.0 }), OUTDOOR, STEP),
             "a start lasts to the change"
         );
     }

@@ -45,8 +45,9 @@ impl TrainConfig {
     pub fn preset(name: &str) -> Result<Self> {
         let found = PRESETS.into_iter().find(|(each, _)| *each == name);
         let (_, text) = found.ok_or_else(|| {
-            let names: Vec<_> = Self::presets().collect();
-            Error::Invalid(format!("unknown preset `{name}`; expected {}", names.join(" or ")))
+            let names: Vec<_> = Self::presets().map(|name| format!("`{name}`")).collect();
+            let message = format!("unknown preset `{name}`; expected {}", names.join(" or "));
+            Error::Invalid(with_suggestion(&message))
         })?;
         Self::default().with_changes(text).map_err(Error::Invalid)
     }

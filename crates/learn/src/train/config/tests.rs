@@ -20,7 +20,7 @@ fn every_preset_is_complete_and_valid() {
         assert_eq!(changed(&TrainConfig::default(), &named.to_toml()), named, "{}", named.to_toml());
     }
     let said = TrainConfig::preset("papper").unwrap_err().to_string();
-    assert!(said.contains("unknown preset `papper`; expected graph or paper or residual"), "{said}");
+    assert!(said.contains("expected `graph` or `paper` or `residual`; did you mean `paper`?"), "{said}");
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn values_that_do_not_go_together_are_errors() {
     let named = changed(&TrainConfig::default(), NAMED);
     for (changes, said) in [
         ("environments = 0", "`environments` is 0"),
-        ("window_days = 100", "window_days"),
+        ("window_days = 100", "0 for the whole run period"),
         ("buildings = []", "building_type"),
         ("travel_cost = -1", "`travel_cost` is -1"),
         ("travel_cost_growth = 0.5", "`travel_cost_growth` is 0.5"),

@@ -142,7 +142,10 @@ impl TrainingSet {
         self.check_site()?;
         let days = self.run_period()?.days();
         require(self.window_days <= days, || {
-            format!("`window_days` is {}; the run period has {days} days", self.window_days)
+            format!(
+                "`window_days` is {}; the run period has {days} days: expected at most {days}, or 0 for the whole run period",
+                self.window_days
+            )
         })?;
         require(self.building_episodes > 0, || "`building_episodes` is 0; expected at least 1".into())?;
         self.check_zones()

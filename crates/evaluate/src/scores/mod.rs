@@ -1,4 +1,11 @@
-//! The scores of an episode: the paper's normalized score, and the resolved score.
+//! The scores of an episode: the paper's normalized score, the resolved score, and the score at comfort of the tasks of
+//! operation.
+
+mod at_comfort;
+
+use b2b_env::EpisodeMetrics;
+
+pub use at_comfort::{DISCOMFORT_COST, FREE_DISCOMFORT, Operated, excess_discomfort, score_at_comfort};
 
 /// Returns the normalized score of an episode: its return divided by that of the reactive controllers for the same
 /// building, task and days (the paper's `compute_normalized_score`). Returns are negated sums of penalties: a lower score
@@ -28,24 +35,48 @@ pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
 /// temperature sensor; 0.5 K is required.
 pub const RESOLUTION: f64 = 0.2;
 
-/// The baseline of an episode: the reactive controllers in the same building, task and days.
+/// The baseline of an episode: its [controller](crate::BuiltIn::baseline_of) in the same building, task and days.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baseline {
-    /// Their return.
+    /// Its return.
     pub episode_return: f64,
-    /// Their HVAC energy, Wh/m².
+    /// Its HVAC energy, Wh/m².
     pub energy: f64,
+    /// Its amount of the task's resource, in the unit of the resource, if it is known.
+    pub resource: Option<f64>,
+    /// Its discomfort in a task of operation, K·h per zone.
+    pub discomfort: Option<f64>,
+}
+
+/// The score of an episode, and what it is ranked by where deviations are too small for a thermometer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scores {
+    /// [`normalized_score`], or [`score_at_comfort`] in a task of operation.
+    pub score: Option<f64>,
+    /// [`resolved_score`], or [`score_at_comfort`] in a task of operation.
+    pub resolved: Option<f64>,
 }
 
 impl Baseline {
-    /// Returns the [`normalized_score`] of a return.
-    pub fn score(&self, episode_return: f64) -> Option<f64> {
-        normalized_score(episode_return, self.episode_return)
+    /// Returns the scores of an episode with these metrics, of which `resource` is the amount of the task's resource.
+    pub fn scores(&self, metrics: &EpisodeMetrics, resource: Option<f64>, steps_per_hour: u32) -> Scores {
+        let EpisodeMetrics { episode_return, steps, tdis_tot, .. } = *metrics;
+        match tdis_tot {
+            None => Scores {
+                score: normalized_score(episode_return, self.episode_return),
+                resolved: resolved_score(episode_return, self.episode_return, steps),
+            },
+            Some(discomfort) => {
+                let days = steps as f64 / (24.0 * f64::from(steps_per_hour));
+                let own = resource.map(|used| Operated { used, discomfort });
+                let score = own.and_then(|own| score_at_comfort(own, self.operated()?, days));
+                Scores { score, resolved: score }
+            }
+        }
     }
 
-    /// Returns the [`resolved_score`] of a return over `steps` steps.
-    pub fn resolved_score(&self, episode_return: f64, steps: usize) -> Option<f64> {
-        resolved_score(episode_return, self.episode_return, steps)
+    fn operated(&self) -> Option<Operated> {
+        Some(Operated { used: self.resource?, discomfort: self.discomfort? })
     }
 }
 

@@ -1,0 +1,111 @@
+//! The text tables of an evaluation.
+
+use b2b_evaluate::statistics::{Aggregate, score_text};
+use b2b_evaluate::{Group, OperationComfort, Window};
+
+use super::ratio;
+use crate::table::Table;
+
+/// Returns the scores of one run period and task.
+pub(super) fn window_text(policy: &str, window: &Window) -> String {
+    let several = window.types.len() > 1;
+    let groups = || window.types.iter().chain(several.then_some(&window.all));
+    let episodes: usize = window.types.iter().map(Group::episodes).sum();
+    let (scores, table) = match window.all.comfort {
+        Some(_) => ("score at comfort (lower is better, guideline36 = 1)", operation(groups())),
+        None => (
+            "resolved and normalized score: interquartile means (lower is better, reactive controllers = 1)",
+            tracking(groups()),
+        ),
+    };
+    format!(
+        "{policy}, {episodes} episodes, {}, task {}\n{scores}\n\n{table}\n\n  [95 % confidence intervals: bootstrap over episodes, \
+         stratified by type]\n\n",
+        window.period, window.task,
+    )
+}
+
+fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
+    let mut table = Table::new([
+        "type",
+        "episodes",
+        "resolved score",
+        "score",
+        "median",
+        "mean",
+        "min",
+        "max",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
+        "HVAC energy (kWh/m²)",
+        "actuator travel (strokes/day)",
+        "task's resource / baseline",
+        "occupied hours too cold (%)",
+        "occupied hours too warm (%)",
+    ]);
+    for group in groups {
+        let text = |scores: &Option<Aggregate>, of: fn(&Aggregate) -> String| {
+            scores.as_ref().map_or("–".to_owned(), of)
+        };
+        let cell = |of: fn(&Aggregate) -> String| text(&group.scores, of);
+        table.row([
+            group.name.clone(),
+            group.episodes().to_string(),
+            text(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
+            cell(|scores| scores.interquartile_mean.to_string()),
+            cell(|scores| scores.median.to_string()),
+            cell(|scores| scores.mean.to_string()),
+            cell(|scores| score_text(scores.min)),
+            cell(|scores| score_text(scores.max)),
+            cell(Aggregate::beats_baseline_text),
+            format!("{:.2}", group.rms_deviation_k),
+            ratio(group.relative_energy),
+            format!("{:.2}", group.energy_wh_m2 / 1000.0),
+            format!("{:.1}", group.daily_travel),
+            ratio(group.relative_resource),
+            percent(group.occupied_too_cold_share),
+            percent(group.occupied_too_warm_share),
+        ]);
+    }
+    table.text()
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share))
+}
+
+/// Returns the table of a task of operation: cost at comfort first, and a mark where episodes are less comfortable.
+fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
+    let mut table = Table::new([
+        "type",
+        "episodes",
+        "score at comfort",
+        "median",
+        "beats baseline (%)",
+        "cost / baseline",
+        "energy / baseline",
+        "discomfort (K·h per zone)",
+        "baseline's",
+        "too uncomfortable",
+        "HVAC energy (kWh/m²)",
+    ]);
+    for group in groups {
+        let cell = |of: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), of);
+        let comfort = group.comfort.as_ref();
+        table.row([
+            group.name.clone(),
+            group.episodes().to_string(),
+            cell(|scores| scores.interquartile_mean.to_string()),
+            cell(|scores| scores.median.to_string()),
+            cell(Aggregate::beats_baseline_text),
+            ratio(group.relative_resource),
+            ratio(group.relative_energy),
+            ratio(comfort.map(|comfort| comfort.discomfort_k_h)),
+            ratio(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+            comfort.map_or_else(String::new, OperationComfort::mark),
+            format!("{:.2}", group.energy_wh_m2 / 1000.0),
+        ]);
+    }
+    table.text()
+}

@@ -1,0 +1,56 @@
+//! How controllers rank in a task of operation, in one small office for a week of January and of July.
+
+use serde_json::Value;
+
+use crate::program::json;
+
+/// What an engineer reads of a policy in January and in July.
+struct Read {
+    score: f64,
+    /// Cost over the baseline's.
+    cost: f64,
+    /// K·h per zone.
+    discomfort: f64,
+    /// Whether discomfort is beyond the baseline's and the free one.
+    marked: bool,
+}
+
+fn read(folder: &std::path::Path, policy: &str) -> [Read; 2] {
+    let summary = json(
+        folder,
+        &format!(
+            "evaluate --policy {policy} --task operate --period 01-09..01-15 07-10..07-16 --out {policy} --json -- OfficeSmall-0509"
+        ),
+    );
+    let windows = summary["windows"].as_array().expect("an array of windows");
+    let of = |window: &Value| {
+        let all = &window["all"];
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        Read {
+            score: number(&all["scores"]["median"]["value"]),
+            cost: number(&all["relative_resource"]),
+            discomfort: number(&all["discomfort_k_h"]),
+            marked: all["uncomfortable"] == 1,
+        }
+    };
+    [of(&windows[0]), of(&windows[1])]
+}
+
+#[test]
+fn nobody_gains_by_freezing_people_or_by_holding_one_temperature() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let of = |policy| read(folder.path(), policy);
+    let (guideline, own, reactive) = (of("guideline36"), of("own"), of("reactive"));
+    let (hold, off) = (of("hold"), of("off"));
+    for season in 0..2 {
+        let scores = [&guideline, &own, &reactive, &hold, &off].map(|read| read[season].score);
+        assert!((scores[0] - 1.0).abs() < 1e-12 && !guideline[season].marked, "{scores:?}");
+        // Everything off costs next to nothing, and is the worst of all.
+        assert!(off[season].cost < 0.2 && off[season].marked, "{}", off[season].cost);
+        assert!(scores[..4].iter().all(|score| *score < 0.5 * scores[4]), "{scores:?}");
+        // 22.5 °C day and night is comfortable, and dearer than setbacks.
+        assert!(!hold[season].marked && hold[season].discomfort < 2.0, "{}", hold[season].discomfort);
+        assert!(scores[3] > 1.1, "{scores:?}");
+        assert!((scores[3] - hold[season].cost).abs() < 1e-9, "comfort gains nothing");
+    }
+}

@@ -1,0 +1,188 @@
+//! Tasks of operation: bands of the model's own thermostats, indicators, bills and the model's own controls.
+
+use std::sync::Arc;
+
+use b2b_building::hvac::Unsupported;
+use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_dataset::archetype;
+use b2b_env::{Env, EpisodeMetrics, Term, Trajectory};
+
+use crate::case::{Case, random_episode};
+
+/// Observations before the first step and after each.
+fn rows(first: &[f64], trajectory: &Trajectory, width: usize) -> Vec<Vec<f64>> {
+    let rest = trajectory.observations.chunks_exact(width).map(<[f64]>::to_vec);
+    std::iter::once(first.to_vec()).chain(rest).collect()
+}
+
+fn slot(env: &Env, name: &str) -> usize {
+    env.observation_space().slots().iter().position(|slot| slot.name == name).unwrap()
+}
+
+/// Heating and cooling setpoint of a zone in the observation at the start of each hour of a day.
+fn setpoints(env: &Env, rows: &[Vec<f64>], zone: &str, day: usize) -> Vec<[f64; 2]> {
+    let slots = ["heating", "cooling"].map(|word| slot(env, &format!("{zone} {word} setpoint")));
+    (0..24).map(|hour| slots.map(|slot| rows[(24 * day + hour) * 12][slot])).collect()
+}
+
+#[test]
+fn the_band_of_a_medium_office_is_its_prototype_s() {
+    let case = Case::at_home(BuildingType::OfficeMedium);
+    // A Monday.
+    let mut env = case.env_for("01-09..01-09", "operate");
+    let first = env.reset().unwrap().to_vec();
+    let trajectory = random_episode(&mut env, 1);
+    let rows = rows(&first, &trajectory, first.len());
+    let day = setpoints(&env, &rows, "Core_bottom", 0);
+    // PNNL's prototype: 21 and 24 °C from 6 to 22 h on weekdays, 15.6 and 26.7 °C at night, with an hour of recovery before.
+    assert!((day[3][0] - 15.6).abs() < 0.05 && (day[3][1] - 26.7).abs() < 0.05, "{day:?}");
+    assert!(
+        day[8..20].iter().all(|pair| (pair[0] - 21.0).abs() < 0.05 && (pair[1] - 24.0).abs() < 0.05),
+        "{day:?}"
+    );
+    assert!(day.iter().all(|pair| pair[1] - pair[0] > 2.0), "{day:?}");
+}
+
+/// Discomfort, energy, cost and peaks from the observations of an episode alone.
+fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 4] {
+    let (hours, space) = (1.0 / 12.0, env.observation_space());
+    let zones: Vec<_> = env.building().controlled_zones().map(|zone| zone.name.clone()).collect();
+    let mut discomfort = 0.0;
+    for name in &zones {
+        let [temperature, low, high] = ["air temperature", "heating setpoint", "cooling setpoint"]
+            .map(|word| slot(env, &format!("{name} {word}")));
+        for pair in rows.windows(2) {
+            let outside = |row: &[f64]| {
+                (pair[0][low] - row[temperature]).max(0.0) + (row[temperature] - pair[0][high]).max(0.0)
+            };
+            discomfort += 0.5 * (outside(&pair[0]) + outside(&pair[1])) * hours / zones.len() as f64;
+        }
+    }
+    let energy = |slot: usize| rows[1..].iter().map(|row| row[slot]).sum::<f64>();
+    let [electricity, gas] = [space.electricity(), space.gas()].map(energy);
+    let quarter = |three: &[Vec<f64>]| three.iter().map(|row| row[space.electricity()]).sum::<f64>() / 0.25;
+    let peak = rows[1..].chunks(3).map(quarter).fold(0.0, f64::max);
+    [discomfort, (electricity + gas) / 1000.0, (0.127 * electricity + 0.0365 * gas) / 1000.0, peak / 1000.0]
+}
+
+#[test]
+fn indicators_equal_those_computed_from_the_observations() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    let mut env = case.env_for("07-10..07-12", "operate:21-24/15.6-28");
+    let first = env.reset().unwrap().to_vec();
+    let trajectory = random_episode(&mut env, 3);
+    let metrics = EpisodeMetrics::from(env.metrics());
+    let reported =
+        [metrics.tdis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot].map(Option::unwrap);
+    for (reported, expected) in
+        reported.into_iter().zip(by_hand(&env, &rows(&first, &trajectory, first.len())))
+    {
+        assert!((reported - expected).abs() <= 1e-6 * expected, "{reported}, expected {expected}");
+        assert!(expected > 0.0);
+    }
+    assert_eq!(metrics.pdih_tot, None, "no district heat");
+}
+
+#[test]
+fn energy_of_operation_is_that_of_its_end_uses_and_leaves_out_the_transformer() {
+    let case = Case::at_home(BuildingType::OfficeMedium);
+    let energy = |task: &str| {
+        let mut env = case.env_for("01-09..01-10", task);
+        env.reset().unwrap();
+        random_episode(&mut env, 2);
+        let of_end_uses: f64 = Term::END_USES.into_iter().map(|term| env.metrics().total(term)).sum();
+        [env.metrics().total(Term::Energy), of_end_uses]
+    };
+    let [operation, of_end_uses] = energy("operate");
+    assert!((operation - of_end_uses).abs() < 1e-9 * operation, "{operation}, {of_end_uses}");
+    let [tracking, the_same] = energy("constant");
+    assert!((the_same - of_end_uses).abs() < 0.05 * of_end_uses, "the warm-up differs a little");
+    assert!(
+        tracking - the_same > 1.0,
+        "the losses of the transformer are in the meter: {tracking}, {the_same}"
+    );
+}
+
+#[test]
+fn the_cost_of_the_steps_is_the_bill() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    let mut env = case.env_for("07-10..07-11", "operate+fpl-gsdt-1");
+    env.reset().unwrap();
+    random_episode(&mut env, 5);
+    let bill = env.engine_report().bill;
+    let sum: f64 = bill.iter().map(|part| part.cost).sum();
+    let cost = env.metrics().total(Term::Cost) * env.building().conditioned_floor_area;
+    assert!((sum - cost).abs() < 1e-9 * cost, "{sum}, {cost}");
+    assert!(
+        bill.iter().any(|part| part.unit == "kW") && bill.iter().any(|part| part.unit == "kWh"),
+        "{bill:?}"
+    );
+}
+
+#[test]
+fn the_preview_is_what_follows() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    let mut env = case.env_for("07-10..07-11", "operate+tou+preview");
+    let first = env.reset().unwrap().to_vec();
+    let trajectory = random_episode(&mut env, 1);
+    let rows = rows(&first, &trajectory, first.len());
+    let [now, next, hours] = ["heating setpoint", "next heating setpoint", "hours to next setpoints"]
+        .map(|word| slot(&env, &format!("Core_ZN {word}")));
+    for step in (0..200).step_by(7) {
+        let wait = (rows[step][hours] * 12.0).round() as usize;
+        assert!((rows[step + wait][now] - rows[step][next]).abs() < 1e-9, "step {step}");
+        assert!(rows[step..step + wait].iter().all(|row| row[now] == rows[step][now]), "step {step}");
+    }
+    let outdoor = env.observation_space().outdoor_temperature();
+    let ahead = slot(&env, "outdoor temperature 5 h ahead");
+    // The engine interpolates between the hours of the file.
+    assert!((rows[10 * 12][ahead] - rows[15 * 12][outdoor]).abs() < 0.6);
+    let price = |hour: usize| rows[0][slot(&env, &format!("electricity price {hour} h ahead"))];
+    // Mid-peak at 9 h, on-peak at 15 h.
+    assert_eq!([price(10), price(16)], [0.0711, 0.16969]);
+}
+
+/// A building under its own controls, prepared from the same model.
+fn under_own_controls(building_type: BuildingType) -> (Case, Case) {
+    let controlled = Case::at_home(building_type);
+    let engine = b2b_energyplus::install::Engine::ensure(&mut b2b_energyplus::install::Quiet).unwrap();
+    let site = b2b_climate::Site::read(&controlled.weather).unwrap();
+    let model = archetype::base_model(building_type, &engine, &controlled.library, &site).unwrap();
+    let (weather, library) = (controlled.weather.clone(), controlled.library.clone());
+    let own = PreparedBuilding::under_own_controls(
+        building_type.name(),
+        model,
+        &weather,
+        &library,
+        Unsupported::Refused,
+        |_, _| {},
+    );
+    (controlled, Case { library, building: Arc::new(own.unwrap()), weather })
+}
+
+#[test]
+fn a_building_under_its_own_controls_keeps_its_own_band() {
+    let (controlled, own) = under_own_controls(BuildingType::OfficeSmall);
+    assert_eq!((own.building.actuators().count(), &own.building.years), (0, &controlled.building.years));
+    let mut env = own.env_for("01-09..01-11", "operate");
+    env.reset().unwrap();
+    random_episode(&mut env, 0);
+    let metrics = EpisodeMetrics::from(env.metrics());
+    let discomfort = metrics.tdis_tot.unwrap();
+    assert!(discomfort < 3.0, "the model holds its setpoints: {discomfort} K h");
+    assert!(metrics.ener_tot.unwrap() > 0.1 && metrics.outdoor_air_per_person > 2.0, "{metrics:?}");
+}
+
+#[test]
+fn operation_needs_bands_for_a_preview_and_a_valid_tariff() {
+    for (text, words) in [
+        ("constant+preview", "comfort bands"),
+        ("operate+tuo", "did you mean tou?"),
+        ("operate:24-21/15-28", "at least 0.5 K above"),
+        ("operate:21-24", "unknown task"),
+        ("operate+tou+flat", "second tariff"),
+    ] {
+        let said = text.parse::<b2b_env::Task>().unwrap_err().to_string();
+        assert!(said.contains(words), "{text}: {said}");
+    }
+}

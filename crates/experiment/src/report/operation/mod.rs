@@ -1,0 +1,112 @@
+//! Cost, energy, discomfort and peak demand of controllers by type and period, and how the guideline controller compares with the
+//! buildings' own controls.
+
+mod comparison;
+mod figures;
+
+use b2b_evaluate::statistics::median;
+use b2b_evaluate::{FREE_DISCOMFORT, Row};
+use serde_json::{Value, json};
+
+use self::comparison::{Comparison, GUIDELINE};
+use self::figures::{Figures, HEADER};
+use super::content::Content;
+use crate::definition::Experiment;
+use crate::results::Results;
+
+/// What stands in place of a period for all together.
+const TOGETHER: &str = "together";
+
+pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
+    let comparison = Comparison::of(experiment, results);
+    let mut tables = vec![by_type(experiment, results)];
+    tables.extend(comparison.tables());
+    tables.push(by_period(experiment, results));
+    Content { tiles: comparison.tiles(), tables, charts: Vec::new(), notes: notes() }
+}
+
+/// Returns the medians over the buildings of each type of the sums over the periods.
+fn by_type(experiment: &Experiment, results: &Results) -> Value {
+    let mut rows = Vec::new();
+    for building_type in &experiment.types {
+        for controller in experiment.kept_controllers() {
+            let of_building = |(_, figures): &(String, Vec<Figures>)| Figures::together(figures);
+            let buildings = buildings(experiment, results, controller, building_type.name());
+            let all: Vec<Figures> = buildings.iter().filter_map(of_building).collect();
+            rows.extend(cells(building_type.name(), TOGETHER, controller, &all));
+        }
+    }
+    table(
+        experiment,
+        "By type",
+        "all periods together: sums (peak: the largest); medians over the buildings",
+        &rows,
+    )
+}
+
+/// Returns the medians over the buildings of each type, period by period.
+fn by_period(experiment: &Experiment, results: &Results) -> Value {
+    let mut rows = Vec::new();
+    for building_type in &experiment.types {
+        for period in &experiment.periods {
+            for controller in experiment.kept_controllers() {
+                let is_own =
+                    |row: &Row| row.info.building_type == building_type.name() && row.info.period == *period;
+                let all = Figures::of_episodes(experiment, results, controller, is_own);
+                rows.extend(cells(building_type.name(), period, controller, &all));
+            }
+        }
+    }
+    table(experiment, "By type and period", "two weeks each; medians over the buildings", &rows)
+}
+
+/// Returns the figures of a controller in the buildings of a type: for each building, one a period.
+fn buildings(
+    experiment: &Experiment,
+    results: &Results,
+    controller: &str,
+    building_type: &str,
+) -> Vec<(String, Vec<Figures>)> {
+    let mut names: Vec<&str> = Vec::new();
+    for (_, row) in results.of(controller) {
+        if row.info.building_type == building_type && !names.contains(&&row.info.building[..]) {
+            names.push(&row.info.building);
+        }
+    }
+    let of =
+        |name: &str| Figures::of_episodes(experiment, results, controller, |row| row.info.building == name);
+    names.into_iter().map(|name| (name.to_owned(), of(name))).collect()
+}
+
+/// Returns a row of medians; `None` without an episode.
+fn cells(building_type: &str, period: &str, controller: &str, all: &[Figures]) -> Option<Vec<String>> {
+    let first = all.first()?;
+    let mut cells =
+        vec![building_type.to_owned(), period.to_owned(), controller.to_owned(), all.len().to_string()];
+    let of = |value: &dyn Fn(&Figures) -> f64| {
+        let mut values: Vec<f64> = all.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        median(&values)
+    };
+    cells.extend((0..first.costs.len()).map(|task| format!("{:.3}", of(&|figures| figures.costs[task]))));
+    cells.extend((0..HEADER.len()).map(|index| format!("{:.2}", of(&|figures| figures.values()[index]))));
+    let uncomfortable = all.iter().filter(|figures| figures.uncomfortable).count();
+    cells.push(if uncomfortable == 0 { String::new() } else { format!("{uncomfortable} of {}", all.len()) });
+    Some(cells)
+}
+
+fn table(experiment: &Experiment, name: &str, title: &str, rows: &[Vec<String>]) -> Value {
+    let mut header = ["type", "period", "controller", "episodes"].map(str::to_owned).to_vec();
+    header.extend(experiment.tasks.iter().map(|task| format!("cost, {task} (per m²)")));
+    header.extend(HEADER.map(str::to_owned));
+    header.push("beyond the free discomfort".to_owned());
+    json!({"name": name, "title": title, "header": header, "rows": rows})
+}
+
+fn notes() -> String {
+    format!(
+        "Energy: HVAC energy of all end uses. Discomfort: deviation outside the band of the model's own thermostats, integrated \
+         over time, per zone. Peak: the largest mean electric demand of a quarter of an hour. Beyond the free discomfort: episodes \
+         with more discomfort than under {GUIDELINE} by more than {FREE_DISCOMFORT} K·h per zone and day."
+    )
+}
