@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::program::sandbox::{B2B, Sandbox};
-use super::program::{stderr, workers_of};
+use crate::program::sandbox::{B2B, Sandbox};
+use crate::program::{stderr, workers_of};
 
 /// Starts a server on a free port and returns it with its address.
 fn start(sandbox: &Sandbox) -> (Child, String) {
