@@ -74,6 +74,9 @@ fn indicators_equal_those_computed_from_the_observations() {
     let metrics = EpisodeMetrics::from(env.metrics());
     let reported =
         [metrics.tdis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot].map(Option::unwrap);
+    let engine: f64 = env.engine_meters().unwrap().iter().sum();
+    let error = (engine / 1000.0 - reported[1]).abs();
+    assert!(error < 1e-6 * reported[1], "the engine's meters say {engine} Wh/m²");
     for (reported, expected) in
         reported.into_iter().zip(by_hand(&env, &rows(&first, &trajectory, first.len())))
     {
