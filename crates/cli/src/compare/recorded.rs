@@ -230,8 +230,8 @@ impl BandRecord {
     fn of(zone: &str, stored: &Stored) -> Option<Self> {
         let asked = |word: &str| stored.observed(&format!("{zone} {word}")).map(asked);
         Some(Self {
-            heating: asked("heating setpoint")?,
-            cooling: asked("cooling setpoint"),
+            heating: asked("band heating setpoint")?,
+            cooling: asked("band cooling setpoint"),
             occupancy: asked("occupancy")?,
         })
     }
