@@ -19,7 +19,7 @@ fn read(folder: &std::path::Path, policy: &str) -> [Read; 2] {
     let summary = json(
         folder,
         &format!(
-            "evaluate --policy {policy} --task operate --period 01-09..01-15 07-10..07-16 --out {policy} --json -- OfficeSmall-0509"
+            "evaluate OfficeSmall-0509 --policy {policy} --task operate --period 01-09..01-15 07-10..07-16 --out {policy}"
         ),
     );
     let windows = summary["windows"].as_array().expect("an array of windows");
