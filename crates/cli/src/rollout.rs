@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use b2b_env::{
-    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, authority,
-    rollout,
+    Controller, DecisionLog, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory,
+    authority, rollout,
 };
 #[cfg(target_os = "linux")]
 use b2b_workers::EpisodeReport;
@@ -24,6 +24,8 @@ pub struct Rollout {
     pub metrics: Metrics,
     /// Every step.
     pub trajectory: Trajectory,
+    /// The controller's decisions behind every action; none of an episode that was stepped from outside.
+    pub decisions: DecisionLog,
     /// Messages, meters and occupancy of the engine's run.
     pub engine: EngineReport,
     /// CPU time of the environment, including the engine.
@@ -40,7 +42,8 @@ impl Rollout {
     pub fn new(metrics: Metrics, trajectory: Trajectory, report: EpisodeReport, wall: Duration) -> Self {
         let EpisodeReport { engine, cpu: env_cpu } = report;
         let total_cpu = ProcessTime::now().as_duration() + env_cpu;
-        Self { metrics, trajectory, engine, env_cpu, total_cpu, wall }
+        let decisions = DecisionLog::default();
+        Self { metrics, trajectory, decisions, engine, env_cpu, total_cpu, wall }
     }
 }
 
@@ -54,9 +57,9 @@ impl Prepared {
         let workers = Workers::new(self.worker_options())?;
         let options = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
         let mut episode = workers.episode(&self.setting(spaces.episode.clone()))?.with_options(options);
-        let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;
+        let Recorded { metrics, trajectory, decisions, wall } = roll_out(&mut episode, controller, quiet)?;
         let report = episode.report().context("the worker process sent no engine report")?;
-        Ok(Rollout::new(metrics, trajectory, report.clone(), wall))
+        Ok(Rollout { decisions, ..Rollout::new(metrics, trajectory, report.clone(), wall) })
     }
 
     /// Checks the response of the building to its actuators, in a worker process.
@@ -89,9 +92,9 @@ impl Prepared {
         let b2b_env::EpisodeConfig { period, steps_per_hour, task, .. } = spaces.episode.clone();
         let mut env = self.env(period, steps_per_hour, task)?;
         let before = ProcessTime::now();
-        let Recorded { metrics, trajectory, wall } = roll_out(&mut env, controller, quiet)?;
+        let Recorded { metrics, trajectory, decisions, wall } = roll_out(&mut env, controller, quiet)?;
         let (env_cpu, total_cpu) = (before.elapsed(), ProcessTime::now().as_duration());
-        Ok(Rollout { metrics, trajectory, engine: env.engine_report(), env_cpu, total_cpu, wall })
+        Ok(Rollout { metrics, trajectory, decisions, engine: env.engine_report(), env_cpu, total_cpu, wall })
     }
 }
 
@@ -101,6 +104,8 @@ pub struct Recorded {
     pub metrics: Metrics,
     /// Every step.
     pub trajectory: Trajectory,
+    /// The controller's decisions behind every action.
+    pub decisions: DecisionLog,
     /// Wall-clock time from the first step to the last.
     pub wall: Duration,
 }
@@ -113,10 +118,12 @@ pub fn roll_out(
 ) -> Result<Recorded> {
     let spaces = environment.spaces().clone();
     let mut trajectory = Trajectory::for_episode(&spaces);
+    let mut decisions = DecisionLog::for_episode(controller, spaces.episode_steps());
     let days = Days::new(spaces.episode.period, spaces.episode.steps_per_hour, quiet);
     let mut progress = Progress { days, steps: 0, began: Instant::now() };
-    match rollout(environment, controller, &mut (&mut trajectory, &mut progress)) {
-        Ok(metrics) => Ok(Recorded { metrics, trajectory, wall: progress.began.elapsed() }),
+    let mut recorders = (&mut trajectory, &mut decisions);
+    match rollout(environment, controller, &mut (&mut recorders, &mut progress)) {
+        Ok(metrics) => Ok(Recorded { metrics, trajectory, decisions, wall: progress.began.elapsed() }),
         Err(b2b_env::Error::Interrupted) => {
             let steps = trajectory.len();
             bail!("interrupted after {steps} steps ({})", date_text(progress.days.date(steps)))

@@ -7,6 +7,7 @@ use b2b_climate::EpwFile;
 use b2b_tariff::{Bill, DAYS, Emissions, Moment, Part, Prices, Year};
 
 use crate::engine_report::BillPart;
+use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};
 
@@ -47,21 +48,9 @@ impl Billing {
         floor_area: f64,
         steps_per_hour: u32,
     ) -> Result<Self> {
-        let prices = task.tariff.as_ref().map(|tariff| {
-            let tariff = tariff.tariff()?;
-            let year = Year::starting_on(FIRST_WEEKDAY);
-            let outdoor = EpwFile::open(weather).map_err(Error::building)?.dry_bulbs();
-            let events = if tariff.has_events() {
-                tariff.events(year, &daily_means(&outdoor), None)
-            } else {
-                Vec::new()
-            };
-            let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());
-            Ok::<_, Error>(Prices::new(tariff, year, &events, outdoor)?)
-        });
         let emissions = task.emission_profile.as_ref().map(|profile| profile.emissions());
         Ok(Self {
-            prices: prices.transpose()?,
+            prices: prices(task, weather)?,
             emissions: emissions.transpose()?,
             bill: Self::empty(period),
             period,
@@ -114,6 +103,49 @@ impl Billing {
             |Part { name, quantity, unit, cost }| BillPart { name, quantity, unit: unit.to_owned(), cost };
         let parts = self.prices.as_ref().map(|prices| self.bill.parts(prices));
         parts.into_iter().flatten().map(part).collect()
+    }
+}
+
+/// Returns the prices of a task's tariff in the year of a weather file; `None` without a tariff.
+fn prices(task: &Task, weather: &Path) -> Result<Option<Prices>> {
+    let Some(tariff) = &task.tariff else { return Ok(None) };
+    let tariff = tariff.tariff()?;
+    let year = Year::starting_on(FIRST_WEEKDAY);
+    let outdoor = EpwFile::open(weather).map_err(Error::building)?.dry_bulbs();
+    let events =
+        if tariff.has_events() { tariff.events(year, &daily_means(&outdoor), None) } else { Vec::new() };
+    let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());
+    Ok(Some(Prices::new(tariff, year, &events, outdoor)?))
+}
+
+/// The price of electricity in the steps of an episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElectricityPrice {
+    /// Currency; `None` where the task gives prices without one.
+    pub currency: Option<String>,
+    /// Price at the beginning of each step, currency/kWh; of the first block where energy has blocks.
+    pub steps: Vec<f64>,
+}
+
+impl ElectricityPrice {
+    /// Returns the price in the steps of an episode, by the tariff or the prices of its task.
+    ///
+    /// # Errors
+    /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.
+    pub fn of(episode: &EpisodeConfig) -> Result<Self> {
+        let EpisodeConfig { weather, period, steps_per_hour, task } = episode;
+        let prices = prices(task, weather)?;
+        let first = period.first().day_of_year();
+        let per_day = 24 * *steps_per_hour as usize;
+        let steps = (0..episode.steps()).map(|step| {
+            let day = (first - 1 + (step / per_day) as u32) % DAYS + 1;
+            let hour = (step % per_day) as f64 / f64::from(*steps_per_hour);
+            match &prices {
+                Some(prices) => prices.electricity(Moment { day, hour }, 0),
+                None => task.prices.electricity.at(hour),
+            }
+        });
+        Ok(Self { steps: steps.collect(), currency: task.currency()? })
     }
 }
 

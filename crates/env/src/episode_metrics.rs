@@ -236,9 +236,11 @@ episode_metrics! {
         tdis_tot: Option<f64> = "tdis_tot", "K h", Metrics::zone_discomfort,
             Display::lower("thermal discomfort (K·h per zone)", 1.0, 2);
         /// operation only, as BOPTEST: HVAC energy
-        ener_tot: Option<f64> = "ener_tot", "kWh/m²", Metrics::operation_energy, None;
+        ener_tot: Option<f64> = "ener_tot", "kWh/m²", Metrics::operation_energy,
+            Display::lower("HVAC energy (kWh/m²)", 1.0, 2);
         /// operation only, as BOPTEST: cost of HVAC energy
-        cost_tot: Option<f64> = "cost_tot", "currency/m²", Metrics::operation_cost, None;
+        cost_tot: Option<f64> = "cost_tot", "currency/m²", Metrics::operation_cost,
+            Display::lower("cost (currency/m²)", 1.0, 3);
         /// operation only, as BOPTEST: emissions of HVAC energy
         emis_tot: Option<f64> = "emis_tot", "kg CO₂/m²", Metrics::operation_emissions, None;
         /// operation only, as BOPTEST: largest mean electric demand of a quarter of an hour

@@ -170,7 +170,7 @@ fn preview_slots(
         let name = |word: &str| format!("{} {word}", zone.name);
         let temperature = (0.0, 50.0);
         give((
-            name("next heating setpoint"),
+            name("next band heating setpoint"),
             owner,
             Observed::NextHeatingSetpoint,
             "°C",
@@ -179,16 +179,9 @@ fn preview_slots(
         ));
         if zone.conditioning == Conditioning::HeatingAndCooling {
             let quantity = Observed::NextCoolingSetpoint;
-            give((name("next cooling setpoint"), owner, quantity, "°C", temperature, BY_SCHEDULE));
+            give((name("next band cooling setpoint"), owner, quantity, "°C", temperature, BY_SCHEDULE));
         }
-        give((
-            name("hours to next setpoints"),
-            owner,
-            Observed::HoursToChange,
-            "h",
-            (0.0, 168.0),
-            BY_SCHEDULE,
-        ));
+        give((name("hours to next band"), owner, Observed::HoursToChange, "h", (0.0, 168.0), BY_SCHEDULE));
     }
     let hours = 1..=PREVIEW_HOURS;
     for (word, owner, quantity, unit, bounds, source) in [
@@ -263,10 +256,10 @@ impl ObservationSpace {
             let target = match zone.conditioning {
                 _ if !setpoints.is_band() => Target::Slot(setpoint("target", Observed::TargetTemperature)),
                 Conditioning::HeatingAndCooling => Target::Between([
-                    setpoint("heating setpoint", Observed::HeatingSetpoint),
-                    setpoint("cooling setpoint", Observed::CoolingSetpoint),
+                    setpoint("band heating setpoint", Observed::HeatingSetpoint),
+                    setpoint("band cooling setpoint", Observed::CoolingSetpoint),
                 ]),
-                _ => Target::Slot(setpoint("heating setpoint", Observed::HeatingSetpoint)),
+                _ => Target::Slot(setpoint("band heating setpoint", Observed::HeatingSetpoint)),
             };
             asked.push(AskedSlots { occupancy, target });
         }

@@ -1,5 +1,6 @@
 //! A whole episode under a controller.
 
+use crate::decisions::Decisions;
 use crate::environment::Step;
 use crate::metrics::Metrics;
 use crate::trajectory::Trajectory;
@@ -17,6 +18,9 @@ pub trait Observer {
     fn begin(&mut self, _observation: &[f64]) -> Result<()> {
         Ok(())
     }
+
+    /// Called with the decisions behind every action of a controller that keeps any, before the step.
+    fn decided(&mut self, _decisions: &Decisions) {}
 
     /// Called after every step.
     ///
@@ -40,6 +44,9 @@ pub fn rollout(
     observer.begin(observation)?;
     loop {
         controller.act(observation, &mut action);
+        if let Some(decisions) = controller.record() {
+            observer.decided(decisions);
+        }
         let step = environment.step(&action)?;
         observer.step(&step)?;
         if step.truncated {
@@ -73,6 +80,11 @@ impl<A: Observer + ?Sized, B: Observer + ?Sized> Observer for (&mut A, &mut B) {
     fn begin(&mut self, observation: &[f64]) -> Result<()> {
         self.0.begin(observation)?;
         self.1.begin(observation)
+    }
+
+    fn decided(&mut self, decisions: &Decisions) {
+        self.0.decided(decisions);
+        self.1.decided(decisions);
     }
 
     fn step(&mut self, step: &Step<'_>) -> Result<()> {

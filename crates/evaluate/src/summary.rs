@@ -89,9 +89,13 @@ pub struct Group {
     pub comfort: Option<OperationComfort>,
 }
 
-/// Comfort in the episodes of a task of operation.
+/// Cost, peak and comfort in the episodes of a task of operation.
 #[derive(Clone, Debug, Serialize)]
 pub struct OperationComfort {
+    /// Cost, mean over episodes, currency/m².
+    pub cost_tot: f64,
+    /// Peak electric demand over a quarter of an hour, mean over episodes, kW/m².
+    pub pele_tot: f64,
     /// Discomfort, mean over episodes, K·h per zone.
     pub discomfort_k_h: f64,
     /// The baseline's; `None` if one is unknown.
@@ -178,14 +182,19 @@ impl Group {
 impl OperationComfort {
     fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
         let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
+        let (mut costs, mut peaks) = (Vec::new(), Vec::new());
         for row in rows {
             let scored = row.outcome.as_ref().ok()?;
             own.push(scored.metrics.tdis_tot?);
+            costs.push(scored.metrics.cost_tot?);
+            peaks.push(scored.metrics.pele_tot.unwrap_or(0.0));
             baseline.push(scored.baseline_discomfort);
             uncomfortable += usize::from(scored.is_uncomfortable(row.info.steps_per_hour) == Some(true));
         }
         let baseline: Option<Vec<f64>> = baseline.into_iter().collect();
         Some(Self {
+            cost_tot: mean_of(costs.into_iter())?,
+            pele_tot: mean_of(peaks.into_iter())?,
             discomfort_k_h: mean_of(own.into_iter())?,
             baseline_discomfort_k_h: baseline.and_then(|baseline| mean_of(baseline.into_iter())),
             uncomfortable,

@@ -5,6 +5,7 @@ use std::path::Path;
 use b2b_env::{Display, EpisodeMetrics};
 use serde_json::{Map, Value, json};
 
+use super::lead;
 use super::recorded::Recorded;
 use super::worst_hours;
 use crate::table::Table;
@@ -42,13 +43,17 @@ impl Metric {
     }
 }
 
-/// Returns the metrics of which not all values are zero or missing, with their values.
+/// Returns the metrics of which not all values are zero or missing, with their values; without those that lead.
 pub fn relevant(runs: &[Recorded]) -> impl Iterator<Item = (Metric, Vec<Option<f64>>)> {
     let with_values = |metric: Metric| {
         let values = metric.values(runs);
         (metric, values)
     };
-    metrics().map(with_values).filter(|(_, values)| values.iter().any(|v| v.is_some_and(|v| v != 0.0)))
+    let follows = |metric: &Metric| !lead::leads(runs, metric.column);
+    metrics()
+        .filter(follows)
+        .map(with_values)
+        .filter(|(_, values)| values.iter().any(|v| v.is_some_and(|v| v != 0.0)))
 }
 
 /// Returns the table: a row per metric; a column per run, with its difference from the first.

@@ -1,6 +1,7 @@
 //! `b2b compare`: runs of one episode side by side.
 
 mod difference;
+mod lead;
 mod page;
 mod recorded;
 mod worst_hours;
@@ -61,7 +62,8 @@ pub fn compare(arguments: &Arguments) -> Result<()> {
     OutputFolder::write_file(&path, |file| page::write(file, &runs))?;
     let comparison = difference::json(&runs, &path);
     stdout::print_result(arguments.json, &comparison, || {
-        let tables = [runs[0].title(runs.len()), difference::table(&runs), worst_hours::table(&runs)];
+        let lead = lead::table(&runs) + &difference::table(&runs);
+        let tables = [runs[0].title(runs.len()), lead, worst_hours::table(&runs)];
         format!("{}\n\n  {}", tables.join("\n\n"), path.display())
     })
 }

@@ -6,8 +6,10 @@ use anyhow::Result;
 use serde_json::{Value, json};
 
 use super::difference::relevant;
-use super::recorded::Recorded;
+use super::lead;
+use super::recorded::{BandRecord, Recorded};
 use super::worst_hours;
+use crate::run::operation::Comfort;
 use crate::time_series::{Series, TimeAxis, fill};
 
 const PAGE: &str = include_str!("compare.html");
@@ -26,7 +28,10 @@ pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
             "name": zone.name,
             "runs": of_zone(number),
             "target": zone.target.as_ref().map(|target| axis.series("target".into(), 0, target)),
-            "rms": runs.iter().map(|run| run.zones[number].rms_deviation).collect::<Vec<_>>(),
+            "comfort": zone.band.as_ref().map(|BandRecord { heating, cooling, occupancy }| {
+                Comfort::of(axis, heating, cooling.as_deref(), occupancy)
+            }),
+            "values": runs.iter().map(|run| run.zones[number].deviation_metric).collect::<Vec<_>>(),
         })
     });
     let per_hour = f64::from(first.described.steps_per_hour);
@@ -48,6 +53,7 @@ pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
         "axis": axis,
         "resolution": axis.resolution(),
         "target": first.constant_target(),
+        "lead": lead::json(runs),
         "band": first.described.task_definition.comfort_band,
         "faulty_sensors": first.has_faulty_sensors(),
         "runs": runs.iter().map(|run| json!({"name": run.name, "folder": run.folder})).collect::<Vec<_>>(),

@@ -4,13 +4,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::{Controls, RunPeriod};
 use b2b_env::{HeatingOnlyZones, Task};
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::run::operation::asked;
 use crate::run::summary::Summary;
 use crate::run::trajectory_file::{self, Stored};
+
+/// What the hash of the model is called.
+const MODEL: &str = "model (SHA-256)";
 
 /// A run: its summary and its trajectory.
 pub struct Recorded {
@@ -40,6 +44,8 @@ pub struct Described {
     pub task: String,
     task_hash: String,
     pub task_definition: Task,
+    /// Currency of the costs of a task with bands, if it is known.
+    pub currency: Option<String>,
     model_sha256: Option<String>,
     weather_sha256: Option<String>,
     trajectory_hash: String,
@@ -53,19 +59,34 @@ pub struct Described {
 struct DescribedZone {
     name: String,
     rms_deviation_k: f64,
+    #[serde(default)]
+    discomfort_k_h: f64,
     heating_and_cooling: bool,
 }
 
 /// Temperatures of a controlled zone.
 pub struct ZoneRecord {
     pub name: String,
-    pub rms_deviation: f64,
+    /// RMS deviation from target, K; in a task with bands, discomfort, K·h.
+    pub deviation_metric: f64,
     /// Whether temperatures above target count as deviations.
     penalize_above_target: bool,
     /// At the end of each step, °C.
     pub temperature: Vec<f64>,
     /// For the next step, °C, if it varies.
     pub target: Option<Vec<f64>>,
+    /// In a task with bands.
+    pub band: Option<BandRecord>,
+}
+
+/// The comfort band of a zone in each step.
+pub struct BandRecord {
+    /// °C.
+    pub heating: Vec<f64>,
+    /// °C; `None` without cooling.
+    pub cooling: Option<Vec<f64>>,
+    /// Whether people are present.
+    pub occupancy: Vec<f64>,
 }
 
 impl Recorded {
@@ -149,6 +170,11 @@ impl Described {
             .with_context(|| format!("{} is not a summary written by `b2b run`", path.display()))
     }
 
+    /// Returns who controlled the building.
+    fn controls(&self) -> Controls {
+        b2b_control::kind(&self.controller).map_or(Controls::Actuators, |kind| kind.controls())
+    }
+
     /// Returns what identifies the episode: each property's name, its value, and its value in messages.
     fn identity(&self) -> [(&'static str, String, String); 7] {
         let plain = |name, value: &str| (name, value.to_owned(), value.to_owned());
@@ -163,7 +189,7 @@ impl Described {
             plain("run period", &self.period),
             plain("number of steps per hour", &self.steps_per_hour.to_string()),
             ("task", self.task_hash.clone(), self.task.clone()),
-            hash("model (SHA-256)", &self.model_sha256),
+            hash(MODEL, &self.model_sha256),
             hash("weather (SHA-256)", &self.weather_sha256),
         ]
     }
@@ -171,21 +197,25 @@ impl Described {
 
 impl ZoneRecord {
     fn of(zone: &DescribedZone, described: &Described, stored: &Stored) -> Option<Self> {
+        let band = BandRecord::of(&zone.name, stored).filter(|_| described.task_definition.is_operation());
         let both_sides = described.task_definition.heating_only_zones == HeatingOnlyZones::BothSides;
         Some(Self {
             name: zone.name.clone(),
-            rms_deviation: zone.rms_deviation_k,
+            deviation_metric: if band.is_some() { zone.discomfort_k_h } else { zone.rms_deviation_k },
             penalize_above_target: zone.heating_and_cooling || both_sides,
             temperature: stored.observed(&format!("{} air temperature", zone.name))?,
             target: stored.observed(&format!("{} target", zone.name)),
+            band,
         })
     }
 
-    /// Returns the target of a step, °C. That of the first step is not recorded; it is taken to be that of the second.
+    /// Returns the target of a step, °C; in a task with bands, the temperature or the setpoint that it is beyond. The target of
+    /// the first step is not recorded; it is taken to be that of the second.
     pub fn target_of(&self, step: usize, constant: Option<f64>) -> f64 {
-        match &self.target {
-            Some(targets) => targets[step.saturating_sub(1)],
-            None => constant.unwrap_or(f64::NAN),
+        match (&self.band, &self.target) {
+            (Some(band), _) => band.nearest(step, self.temperature[step]),
+            (None, Some(targets)) => targets[step.saturating_sub(1)],
+            (None, None) => constant.unwrap_or(f64::NAN),
         }
     }
 
@@ -196,13 +226,32 @@ impl ZoneRecord {
     }
 }
 
-/// Errors unless all runs are of the same episode.
+impl BandRecord {
+    fn of(zone: &str, stored: &Stored) -> Option<Self> {
+        let asked = |word: &str| stored.observed(&format!("{zone} {word}")).map(asked);
+        Some(Self {
+            heating: asked("band heating setpoint")?,
+            cooling: asked("band cooling setpoint"),
+            occupancy: asked("occupancy")?,
+        })
+    }
+
+    /// Returns the temperature in the band that is nearest to one, °C.
+    fn nearest(&self, step: usize, temperature: f64) -> f64 {
+        let above = temperature.max(self.heating[step]);
+        self.cooling.as_ref().map_or(above, |cooling| above.min(cooling[step]))
+    }
+}
+
+/// Errors unless all runs are of the same episode. The model of a building that keeps its own controls is another than the one
+/// with actuators.
 pub fn check_same(runs: &[Recorded]) -> Result<()> {
     let Some((first, others)) = runs.split_first() else { return Ok(()) };
     for other in others {
         let pairs = first.described.identity().into_iter().zip(other.described.identity());
+        let same_controls = first.described.controls() == other.described.controls();
         for ((what, ours, ours_text), (_, theirs, theirs_text)) in pairs {
-            if ours != theirs {
+            if ours != theirs && (same_controls || what != MODEL) {
                 bail!(
                     "the runs differ in their {what}: {ours_text} in {}, {theirs_text} in {}; compare runs of one \
                      building, period and task",
@@ -249,4 +298,25 @@ pub fn set_names(runs: &mut [Recorded], given: &[String]) {
     let fallback = || runs.iter().map(|run| run.folder.display().to_string()).collect();
     let names = named.find(|names| distinct(names)).unwrap_or_else(fallback);
     runs.iter_mut().zip(names).for_each(|(run, name)| run.name = name);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temperature_in_its_band_does_not_deviate() {
+        let band = |cooling| BandRecord { heating: vec![21.0], cooling, occupancy: vec![1.0] };
+        let zone = |temperature, cooling| ZoneRecord {
+            name: "Core".into(),
+            deviation_metric: 0.0,
+            penalize_above_target: true,
+            temperature: vec![temperature],
+            target: None,
+            band: Some(band(cooling)),
+        };
+        let deviation = |temperature| zone(temperature, Some(vec![24.0])).deviation(0, None);
+        assert_eq!([20.0, 22.0, 25.5].map(deviation), [-1.0, 0.0, 1.5]);
+        assert_eq!(zone(30.0, None).deviation(0, None), 0.0);
+    }
 }

@@ -87,6 +87,7 @@ fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "energy / baseline",
         "discomfort (K·h per zone)",
         "baseline's",
+        "peak demand, 15 min (W/m²)",
         "too uncomfortable",
         "HVAC energy (kWh/m²)",
     ]);
@@ -103,6 +104,7 @@ fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
             ratio(group.relative_energy),
             ratio(comfort.map(|comfort| comfort.discomfort_k_h)),
             ratio(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+            comfort.map_or("–".to_owned(), |comfort| format!("{:.1}", 1000.0 * comfort.pele_tot)),
             comfort.map_or_else(String::new, OperationComfort::mark),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
         ]);

@@ -1,5 +1,7 @@
 //! `b2b run`: one episode, its metrics, its trajectory and its plot.
 
+pub mod operation;
+mod operation_text;
 mod picture;
 pub mod summary;
 pub mod trajectory_file;
@@ -10,7 +12,7 @@ use std::sync::{Arc, LazyLock};
 use anyhow::{Result, bail};
 use b2b_building::{Period, RunPeriod};
 use b2b_dataset::BuildingName;
-use b2b_env::{Inputs, Resource, Spaces, Task, Trajectory};
+use b2b_env::{DecisionLog, Inputs, Resource, Spaces, Task, Trajectory};
 
 use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
 use crate::arguments::location::Location;
@@ -160,7 +162,7 @@ impl Author {
         let folder = OutputFolder::stage(folder)?;
         let files = folder.destinations(&[trajectory_file::NAME]);
         folder.write(trajectory_file::NAME, |file| {
-            trajectory_file::write(file, spaces, trajectory, identity)
+            trajectory_file::write(file, spaces, trajectory, &DecisionLog::default(), identity)
         })?;
         folder.keep()?;
         Ok(files)
@@ -177,11 +179,10 @@ impl Author {
         let files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
         let summary = Summary::of(spaces, rollout, RunInfo { place, controller, seed, files })?;
         folder.write(trajectory_file::NAME, |file| {
-            trajectory_file::write(file, spaces, &rollout.trajectory, summary.identity())
+            let Rollout { trajectory, decisions, .. } = rollout;
+            trajectory_file::write(file, spaces, trajectory, decisions, summary.identity())
         })?;
-        folder.write(picture::NAME, |file| {
-            picture::write(file, spaces, &rollout.trajectory, reactive, &summary)
-        })?;
+        folder.write(picture::NAME, |file| picture::write(file, spaces, rollout, reactive, &summary))?;
         folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
         Ok(summary)
     }

@@ -10,6 +10,7 @@ use b2b_env::{EpisodeMetrics, Spaces, Target, Trajectory};
 use serde::Serialize;
 use serde_json::json;
 
+use super::operation::Operation;
 use super::summary::Summary;
 use crate::rollout::Rollout;
 use crate::time_series::{Series, TimeAxis, fill};
@@ -18,6 +19,10 @@ use crate::time_series::{Series, TimeAxis, fill};
 pub const NAME: &str = "picture.html";
 
 const PAGE: &str = include_str!("picture.html");
+/// What tasks with bands show.
+const OPERATION: &str = include_str!("operation.js");
+/// What tasks with targets show.
+const TRACKING: &str = include_str!("tracking.js");
 
 /// Series of one unit over the time axis.
 #[derive(Serialize)]
@@ -45,10 +50,11 @@ struct Beside {
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
-    trajectory: &Trajectory,
+    rollout: &Rollout,
     reactive: Option<&Rollout>,
     summary: &Summary,
 ) -> Result<()> {
+    let Rollout { trajectory, decisions, .. } = rollout;
     let episode = &spaces.episode;
     let first_day = episode.period.first().day_of_year();
     let axis = TimeAxis::new(first_day, episode.steps_per_hour, trajectory.len());
@@ -62,8 +68,9 @@ pub fn write(
         "resolution": axis.resolution(),
         "target": spaces.observation.constant_target(),
         "panels": picture.panels(),
+        "operation": Operation::of(spaces, trajectory, decisions, axis)?,
     });
-    Ok(file.write_all(fill(PAGE, &data).as_bytes())?)
+    Ok(file.write_all(fill(&PAGE.replace("{{SCRIPT}}", &[OPERATION, TRACKING].concat()), &data).as_bytes())?)
 }
 
 struct Picture<'a> {
@@ -94,7 +101,8 @@ impl Picture<'_> {
             picture.zones(|conditioning| conditioning != Conditioning::None).collect::<Vec<_>>()
         };
         let series = self.with_reactive(zones);
-        let targets = Some(self.targets()).filter(|targets| !targets.is_empty());
+        let has_targets = !self.spaces.episode.task.is_operation();
+        let targets = Some(self.targets()).filter(|targets| has_targets && !targets.is_empty());
         Panel { title: "Zone air temperature".into(), unit: "°C", series, targets, band: Some(band) }
     }
 
@@ -214,7 +222,7 @@ mod tests {
     fn the_page_needs_no_network() {
         assert_eq!(PAGE.matches("{{DATA}}").count(), 1);
         for word in ["http://", "https://", "src=", "@import", "<link"] {
-            assert!(!PAGE.contains(word), "{word}");
+            assert!(![PAGE, OPERATION, TRACKING].iter().any(|part| part.contains(word)), "{word}");
         }
     }
 }

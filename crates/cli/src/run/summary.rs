@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use b2b_building::Carrier;
 use b2b_control::Versions;
-use b2b_env::{EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, Term, ZoneMetrics};
+use b2b_env::{BillPart, EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, Term, ZoneMetrics};
 use serde::Serialize;
 
 use super::trajectory_file::Identity;
@@ -41,6 +41,12 @@ pub struct Summary {
     /// Metrics of the episode, each under the name of its column.
     #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
     pub metrics: EpisodeMetrics,
+    /// Currency of the costs of a task with bands; `None` of others, and where a task's own prices do not say theirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub currency: Option<String>,
+    /// Parts of the bill of the whole building; none without a tariff.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bill: Vec<BillPart>,
     /// What HVAC energy may consist of; all but electricity count as gas in the metrics.
     pub energy_carriers: Vec<Carrier>,
     /// Controlled zones that are never occupied.
@@ -101,6 +107,13 @@ pub struct ZoneSummary {
     pub heating_and_cooling: bool,
 }
 
+impl ZoneSummary {
+    /// Returns what conditions the zone.
+    pub fn equipment(&self) -> &'static str {
+        if self.heating_and_cooling { "heating and cooling" } else { "heating only" }
+    }
+}
+
 impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
@@ -120,6 +133,8 @@ impl Summary {
             task_definition: episode.task.clone(),
             energy_scale: spaces.energy_scale(),
             metrics: metrics.into(),
+            currency: if episode.task.is_operation() { episode.task.currency()? } else { None },
+            bill: engine.bill.clone(),
             energy_carriers: spaces.building.carriers().collect(),
             never_occupied: engine.never_occupied.clone(),
             travel: metrics.travel.clone(),
@@ -152,14 +167,19 @@ impl Summary {
             self.severe_messages.iter().map(|m| format!("    severe: {}\n", m.replace('\n', " "))).collect();
         let files: Vec<_> = self.info.files.iter().map(|file| format!("  {}", file.display())).collect();
         format!(
-            "{}\n\n{}\n{severes}\n{}{}{}\n\n{}",
+            "{}\n\n{}\n{severes}\n{}{}{}{}\n\n{}",
             self.title(),
             self.metrics_text(),
-            self.zone_table(),
+            self.bill_text(),
+            if self.is_operation() { self.band_table() } else { self.zone_table() },
             self.never_occupied_note(),
             self.never_near_target_note(),
             files.join("\n")
         )
+    }
+
+    fn is_operation(&self) -> bool {
+        self.task_definition.is_operation()
     }
 
     /// Returns a line that identifies the episode.
@@ -173,7 +193,8 @@ impl Summary {
     }
 
     fn metrics_text(&self) -> String {
-        let metrics = [self.outcome_metrics(), self.run_diagnostics()].concat();
+        let outcome = if self.is_operation() { self.operation_metrics() } else { self.outcome_metrics() };
+        let metrics = [outcome, self.run_diagnostics()].concat();
         let lines: Vec<_> = metrics.iter().map(|(name, value)| format!("  {name:<39}{value}")).collect();
         lines.join("\n")
     }
@@ -212,7 +233,7 @@ impl Summary {
     }
 
     /// Returns the shares of occupied hours outside the comfort band.
-    fn occupied_text(&self) -> String {
+    pub(super) fn occupied_text(&self) -> String {
         match (self.metrics.occupied_too_cold, self.metrics.occupied_too_warm) {
             (Some(cold), Some(warm)) => {
                 format!("{:.1} %, {:.1} % of occupied hours", 100.0 * cold, 100.0 * warm)
@@ -230,7 +251,7 @@ impl Summary {
     }
 
     /// Returns HVAC energy by end use.
-    fn end_uses_text(&self) -> String {
+    pub(super) fn end_uses_text(&self) -> String {
         let used = Term::END_USES.into_iter().filter_map(|term| {
             let energy = self.metrics.terms.get(term).filter(|energy| *energy > 0.0)?;
             Some(format!("{} {:.2}", term.entry().name.replace('_', " "), energy / 1000.0))
@@ -302,7 +323,7 @@ impl Summary {
         for zone in &self.zones {
             table.row([
                 zone.name.clone(),
-                if zone.heating_and_cooling { "heating and cooling" } else { "heating only" }.into(),
+                zone.equipment().to_owned(),
                 format!("{:.2}", zone.mean_abs_deviation_k),
                 format!("{:.2}", zone.rms_deviation_k),
                 format!("{:.1}", zone.hours_outside_band),
@@ -313,7 +334,12 @@ impl Summary {
     }
 
     fn never_near_target_note(&self) -> String {
-        let warning = never_near_target(&self.zones, self.task_definition.comfort_band);
+        let what = if self.is_operation() {
+            "never inside their bands".to_owned()
+        } else {
+            format!("never within {} K of target", self.task_definition.comfort_band)
+        };
+        let warning = never_near_target(&self.zones, &what);
         warning.map_or_else(String::new, |warning| format!("\n\n  warning: {warning}"))
     }
 
@@ -328,11 +354,11 @@ impl Summary {
     }
 }
 
-/// Returns a warning about zones that were never within the comfort band.
-fn never_near_target(zones: &[ZoneSummary], band: f64) -> Option<String> {
+/// Returns a warning about zones that were never within the comfort band, which begins with `what`.
+fn never_near_target(zones: &[ZoneSummary], what: &str) -> Option<String> {
     let names: Vec<&str> =
         zones.iter().filter(|zone| zone.never_near_target).map(|zone| zone.name.as_str()).collect();
-    (!names.is_empty()).then(|| format!("never within {band} K of target: {}", names.join(", ")))
+    (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")))
 }
 
 fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {

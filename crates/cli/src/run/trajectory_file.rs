@@ -14,7 +14,7 @@ use arrow_schema::{Field, Schema};
 use b2b_base::digest::sha256;
 use b2b_building::Date;
 use b2b_control::Versions;
-use b2b_env::{EpisodeConfig, Spaces, Trajectory};
+use b2b_env::{DecisionLog, EpisodeConfig, Spaces, Trajectory};
 use b2b_evaluate::read_parquet;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
@@ -29,11 +29,13 @@ const CALENDAR: usize = 5;
 /// Columns after the actions.
 const PENALTIES: [&str; 3] = ["temperature penalty", "energy penalty", "reward"];
 
-/// Writes a trajectory. Columns are named after the slots of the spaces; units are in the field metadata.
+/// Writes a trajectory, and the controller's decisions behind its columns. Columns are named after the slots of the spaces;
+/// units are in the field metadata.
 pub fn write(
     file: &mut (impl Write + Send),
     spaces: &Spaces,
     trajectory: &Trajectory,
+    decisions: &DecisionLog,
     identity: Identity,
 ) -> Result<()> {
     let mut columns = Columns::default();
@@ -42,15 +44,24 @@ pub fn write(
         columns.push::<Float64Type>(&slot.name, slot.unit, trajectory.observed(k));
     }
     let actions = &spaces.action;
+    let is_observed = |name: &str| spaces.observation.slots().iter().any(|slot| slot.name == name);
     for (k, (name, quantity)) in actions.names().iter().zip(actions.quantities()).enumerate() {
-        columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
+        // A zone may have a setpoint in its band and one that is an actuator.
+        let name = if is_observed(name) { format!("action: {name}") } else { name.to_string() };
+        columns.push::<Float64Type>(&name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
     columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
     columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
     columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
+    for (k, slot) in decisions.slots().iter().enumerate() {
+        columns.push::<Float64Type>(&format!("{DECISION}{}", slot.name), slot.unit, decisions.values(k));
+    }
     columns.write(file, spaces, identity)
 }
+
+/// What the names of the columns with the controller's decisions begin with.
+const DECISION: &str = "decision: ";
 
 /// What identifies a trajectory besides its spaces.
 pub struct Identity {
@@ -101,7 +112,7 @@ impl Stored {
         let (schema, batches) = read_parquet(file)?;
         let metadata = schema.metadata().clone();
         let names: Vec<String> = schema.fields().iter().map(|field| field.name().clone()).collect();
-        let width = names.len();
+        let width = names.iter().take_while(|name| !name.starts_with(DECISION)).count();
         let observed: usize = metadata.get("observations").context("no number of observations")?.parse()?;
         let acted = width.checked_sub(CALENDAR + PENALTIES.len() + observed).context("too few columns")?;
         let mut trajectory = Trajectory::default();

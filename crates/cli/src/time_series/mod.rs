@@ -11,7 +11,9 @@ use serde_json::Value;
 
 /// Maximum number of points of a series: the hours of a leap year.
 const MAX_POINTS: usize = 8784;
-const SCRIPT: &str = include_str!("time_series.js");
+const SCRIPT: &str = concat!(include_str!("time_series.js"), include_str!("steps.js"));
+/// Resolution of [`Steps`] in parts of a unit: hundredths of a cent of a price.
+const STEPS_PER_UNIT: f64 = 1e4;
 const STYLE: &str = include_str!("time_series.css");
 
 /// The time axis of an episode.
@@ -41,6 +43,23 @@ pub struct Series {
     mean: String,
     /// Minima and maxima of the days.
     days: [String; 2],
+}
+
+/// A time series of values that stay the same for many steps: setpoints, prices and states.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steps {
+    pub name: String,
+    /// Index of the color; the color of bands without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<usize>,
+    /// Whether the line is dashed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub dashed: bool,
+    /// Names of the states 1, 2, …; empty of a quantity.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub states: &'static [&'static str],
+    /// Points from which on it has a value, and the value.
+    pub changes: Vec<(usize, f64)>,
 }
 
 impl Series {
@@ -79,6 +98,18 @@ impl TimeAxis {
             mean: encode(values.chunks(self.span).map(mean), low, high),
             days: [days(minimum), days(maximum)],
         }
+    }
+
+    /// Returns the steps of one value per step: each point has the first value of its span.
+    pub fn steps(self, name: String, values: impl Iterator<Item = f64>) -> Steps {
+        let mut changes: Vec<(usize, f64)> = Vec::new();
+        for (point, value) in values.step_by(self.span).enumerate() {
+            let value = (value * STEPS_PER_UNIT).round() / STEPS_PER_UNIT;
+            if changes.last().is_none_or(|(_, last)| *last != value) {
+                changes.push((point, value));
+            }
+        }
+        Steps { name, color: None, dashed: false, states: &[], changes }
     }
 
     /// Returns what a point covers.
@@ -122,6 +153,13 @@ mod tests {
     fn values_are_quantized_between_minimum_and_maximum() {
         let bytes = BASE64_STANDARD.decode(encode([1.0, 2.0, 3.0].into_iter(), 1.0, 3.0)).unwrap();
         assert_eq!(bytes, [0, 0, 0, 128, 255, 255]);
+    }
+
+    #[test]
+    fn steps_are_the_points_at_which_a_value_changes() {
+        let axis = TimeAxis { first_day: 1, steps_per_hour: 12, span: 2, points: 4 };
+        let steps = axis.steps("price".into(), [0.1, 0.1, 0.1, 0.3, 0.2, 0.2, 0.2, 0.1].into_iter());
+        assert_eq!(steps.changes, [(0, 0.1), (2, 0.2)]);
     }
 
     #[test]

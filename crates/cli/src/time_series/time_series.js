@@ -10,13 +10,16 @@ const START = Date.UTC(2017, 0, data.axis.first_day), END = START + data.axis.po
 const PER_DAY = Math.round(DAY / POINT_MS), DAYS = Math.ceil(data.axis.points / PER_DAY);
 /* Views of more days than this show daily means and ranges. */
 const LONG = 21 * DAY;
+/* Setpoints farther from all temperatures than this are not shown, K. */
+const FAR = 3;
 const MARGIN = { left: 48, right: 6, top: 8, bottom: 20 }, ROW = 18, NARROW = 560;
 const view = { from: START, to: END }, panels = [];
 let cursor = null, drag = null;
 
 const color = k => k < PALETTE.length ? PALETTE[k] : `hsl(${(k * 137.5) % 360} 55% 48%)`;
 const DIGITS = { "°C": 2, "K": 2, "W/m²": 1, "1": 2, "kg/s": 3, "kWh/m²": 2 };
-const valueText = (unit, value) => value.toFixed(DIGITS[unit] ?? 2).replace("-", "−");
+const digits = unit => unit.endsWith("/kWh") ? 4 : DIGITS[unit] ?? 2;
+const valueText = (unit, value) => value.toFixed(digits(unit)).replace("-", "−");
 const date = t => new Date(t), isDaily = () => view.to - view.from > LONG;
 const dateText = t => `${date(t).getUTCDate()} ${MONTHS[date(t).getUTCMonth()]}`;
 const clockText = t => date(t).toISOString().slice(11, 16);
@@ -112,6 +115,10 @@ function range(panel, drawn) {
     low = Math.min(low, p.min); high = Math.max(high, p.max);
   }
   if (panel.band) { low = Math.min(low, panel.band[0]); high = Math.max(high, panel.band[1]); }
+  const near = drawn.length ? [low - FAR, high + FAR] : [-Infinity, Infinity];
+  for (const series of panel.series) if (series.step && !series.states) {
+    low = Math.min(low, Math.max(series.low, near[0])); high = Math.max(high, Math.min(series.high, near[1]));
+  }
   if (panel.zero) low = Math.min(0, low);
   if (!(high > low)) { low = (isFinite(low) ? low : 0) - (panel.zero ? 0 : .5); high = low + 1; }
   const pad = (high - low) * .05;
@@ -129,7 +136,7 @@ function draw(panel) {
     h: height - MARGIN.top - MARGIN.bottom };
   const x = t => box.x + (t - view.from) / (view.to - view.from) * box.w;
   drawTimeAxis(g, box, height, x);
-  (panel.heat ? drawHeat : drawLines)(g, panel, box);
+  (panel.states ? drawStrips : panel.heat ? drawHeat : drawLines)(g, panel, box);
   if (drag && drag.to !== null) {
     g.fillStyle = "rgba(120,130,150,.22)";
     g.fillRect(x(drag.from), box.y, x(drag.to) - x(drag.from), box.h);
@@ -160,7 +167,7 @@ function fill(g, points, high, low) {
 }
 
 function drawLines(g, panel, box) {
-  const drawn = panel.series.filter(s => s.on).map(series => ({ series, points: samples(series, box) }));
+  const drawn = panel.series.filter(s => s.on && !s.step).map(series => ({ series, points: samples(series, box) }));
   const [low, high] = range(panel, drawn);
   const y = v => box.y + (high - v) / (high - low) * box.h;
   const marks = ticks(low, high, box.h / 28);
@@ -178,6 +185,13 @@ function drawLines(g, panel, box) {
     g.strokeStyle = style("--edge"); g.setLineDash([5, 4]);
     const middle = y((panel.band[0] + panel.band[1]) / 2);
     g.beginPath(); g.moveTo(box.x, middle); g.lineTo(box.x + box.w, middle); g.stroke();
+    g.setLineDash([]);
+  }
+  if (panel.comfort) drawComfort(g, panel.comfort, box, y);
+  for (const series of panel.series) if (series.step && series.on && series.color !== undefined) {
+    g.strokeStyle = color(series.color); g.lineWidth = 1.3;
+    g.setLineDash(series.dashed ? [2, 3] : []);
+    drawSteps(g, series, box, y);
     g.setLineDash([]);
   }
   const lines = drawn.filter(each => !each.series.target).length;
@@ -218,12 +232,7 @@ function drawHeat(g, panel, box) {
       g.fillStyle = ramp(high > low ? (p.mean - low) / (high - low) : 0);
       g.fillRect(p.x - wide / 2, y, wide + .6, ROW - 2);
     });
-    if (box.w < NARROW) {
-      g.textAlign = "left"; g.textBaseline = "middle"; g.lineWidth = 3;
-      g.strokeStyle = style("--card"); g.fillStyle = style("--ink");
-      g.strokeText(series.name, box.x + 4, y + ROW / 2 - 1);
-      g.fillText(series.name, box.x + 4, y + ROW / 2 - 1);
-    }
+    if (box.w < NARROW) nameRow(g, series.name, box.x + 4, y + ROW / 2 - 1);
     g.restore();
   });
 }
@@ -234,10 +243,12 @@ function ramp(share) {
 }
 
 function showValues() {
-  const last = isDaily() ? DAYS - 1 : data.axis.points - 1, length = isDaily() ? DAY : POINT_MS;
-  const at = cursor === null ? null : Math.min(Math.max(Math.floor((cursor - START) / length), 0), last);
+  const index = (length, last) => Math.min(Math.max(Math.floor((cursor - START) / length), 0), last);
+  const point = index(POINT_MS, data.axis.points - 1);
+  const at = cursor === null ? null : isDaily() ? index(DAY, DAYS - 1) : point;
   for (const panel of panels) for (const s of panel.series) {
-    s.value.textContent = at === null ? "" : valueText(panel.unit, (isDaily() ? s.days : s).mean[at]);
+    if (s.states) s.value.textContent = cursor === null ? "" : s.states[Math.round(s.mean[point]) - 1] || "–";
+    else s.value.textContent = at === null ? "" : valueText(panel.unit, (isDaily() ? s.days : s).mean[at]);
   }
   const moment = at => isDaily() ? `${dateText(START + at * DAY)}, daily means` : momentText(START + at * POINT_MS);
   document.getElementById("view").textContent = at !== null ? moment(at)
@@ -310,9 +321,9 @@ function fillPanel(panel) {
   const unit = panel.unit === "1" ? "fraction" : panel.unit;
   small.textContent = [unit, panel.heat && scale(panel), panel.note].filter(Boolean).join(", ");
   heading.replaceChildren(panel.title, small);
-  section.querySelector(".row").classList.toggle("heat", Boolean(panel.heat));
+  section.querySelector(".row").classList.toggle("heat", Boolean(panel.heat || panel.states));
   const rows = panel.series.length * ROW + MARGIN.top + MARGIN.bottom;
-  const height = panel.heat ? rows : panel.height || Math.max(panel.series.length > 2 ? 170 : 125, Math.min(rows, 330));
+  const height = panel.heat || panel.states ? rows : panel.height || Math.max(panel.series.length > 2 ? 170 : 125, Math.min(rows, 330));
   panel.canvas.style.height = height + "px";
   const list = section.querySelector("ul");
   list.style.maxHeight = height + "px";
@@ -321,7 +332,7 @@ function fillPanel(panel) {
     const item = document.createElement("li"), mark = document.createElement("i"), name = document.createElement("em");
     series.value = document.createElement("b");
     name.textContent = name.title = series.name;
-    mark.style.background = mark.style.borderColor = series.target && !series.tinted ? "var(--ink)" : color(series.color);
+    mark.style.background = mark.style.borderColor = markColor(series);
     mark.className = series.dashed || series.target ? "dashed" : "";
     item.classList.toggle("off", !series.on);
     item.append(mark, name, series.value);
@@ -331,6 +342,8 @@ function fillPanel(panel) {
     list.append(item);
   }
 }
+const markColor = series => series.target && !series.tinted ? "var(--ink)" : series.states ? stateColor(series.states, 1)
+  : series.color === undefined ? "var(--edge)" : color(series.color);
 function scale(panel) {
   const low = Math.min(...panel.series.map(s => s.low)), high = Math.max(...panel.series.map(s => s.high));
   const [from, to] = [low, high].map(value => valueText(panel.unit, value));

@@ -129,12 +129,20 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                 let controlled =
                     building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
                 for task in &side.tasks {
-                    let moving = !matches!(task.setpoints, Setpoints::Constant { .. });
                     let (period, weather) = ("01-10..01-10".parse().unwrap(), weather.clone());
                     let episode =
                         b2b_env::EpisodeConfig { weather, period, steps_per_hour: 12, task: task.clone() };
                     let spaces = Spaces::new(Arc::clone(building), episode);
-                    let target_slots = if moving { 2 * controlled } else { 0 };
+                    let cooled =
+                        |zone: &&b2b_building::Zone| zone.conditioning == Conditioning::HeatingAndCooling;
+                    let pairs = 2 * controlled + building.zones.iter().filter(cooled).count();
+                    let target_slots = match (&task.setpoints, task.preview) {
+                        (Setpoints::Constant { .. }, _) => 0,
+                        (Setpoints::Band { .. }, None) => pairs,
+                        // The next change of every zone, and prices, temperatures and radiation of a day.
+                        (Setpoints::Band { .. }, Some(_)) => 2 * pairs + 3 * 24,
+                        _ => 2 * controlled,
+                    };
                     let seen = spaces.observation.len();
                     assert!(
                         (slots[0] + target_slots..=slots[1] + target_slots).contains(&seen),

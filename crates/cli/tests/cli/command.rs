@@ -162,7 +162,10 @@ fn a_misspelled_argument_is_answered_with_the_valid_ones() {
         ("run Warehouse --period sumer", ["sumer", "did you mean summer?"]),
         ("run Warehouse --parameters tund", ["tund", "did you mean tuned?"]),
         ("run mall", ["mall", ".idf or .epJSON"]),
-        ("run Warehouse --controller reactiv", ["did you mean reactive?", "expected reactive, random"]),
+        (
+            "run Warehouse --controller reactiv",
+            ["did you mean reactive?", "expected guideline36, own, reactive"],
+        ),
         ("run Warehouse --task warm", ["`warm`", "occupancy+energy0.5"]),
         ("run Warehouse --task constant:99", ["target", "99"]),
         ("run Warehouse --task none.json", ["none.json", "No such file"]),

@@ -63,6 +63,35 @@ fn runs_of_one_episode_are_compared_in_tables_json_and_page() {
 }
 
 #[test]
+fn runs_of_operation_lead_with_cost_energy_discomfort_and_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), "reactive", &format!("{DAYS} --task operate+tou"));
+    record(folder.path(), "guideline", &format!("{DAYS} --task operate+tou --controller guideline36"));
+    let output = b2b(folder.path(), "compare reactive guideline --out page.html");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let lead = text.lines().nth(2).unwrap();
+    for words in ["cost (USD/m²)", "HVAC energy", "thermal discomfort", "15 min"] {
+        assert!(lead.contains(words), "`{words}` is not in: {text}");
+    }
+    let compared = json(folder.path(), "compare reactive guideline --out page.html");
+    for hour in compared["runs"][0]["worst_hours"].as_array().unwrap() {
+        let [zone, setpoint, deviation] =
+            ["temperature_c", "target_c", "deviation_k"].map(|key| hour[key].as_f64().unwrap());
+        assert!((zone - setpoint - deviation).abs() < 1e-9 && deviation != 0.0, "{hour}");
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&read("guideline/summary.json")).unwrap();
+    let cost: f64 =
+        summary["bill"].as_array().unwrap().iter().map(|part| part["cost"].as_f64().unwrap()).sum();
+    assert_eq!(summary["currency"], "USD");
+    assert!(cost > 0.0 && summary["cost_tot"].as_f64().unwrap() > 0.0);
+    // The modes of the guideline are on the page of its run alone.
+    let modes = "\"states\":[\"occupied\",";
+    assert!(read("guideline/picture.html").contains(modes) && !read("reactive/picture.html").contains(modes));
+}
+
+#[test]
 fn runs_of_one_controller_are_named_after_seeds_or_folders() {
     let folder = tempfile::tempdir().unwrap();
     for (name, arguments) in [("a", "random --seed 1"), ("b", "random --seed 2"), ("c", "constant")] {

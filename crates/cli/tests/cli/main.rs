@@ -37,6 +37,8 @@ mod pages;
 mod program;
 mod readme;
 mod seasons;
+#[cfg(target_os = "linux")]
+mod serve;
 #[cfg(unix)]
 mod show;
 mod terminal;

@@ -6,7 +6,7 @@ use crate::program::{b2b, stderr};
 use serde_json::json;
 
 /// A command that writes a page, the page, and a script whose value is true once it is drawn.
-const PAGES: [(&str, &str, &str); 8] = [
+const PAGES: [(&str, &str, &str); 11] = [
     ("run RestaurantFastFood --period 01-01..01-02 --task occupancy --out a", "a/picture.html", DRAWN),
     ("compare a b --out compare.html", "compare.html", DRAWN),
     ("dataset explore --out .", "dataset.html", "document.querySelectorAll('tbody tr').length === 25"),
@@ -19,6 +19,17 @@ const PAGES: [(&str, &str, &str); 8] = [
         "evaluate SingleFamilyHouse-0014 --policy reactive --period 01-10..01-10 --out e",
         "e/report.html",
         "document.querySelectorAll('.grid .main-svg').length > 5",
+    ),
+    (
+        "run RestaurantFastFood --period 01-01..01-02 --task operate+tou --controller guideline36 --out g",
+        "g/picture.html",
+        "document.querySelectorAll('.pair tbody tr').length > 3 && document.querySelector('.states')",
+    ),
+    ("compare d g --out operate.html", "operate.html", DRAWN),
+    (
+        "evaluate SingleFamilyHouse-0014 --policy reactive --task operate --period 01-10..01-10 --out f",
+        "f/report.html",
+        "document.querySelectorAll('.grid .main-svg').length > 2",
     ),
     (
         "evaluate SingleFamilyHouse-0014 --policy random --period 01-10..01-10 07-10..07-10 --task constant \
@@ -50,6 +61,7 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
         assert!(output.status.success(), "{arguments}: {}", stderr(&output));
     };
     run("run RestaurantFastFood --period 01-01..01-02 --task occupancy --controller random --out b");
+    run("run RestaurantFastFood --period 01-01..01-02 --task operate+tou --out d");
     std::fs::write(folder.path().join("t.toml"), TRAINING).unwrap();
     PAGES.iter().for_each(|(arguments, ..)| run(arguments));
     let mut browser = Browser::start(&path, folder.path());

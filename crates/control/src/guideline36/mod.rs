@@ -28,7 +28,7 @@ mod zone;
 use std::ops::Range;
 
 use b2b_building::hvac::{Sequence, System, SystemLayout};
-use b2b_env::{Controller, Spaces};
+use b2b_env::{Controller, Decisions, Spaces};
 
 pub use air_loop::TrimRespond as Guideline36Reset;
 pub(crate) use kind::Kind;
@@ -41,7 +41,7 @@ pub use zone::demand::DemandLevel;
 use air_loop::AirLoop;
 use heater::Heater;
 use inputs::Inputs;
-use record::{Entry, Record, Writer};
+use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
 
 /// The guideline's sequences, one set per system of a building.
@@ -54,7 +54,8 @@ pub struct Guideline36 {
     hours: f64,
     /// Points of the controlled zones.
     points: Vec<ZoneInput>,
-    record: Record,
+    /// Modes ([`Mode::number`]), setpoints, requests and loops of the last step.
+    record: Decisions,
 }
 
 /// A system with its sequences.
@@ -78,11 +79,11 @@ impl Guideline36 {
     /// Creates the sequences of all systems of a building.
     pub fn new(spaces: &Spaces, parameters: &Guideline36Parameters) -> Self {
         let climate_zone = inputs::climate_zone(spaces);
-        let mut record = Record::default();
+        let mut record = Decisions::default();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let floor_area = spaces.building.zones[layout.zones[0].index].floor_area;
             let sequences = Sequences::of(system, floor_area, parameters, climate_zone.as_deref());
-            record.add(system.name(), sequences.entries(), &system.zones());
+            record::add(&mut record, system.name(), sequences.entries(), &system.zones());
             let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
             ControlledSystem { sequences, actions: layout.actions.clone(), zones }
         };
@@ -98,17 +99,12 @@ impl Guideline36 {
 
     /// Writes the action for the points of the controlled zones, in model order, and of the site.
     pub fn act_on(&mut self, site: SiteInput, zones: &[ZoneInput], action: &mut [f64]) {
-        let mut writer = self.record.writer();
+        let mut writer = Writer::new(&mut self.record);
         for system in &mut self.systems {
             let zones = system.zones.iter().map(|&zone| &zones[zone]);
             system.sequences.act(site, zones, &mut action[system.actions.clone()], self.hours);
             system.sequences.write(&mut writer);
         }
-    }
-
-    /// Returns what was decided in the last step: modes ([`Mode::number`]), setpoints, requests and loops, by name.
-    pub fn record(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.record.iter()
     }
 }
 
@@ -122,6 +118,10 @@ impl Controller for Guideline36 {
         let outdoor_temperature = self.inputs.read(observation, &mut points);
         self.act_on(SiteInput { outdoor_temperature, demand: self.demand }, &points, action);
         self.points = points;
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        Some(&self.record)
     }
 }
 

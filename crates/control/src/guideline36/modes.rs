@@ -37,6 +37,10 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// Names of the modes, in the order of their numbers from 1.
+    pub const NAMES: &'static [&'static str] =
+        &["occupied", "cool-down", "setup", "warm-up", "setback", "freeze protection", "unoccupied"];
+
     /// Returns the number of the mode, for records.
     pub fn number(self) -> f64 {
         f64::from(self as u8)

@@ -1,5 +1,8 @@
 //! What the controller decided in the last step, by name: modes, setpoints, requests and loops.
 
+use b2b_env::{DecisionSlot, Decisions};
+
+use super::modes::Mode;
 use super::zone::Zone;
 
 /// A value of a system.
@@ -34,46 +37,38 @@ impl Entry {
     /// The entries of a heater.
     pub(super) const HEATER: &[Self] = &[Self::Mode];
 
-    fn name(self) -> &'static str {
+    /// Returns its name, unit and states.
+    fn described(self) -> (&'static str, &'static str, &'static [&'static str]) {
         match self {
-            Self::Mode => "mode",
-            Self::SupplyTemperature => "supply air temperature setpoint",
-            Self::HighestSupplyTemperature => "t_max",
-            Self::Requests => "cooling requests",
-            Self::Economizer => "economizer enabled",
-            Self::MinimumOutdoorAir => "minimum outdoor air",
+            Self::Mode => ("mode", "1", Mode::NAMES),
+            Self::SupplyTemperature => ("supply air temperature setpoint", "°C", &[]),
+            Self::HighestSupplyTemperature => ("t_max", "°C", &[]),
+            Self::Requests => ("cooling requests", "1", &[]),
+            Self::Economizer => ("economizer enabled", "1", &[]),
+            Self::MinimumOutdoorAir => ("minimum outdoor air", "kg/s", &[]),
         }
     }
 }
 
-/// Names of the values of a zone.
-const ZONE: [&str; 4] =
-    ["heating setpoint in use", "cooling setpoint in use", "heating loop", "cooling loop"];
+/// Names and units of the values of a zone.
+const ZONE: [(&str, &str); 4] = [
+    ("heating setpoint in use", "°C"),
+    ("cooling setpoint in use", "°C"),
+    ("heating loop", "1"),
+    ("cooling loop", "1"),
+];
 
-/// Names and values, in a fixed order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Record {
-    names: Vec<String>,
-    values: Vec<f64>,
-}
-
-impl Record {
-    /// Adds the values of a system and of its zones.
-    pub(super) fn add(&mut self, system: &str, entries: &[Entry], zones: &[&str]) {
-        self.names.extend(entries.iter().map(|entry| format!("{system} {}", entry.name())));
-        let of_zone = |zone: &&str| ZONE.map(|name| format!("{zone} {name}"));
-        self.names.extend(zones.iter().flat_map(of_zone));
-        self.values.resize(self.names.len(), 0.0);
+/// Adds the slots of a system and of its zones.
+pub(super) fn add(record: &mut Decisions, system: &str, entries: &[Entry], zones: &[&str]) {
+    for entry in entries {
+        let (name, unit, states) = entry.described();
+        record.add(DecisionSlot { name: format!("{system} {name}"), unit, zone: None, states });
     }
-
-    /// Returns a writer that fills the values in the order in which they were added.
-    pub(super) fn writer(&mut self) -> Writer<'_> {
-        Writer { values: self.values.iter_mut() }
-    }
-
-    /// Returns the names with their values.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.names.iter().map(String::as_str).zip(self.values.iter().copied())
+    for zone in zones {
+        for (name, unit) in ZONE {
+            let name = format!("{zone} {name}");
+            record.add(DecisionSlot { name, unit, zone: Some((*zone).to_owned()), states: &[] });
+        }
     }
 }
 
@@ -82,7 +77,12 @@ pub(super) struct Writer<'a> {
     values: std::slice::IterMut<'a, f64>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    /// Returns a writer that fills the values in the order in which the slots were added.
+    pub(super) fn new(record: &'a mut Decisions) -> Self {
+        Self { values: record.values.iter_mut() }
+    }
+
     /// Writes the values of a system and of its zones.
     pub(super) fn write<'z>(
         &mut self,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use b2b_building::{BuildingType, Conditioning, PreparedBuilding};
 use b2b_climate::{Place, Site};
 use b2b_control::guideline36::{NextBand, SiteInput, ZoneInput};
-use b2b_control::{Guideline36, Guideline36Parameters, kind};
+use b2b_control::{Controller, Guideline36, Guideline36Parameters, kind};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Term};
@@ -82,8 +82,7 @@ fn run(building_type: BuildingType, period: &str) -> Outcome {
             let ([low, high], at) = (band(is_open(step), true), observation[*zone]);
             discomfort += (low - at).max(at - high).max(0.0) * STEP;
         }
-        let now: Vec<f64> =
-            control.record().filter(|(name, _)| name.ends_with(" mode")).map(|(_, mode)| mode).collect();
+        let now: Vec<f64> = decided(&control, " mode");
         switches += modes.iter().zip(&now).filter(|(before, now)| before != now).count();
         modes = now;
     }
@@ -125,4 +124,11 @@ fn every_type_stays_in_its_band_with_little_heating_in_summer() {
             }
         }
     }
+}
+
+/// The values of the decisions whose names end with a word.
+fn decided(control: &Guideline36, word: &str) -> Vec<f64> {
+    let decisions = control.record().unwrap();
+    let named = decisions.slots().iter().zip(&decisions.values);
+    named.filter(|(slot, _)| slot.name.ends_with(word)).map(|(_, value)| *value).collect()
 }

@@ -2,13 +2,27 @@
 
 use std::path::Path;
 
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, Model};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, Model, PreparedBuilding};
 
+use crate::task::Task;
 use crate::{Error, Result};
 
 /// The file to which the engine writes them.
 pub(super) const METER_FILE: &str = "eplusout.mtr";
 const JOULES_PER_WATT_HOUR: f64 = 3600.0;
+
+/// Returns the meters whose run-period values the energy of a task equals: in a task of operation, those of its end uses,
+/// unless the building has other fans, which they include and HVAC energy does not.
+pub(super) fn compared(building: &PreparedBuilding, task: &Task) -> Vec<HvacMeter> {
+    if !task.is_operation() || building.fans_outside().next().is_some() {
+        return building.meters.clone();
+    }
+    let end_uses = |meter: &HvacMeter| {
+        let carrier = meter.carrier;
+        meter.end_uses().into_iter().map(move |(_, name)| HvacMeter { carrier, name })
+    };
+    building.meters.iter().flat_map(end_uses).collect()
+}
 
 /// Makes the engine write the HVAC meters of the run period to [`METER_FILE`].
 pub(super) fn request(model: &mut Model, meters: &[HvacMeter]) {

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_base::scratch::temporary_folder;
-use b2b_building::{Model, PreparedBuilding};
+use b2b_building::{HvacMeter, Model, PreparedBuilding};
 use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
 use tempfile::TempDir;
 
@@ -88,6 +88,8 @@ pub struct Env {
     steps: usize,
     /// Whether the engine finishes its run after the last step of the run period.
     finish_run: bool,
+    /// The engine's meters of the energy that the task counts.
+    meters: Vec<HvacMeter>,
     /// Where the engine writes its meters.
     meter_file: PathBuf,
     /// The model file and the engine's own files.
@@ -149,6 +151,7 @@ impl Env {
             history: None,
             steps: spaces.episode_steps(),
             finish_run: true,
+            meters: meters::compared(&spaces.building, &spaces.episode.task),
             meter_file: folder.join(meters::METER_FILE),
             spaces: Arc::new(spaces),
             zones,
@@ -352,7 +355,7 @@ impl Env {
     /// [`Error::Io`] before the end of the run period, when the engine writes them.
     pub fn engine_meters(&self) -> Result<[f64; 2]> {
         let building = &self.spaces.building;
-        meters::read(&self.meter_file, &building.meters, building.conditioned_floor_area)
+        meters::read(&self.meter_file, &self.meters, building.conditioned_floor_area)
     }
 
     /// Messages, meters and occupancy of the engine's run, for a finished episode.
@@ -490,7 +493,7 @@ impl Env {
 /// The model of an episode, with the meters that the engine writes.
 fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig) -> Model {
     let mut model = building.model_for(episode.period, episode.steps_per_hour);
-    meters::request(&mut model, &building.meters);
+    meters::request(&mut model, &meters::compared(building, &episode.task));
     model
 }
 

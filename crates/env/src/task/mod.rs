@@ -152,6 +152,17 @@ impl Task {
         self.setpoints.is_band()
     }
 
+    /// Returns the currency of costs; `None` where prices of one's own do not say theirs.
+    ///
+    /// # Errors
+    /// [`Error::Tariff`] for an unknown tariff, or with the line of an error.
+    pub fn currency(&self) -> Result<Option<String>> {
+        match &self.tariff {
+            Some(tariff) => Ok(Some(tariff.tariff()?.currency)),
+            None => Ok((self.prices == PRICES).then(|| "USD".to_owned())),
+        }
+    }
+
     /// Reads a task from a JSON file.
     ///
     /// # Errors

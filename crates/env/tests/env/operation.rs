@@ -21,7 +21,7 @@ fn slot(env: &Env, name: &str) -> usize {
 
 /// Heating and cooling setpoint of a zone in the observation at the start of each hour of a day.
 fn setpoints(env: &Env, rows: &[Vec<f64>], zone: &str, day: usize) -> Vec<[f64; 2]> {
-    let slots = ["heating", "cooling"].map(|word| slot(env, &format!("{zone} {word} setpoint")));
+    let slots = ["heating", "cooling"].map(|word| slot(env, &format!("{zone} band {word} setpoint")));
     (0..24).map(|hour| slots.map(|slot| rows[(24 * day + hour) * 12][slot])).collect()
 }
 
@@ -49,7 +49,7 @@ fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 4] {
     let zones: Vec<_> = env.building().controlled_zones().map(|zone| zone.name.clone()).collect();
     let mut discomfort = 0.0;
     for name in &zones {
-        let [temperature, low, high] = ["air temperature", "heating setpoint", "cooling setpoint"]
+        let [temperature, low, high] = ["air temperature", "band heating setpoint", "band cooling setpoint"]
             .map(|word| slot(env, &format!("{name} {word}")));
         for pair in rows.windows(2) {
             let outside = |row: &[f64]| {
@@ -74,6 +74,9 @@ fn indicators_equal_those_computed_from_the_observations() {
     let metrics = EpisodeMetrics::from(env.metrics());
     let reported =
         [metrics.tdis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot].map(Option::unwrap);
+    let engine: f64 = env.engine_meters().unwrap().iter().sum();
+    let error = (engine / 1000.0 - reported[1]).abs();
+    assert!(error < 1e-6 * reported[1], "the engine's meters say {engine} Wh/m²");
     for (reported, expected) in
         reported.into_iter().zip(by_hand(&env, &rows(&first, &trajectory, first.len())))
     {
@@ -126,7 +129,7 @@ fn the_preview_is_what_follows() {
     let first = env.reset().unwrap().to_vec();
     let trajectory = random_episode(&mut env, 1);
     let rows = rows(&first, &trajectory, first.len());
-    let [now, next, hours] = ["heating setpoint", "next heating setpoint", "hours to next setpoints"]
+    let [now, next, hours] = ["band heating setpoint", "next band heating setpoint", "hours to next band"]
         .map(|word| slot(&env, &format!("Core_ZN {word}")));
     for step in (0..200).step_by(7) {
         let wait = (rows[step][hours] * 12.0).round() as usize;
@@ -185,4 +188,15 @@ fn operation_needs_bands_for_a_preview_and_a_valid_tariff() {
         let said = text.parse::<b2b_env::Task>().unwrap_err().to_string();
         assert!(said.contains(words), "{text}: {said}");
     }
+}
+
+#[test]
+fn no_column_of_a_trajectory_has_the_name_of_another() {
+    let case = Case::at_home(BuildingType::OfficeMedium);
+    let env = case.env_for("07-10..07-10", "operate+tou+preview");
+    let slots = env.observation_space().slots().iter().map(|slot| slot.name.clone());
+    let actuators = env.building().actuators().map(|actuator| actuator.name.clone());
+    let names: Vec<String> = slots.chain(actuators).collect();
+    let different: std::collections::BTreeSet<&String> = names.iter().collect();
+    assert_eq!(different.len(), names.len());
 }

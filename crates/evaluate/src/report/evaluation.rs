@@ -74,6 +74,9 @@ fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Ve
 /// Returns pairs of a label and a value; none for several tasks or run periods, which are rows of the table.
 fn tiles(summary: &Summary) -> Value {
     let [Window { all, .. }] = &summary.windows[..] else { return json!([]) };
+    if let Some(comfort) = &all.comfort {
+        return operation_tiles(all, comfort);
+    }
     let mut tiles = Vec::new();
     if let Some(scores) = &all.resolved_scores {
         tiles.push(json!(["resolved score, interquartile mean", scores.interquartile_mean.to_string()]));
@@ -87,6 +90,25 @@ fn tiles(summary: &Summary) -> Value {
     if let Some(ratio) = all.relative_energy {
         tiles.push(json!(["energy / baseline", format!("{ratio:.2}")]));
     }
+    tiles.into()
+}
+
+/// Returns the tiles of a task of operation: cost, energy, discomfort and peak.
+fn operation_tiles(all: &Group, comfort: &OperationComfort) -> Value {
+    let mut tiles = Vec::new();
+    if let Some(scores) = &all.scores {
+        tiles.push(json!(["score at comfort, interquartile mean", scores.interquartile_mean.to_string()]));
+    }
+    for (label, ratio) in
+        [("cost / baseline", all.relative_resource), ("energy / baseline", all.relative_energy)]
+    {
+        tiles.extend(ratio.map(|ratio| json!([label, format!("{ratio:.2}")])));
+    }
+    tiles.push(json!(["cost per m², mean", format!("{:.3}", comfort.cost_tot)]));
+    tiles.push(json!(["HVAC energy, mean", format!("{:.2} kWh/m²", all.energy_wh_m2 / 1000.0)]));
+    tiles.push(json!(["discomfort per zone, mean", format!("{:.1} K·h", comfort.discomfort_k_h)]));
+    let peak = format!("{:.1} W/m²", 1000.0 * comfort.pele_tot);
+    tiles.push(json!(["peak electric demand, 15 min, mean", peak]));
     tiles.into()
 }
 
@@ -115,16 +137,18 @@ const COLUMNS: [&str; 20] = [
 ];
 
 /// The columns of a group of episodes of operation: cost at comfort first.
-const OPERATION_COLUMNS: [&str; 15] = [
+const OPERATION_COLUMNS: [&str; 17] = [
     "building type",
     "episodes",
     "score at comfort, interquartile mean",
     "score, median",
     "beats baseline (%)",
+    "cost (per m²)",
     "cost / baseline",
     "energy / baseline",
     "discomfort (K·h per zone)",
     "baseline's discomfort",
+    "peak demand, 15 min (W/m²)",
     "episodes beyond the free discomfort",
     "HVAC energy (kWh/m²)",
     "heating (kWh/m²)",
@@ -169,10 +193,12 @@ fn operation_cells(group: &Group) -> [String; OPERATION_COLUMNS.len()] {
         of(|scores| scores.interquartile_mean.to_string()),
         of(|scores| scores.median.to_string()),
         of(Aggregate::beats_baseline_text),
+        comfort.map_or("–".to_owned(), |comfort| format!("{:.3}", comfort.cost_tot)),
         number(group.relative_resource),
         number(group.relative_energy),
         number(comfort.map(|comfort| comfort.discomfort_k_h)),
         number(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+        comfort.map_or("–".to_owned(), |comfort| format!("{:.1}", 1000.0 * comfort.pele_tot)),
         comfort.map_or_else(String::new, OperationComfort::mark),
         format!("{:.2}", group.energy_wh_m2 / 1000.0),
         number(heating),

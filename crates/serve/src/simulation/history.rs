@@ -31,9 +31,9 @@ impl History {
     /// Adds a control step: the observation at its end, and the action applied in it.
     pub fn add(&mut self, points: &Points, observation: &[f64], action: &[f64], overrides: &[Option<f64>]) {
         let measured = points.measurements.iter().zip(observation);
-        self.rows.extend(measured.map(|(point, value)| point.unit.from_own(*value)));
+        self.rows.extend(measured.map(|(point, value)| point.unit.express(*value)));
         let applied = points.inputs.iter().zip(action);
-        self.rows.extend(applied.map(|(input, value)| input.unit.from_own(*value)));
+        self.rows.extend(applied.map(|(input, value)| input.unit.express(*value)));
         self.rows.extend(overrides.iter().map(|value| f64::from(u8::from(value.is_some()))));
     }
 

@@ -237,7 +237,7 @@ impl Simulation {
                             input.value
                         ));
                     }
-                    Some(input.unit.to_own(used))
+                    Some(input.unit.own(used))
                 }
                 (true, None) => {
                     let missing = format!("`{}` is 1, but `{}` is missing", input.activation, input.value);

@@ -86,7 +86,8 @@ impl Run {
         let [start, end] = [span.start, span.end].map(|time| clock.steps(time));
         let kept = clock.steps((span.start - span.warm_up).max(0.0));
         let first_day = kept / clock.per_day() + 1;
-        let period = RunPeriod::new(Date::of_day(first_day), Date::of_day(DAYS))?;
+        let last_day = end.div_ceil(clock.per_day());
+        let period = RunPeriod::new(Date::of_day(first_day), Date::of_day(last_day))?;
         let mut episode = workers.episode(&subject.setting(period))?;
         episode.reset()?;
         let spaces = episode.spaces().clone();

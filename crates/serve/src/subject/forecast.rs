@@ -14,8 +14,6 @@ use crate::{Error, Result};
 
 /// Hours of a year.
 const HOURS: usize = 24 * DAYS as usize;
-/// Half a second, h: rounding of times.
-const ROUNDING: f64 = 0.5 / 3600.0;
 
 /// What a point forecasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,14 +202,14 @@ fn points(spaces: &Spaces) -> Vec<Point> {
     points
 }
 
-/// The moment of a time, s of the year.
+/// The moment of a time, s of the year, to the second.
 fn moment(time: f64) -> Moment {
-    let hours = time / 3600.0 + ROUNDING;
-    let day = (hours / 24.0) as u32;
-    Moment { day: day % DAYS + 1, hour: (hours - 24.0 * f64::from(day) - ROUNDING).max(0.0) }
+    let seconds = time.round();
+    let day = (seconds / 86_400.0) as u32;
+    Moment { day: day % DAYS + 1, hour: (seconds - 86_400.0 * f64::from(day)) / 3600.0 }
 }
 
-/// HourlySeries values from the hour of a forecast on, of which each is at the end of its hour.
+/// Hourly values from the hour of a forecast on, of which each is at the end of its hour.
 struct HourlySeries {
     /// Hour of the year before the first value.
     first: f64,

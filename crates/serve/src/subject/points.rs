@@ -53,7 +53,7 @@ impl Points {
             Input {
                 value: format!("{point}_u"),
                 activation: format!("{point}_activate"),
-                bounds: [unit.from_own(*low), unit.from_own(*high)],
+                bounds: [unit.express(*low), unit.express(*high)],
                 unit,
                 description: name.clone(),
             }

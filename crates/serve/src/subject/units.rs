@@ -30,12 +30,12 @@ impl Unit {
     }
 
     /// Returns a value in this unit.
-    pub fn from_own(self, value: f64) -> f64 {
+    pub fn express(self, value: f64) -> f64 {
         value * self.scale + self.offset
     }
 
     /// Returns a value in the project's unit.
-    pub fn to_own(self, value: f64) -> f64 {
+    pub fn own(self, value: f64) -> f64 {
         (value - self.offset) / self.scale
     }
 }

@@ -58,7 +58,8 @@ fn a_forecast_of_the_outdoor_temperature_comes_true() {
         let [here, there] = [&measured["outdoor_air_temperature_y"], &ahead["TDryBul"][hour]]
             .map(|value| value.as_f64().unwrap());
         assert!((here - there).abs() < 0.05, "{hour}: {here} {there}");
-        let [here, there] = [&measured["Core_ZN_heating_setpoint_y"], &ahead["LowerSetp[Core_ZN]"][hour]];
+        let [here, there] =
+            [&measured["Core_ZN_band_heating_setpoint_y"], &ahead["LowerSetp[Core_ZN]"][hour]];
         assert_eq!(here, there, "{hour}");
     }
     let uncertain = json!({"temperature_uncertainty": "high", "solar_uncertainty": "low", "seed": 3});

@@ -2,8 +2,8 @@
 
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use b2b_building::{BuildingType, PreparedBuilding};
@@ -16,6 +16,8 @@ use b2b_workers::{Launcher, WorkerOptions};
 use crate::client::Client;
 
 static STOP: AtomicBool = AtomicBool::new(false);
+/// Held by the server of a process.
+static ONE: Mutex<()> = Mutex::new(());
 
 /// A small office at its home with its engine.
 pub struct Office {
@@ -38,6 +40,7 @@ impl Office {
 
     /// Serves the office under the guideline's sequences, at 12 control steps an hour.
     pub fn serve(&self, tests: usize) -> Server {
+        let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let subject = Subject::new(SubjectOptions {
             building: Arc::clone(&self.building),
             weather: self.weather.clone(),
@@ -53,7 +56,7 @@ impl Office {
         let address = listener.local_addr().unwrap();
         let options = Options { workers, tests };
         let thread = std::thread::spawn(move || serve(subject, options, listener).unwrap());
-        Server { address, thread: Some(thread) }
+        Server { address, thread: Some(thread), _one: one }
     }
 }
 
@@ -61,6 +64,7 @@ impl Office {
 pub struct Server {
     address: SocketAddr,
     thread: Option<JoinHandle<()>>,
+    _one: MutexGuard<'static, ()>,
 }
 
 impl Server {

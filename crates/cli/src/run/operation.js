@@ -1,0 +1,87 @@
+/* What a task with comfort bands shows. */
+/* Zones that have a panel of their own from the beginning: those with the most discomfort. */
+const ZONE_PANELS = 6;
+const zonePanels = [];
+const cost = (v, d) => [fixed(v, d), data.operation.currency].filter(Boolean).join(" ");
+
+function operationTiles(s) {
+  tile("cost", cost(s.cost_tot, 3) + "/m²");
+  tile("HVAC energy", fixed(s.ener_tot, 2) + " kWh/m²");
+  tile("thermal discomfort, per zone", fixed(s.tdis_tot, 1) + " K·h");
+  tile("peak electric demand, 15 min", fixed((s.pele_tot || 0) * 1000, 1) + " W/m²");
+  const shares = [s.occupied_too_cold_share, s.occupied_too_warm_share];
+  if (shares[0] !== null) tile("occupied hours too cold, too warm", shares.map(v => fixed(100 * v, 1)).join(", ") + " %");
+  const used = [["heating", "heating_wh_m2"], ["cooling", "cooling_wh_m2"], ["fans", "fans_wh_m2"]];
+  tile("heating, cooling, fans", used.map(([, name]) => fixed(s[name] / 1000, 2)).join(", ") + " kWh/m²");
+  tile("emissions", fixed(s.emis_tot, 2) + " kg CO₂/m²");
+  tile("actuator travel, full strokes", fixed(s.daily_travel, 1) + " /day");
+  tile("engine messages", `${s.engine_warnings} warnings, ${s.engine_severes} severe`);
+  spreadTiles();
+  const outside = s.zones.filter(zone => zone.never_near_target).map(zone => zone.name);
+  if (outside.length) warn(`never inside their bands: ${outside.join(", ")}`);
+}
+
+/* A table in a section, with a note beside its title. */
+function addTable(title, note, header) {
+  const section = make("section", document.querySelector(".pair"));
+  make("small", make("h2", section, title), note);
+  const table = make("table", make("div", section, undefined, "scroll")), head = make("tr", make("thead", table));
+  header.forEach(name => make("th", head, name));
+  const body = make("tbody", table);
+  const row = (cells, kind) => cells.reduce((line, cell) => (make("td", line, cell), line), make("tr", body, undefined, kind));
+  return { section, row };
+}
+
+/* The bill with its parts, and the zones with their discomfort. */
+function operationTables(s) {
+  if (s.bill && s.bill.length) {
+    const { row } = addTable("Bill", "HVAC of the whole building", ["", "quantity", `cost (${data.operation.currency})`, "share"]);
+    const sum = s.bill.reduce((sum, part) => sum + part.cost, 0);
+    const share = part => sum > 0 ? fixed(100 * part.cost / sum, 0) + " %" : "–";
+    for (const part of s.bill) row([part.name, `${fixed(part.quantity, 0)} ${part.unit}`, fixed(part.cost, 2), share(part)]);
+    row(["total", "", fixed(sum, 2), ""], "all");
+  }
+  const { section, row } = addTable("Zones", "outside their bands; click a zone to see it below",
+    ["zone", "discomfort (K·h)", "hours outside"]);
+  section.classList.add("zones");
+  worstZones(s).forEach(k => {
+    const zone = s.zones[k];
+    const line = row([zone.name, fixed(zone.discomfort_k_h, 1), fixed(zone.hours_outside_band, 1)]);
+    line.onclick = () => {
+      const [panel] = zonePanels;
+      panel.select.selectedIndex = k;
+      panel.select.onchange();
+      panel.section.scrollIntoView({ block: "center" });
+    };
+  });
+}
+
+/* The numbers of the zones, from the most discomfort to the least. */
+const worstZones = s => [...s.zones.keys()].sort((a, b) => s.zones[b].discomfort_k_h - s.zones[a].discomfort_k_h || a - b);
+
+/* The modes of the controller, and zones in their bands. */
+function addBands({ title, unit, series }) {
+  const { zones, states } = data.operation;
+  if (states.length) {
+    addStates(addPanel(list, { title: "Mode", unit: "", states: true, series: states.map(decodeSteps) }));
+  }
+  const temperatures = series.map(decodeSeries), names = temperatures.slice(0, zones.length).map(each => each.name);
+  const choose = (panel, k) => {
+    showComfort(panel, zones[k].comfort,
+      [...temperatures.filter((_, n) => n % zones.length === k), ...zones[k].in_use.map(decodeSteps)]);
+  };
+  for (const k of worstZones(data.summary).slice(0, ZONE_PANELS)) {
+    const panel = addPanel(list, { title, unit, height: 165, series: [], note: "comfort band shaded",
+      choice: { label: "Zone", options: names, choose } });
+    panel.select.selectedIndex = k;
+    panel.select.onchange();
+    zonePanels.push(panel);
+  }
+}
+
+/* The price of electricity, below the power. */
+function addPrice() {
+  const { price, price_unit } = data.operation;
+  addPanel(list, { title: "Price of electricity", unit: price_unit, height: 100, zero: true, series: [decodeSteps(price)] });
+}
+

@@ -1,0 +1,96 @@
+//! The text report of a task with comfort bands: cost, energy, discomfort and peak first, then the bill.
+
+use b2b_env::BillPart;
+
+use super::summary::Summary;
+use crate::table::Table;
+
+impl Summary {
+    /// Returns the results of an episode of operation.
+    pub(super) fn operation_metrics(&self) -> Vec<(&'static str, String)> {
+        let metrics = &self.metrics;
+        let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let currency = match &self.currency {
+            Some(currency) => format!("{currency}/m²"),
+            None => "per m² at the task's prices".to_owned(),
+        };
+        let [temperature, cost] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
+        vec![
+            ("cost", format!("{:.3} {currency}", of(metrics.cost_tot))),
+            ("HVAC energy", format!("{:.2} kWh/m²", of(metrics.ener_tot))),
+            ("HVAC energy by end use", self.end_uses_text()),
+            ("thermal discomfort", format!("{:.1} K·h per zone", of(metrics.tdis_tot))),
+            (
+                "peak electric demand, 15 min",
+                format!("{:.1} W/m²", 1000.0 * metrics.pele_tot.unwrap_or_default()),
+            ),
+            ("too cold, too warm while occupied", self.occupied_text()),
+            ("emissions", format!("{:.2} kg CO₂/m²", of(metrics.emis_tot))),
+            (
+                "return",
+                format!("{:.1}  (discomfort {temperature:.1}, cost {cost:.1})", metrics.episode_return),
+            ),
+            ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
+            ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
+        ]
+    }
+
+    /// Returns the parts of the bill, with an empty line behind; empty without a tariff.
+    pub(super) fn bill_text(&self) -> String {
+        if self.bill.is_empty() {
+            return String::new();
+        }
+        let currency = self.currency.as_deref().unwrap_or_default();
+        format!("{}\n\n", bill_table(&self.bill, currency).text())
+    }
+
+    /// Returns the zones with their discomfort.
+    pub(super) fn band_table(&self) -> String {
+        let mut table = Table::new(["zone", "equipment", "discomfort (K·h)", "outside band (h)"]);
+        for zone in &self.zones {
+            table.row([
+                zone.name.clone(),
+                zone.equipment().to_owned(),
+                format!("{:.1}", zone.discomfort_k_h),
+                format!("{:.1}", zone.hours_outside_band),
+            ]);
+        }
+        table.text()
+    }
+}
+
+fn bill_table(bill: &[BillPart], currency: &str) -> Table {
+    let total: f64 = bill.iter().map(|part| part.cost).sum();
+    let mut table = Table::with_header(vec![
+        "bill of the building".to_owned(),
+        "quantity".to_owned(),
+        format!("cost ({currency})"),
+        "share (%)".to_owned(),
+    ]);
+    for BillPart { name, quantity, unit, cost } in bill {
+        let share = if total > 0.0 { format!("{:.0}", 100.0 * cost / total) } else { "–".to_owned() };
+        table.row([name.clone(), format!("{quantity:.0} {unit}"), format!("{cost:.2}"), share]);
+    }
+    table.row(["total".to_owned(), String::new(), format!("{total:.2}"), String::new()]);
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_of_a_bill_have_their_shares_and_sum() {
+        let part = |name: &str, unit: &str, cost| BillPart {
+            name: name.into(),
+            quantity: 100.0,
+            unit: unit.into(),
+            cost,
+        };
+        let text = bill_table(&[part("peak", "kWh", 30.0), part("demand", "kW", 10.0)], "CAD").text();
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        assert!(lines[0].contains("cost (CAD)"), "{text}");
+        assert!(lines[1].starts_with("peak") && lines[1].ends_with("75"), "{text}");
+        assert!(lines[3].starts_with("total") && lines[3].contains("40.00"), "{text}");
+    }
+}
