@@ -45,12 +45,14 @@ fn nobody_gains_by_freezing_people_or_by_holding_one_temperature() {
     for season in 0..2 {
         let scores = [&guideline, &own, &reactive, &hold, &off].map(|read| read[season].score);
         assert!((scores[0] - 1.0).abs() < 1e-12 && !guideline[season].marked, "{scores:?}");
-        // Everything off costs next to nothing, and is the worst of all.
-        assert!(off[season].cost < 0.2 && off[season].marked, "{}", off[season].cost);
+        // Everything off costs least, and is the worst of all.
+        assert!(off[season].cost < 0.5 && off[season].marked, "{}", off[season].cost);
         assert!(scores[..4].iter().all(|score| *score < 0.5 * scores[4]), "{scores:?}");
         // 22.5 °C day and night is comfortable, and dearer than setbacks.
         assert!(!hold[season].marked && hold[season].discomfort < 2.0, "{}", hold[season].discomfort);
-        assert!(scores[3] > 1.1, "{scores:?}");
+        assert!(scores[3] > 1.2 && scores[2] > 1.2, "{scores:?}");
         assert!((scores[3] - hold[season].cost).abs() < 1e-9, "comfort gains nothing");
     }
+    // The model's own thermostats save a seventh in January, because people freeze in the morning: it does not pay.
+    assert!(own[0].cost < 0.95 && own[0].marked && own[0].score > 1.0, "{} {}", own[0].cost, own[0].score);
 }
