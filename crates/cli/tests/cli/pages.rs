@@ -23,7 +23,7 @@ const PAGES: [(&str, &str, &str); 11] = [
     (
         "run RestaurantFastFood --period 01-01..01-02 --task operate+tou --controller guideline36 --out g",
         "g/picture.html",
-        "document.querySelectorAll('.pair tbody tr').length > 3 && document.querySelector('.states')",
+        "document.querySelectorAll('.pair tbody tr').length > 3 && document.querySelector('.states') !== null",
     ),
     ("compare d g --out operate.html", "operate.html", DRAWN),
     (
