@@ -44,11 +44,8 @@ pub fn write(
         columns.push::<Float64Type>(&slot.name, slot.unit, trajectory.observed(k));
     }
     let actions = &spaces.action;
-    let is_observed = |name: &str| spaces.observation.slots().iter().any(|slot| slot.name == name);
     for (k, (name, quantity)) in actions.names().iter().zip(actions.quantities()).enumerate() {
-        // A zone may have a setpoint in its band and one that is an actuator.
-        let name = if is_observed(name) { format!("action: {name}") } else { name.to_string() };
-        columns.push::<Float64Type>(&name, quantity.unit(), trajectory.acted(k));
+        columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
     columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
