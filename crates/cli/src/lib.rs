@@ -88,7 +88,7 @@ enum Command {
     View(view::Arguments),
     Compare(compare::Arguments),
     #[cfg(target_os = "linux")]
-    Serve(serve::Arguments),
+    Serve(Box<serve::Arguments>),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
