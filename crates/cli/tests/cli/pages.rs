@@ -85,13 +85,13 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
     let beside = browser.value("document.querySelectorAll('.tile small').length");
     assert!(beside.as_u64().is_some_and(|count| count >= 10), "{beside}");
     // Several tasks and run periods are rows of one table.
-    browser.open(&folder.path().join("several/report.html"), PAGES[5].2);
+    browser.open(&folder.path().join("several/report.html"), PAGES[8].2);
     let counts = browser.value(
         "['.tile', '.tables table', '.tables tbody tr'].map(what => document.querySelectorAll(what).length)",
     );
     assert_eq!(counts, json!([0, 1, 4]));
     // The result of a training is before its curves.
-    browser.open(&folder.path().join("t/curve.html"), PAGES[6].2);
+    browser.open(&folder.path().join("t/curve.html"), PAGES[9].2);
     let result = browser.value("document.querySelector('.tile').textContent");
     assert!(result.to_string().contains("resolved score, whole run period"), "{result}");
 
