@@ -38,11 +38,12 @@ class Layout:
         #: Target of every controlled zone, °C; ``None`` if targets change over time.
         self.constant_target = spaces.constant_target
         moving = self.constant_target is None
-        #: Observation slots of the controlled zones' targets, or of their heating setpoints; ``None`` if targets are constant.
+        #: Observation slots of the controlled zones' targets, or of their heating setpoints; ``None`` if targets are
+        #: constant.
         self.targets = np.array([zone.target_slot for zone in controlled], dtype=int) if moving else None
         slots = [(zone.target_slot, zone.cooling_setpoint_slot) for zone in controlled]
-        #: Observation slots of the controlled zones' cooling setpoints, or of their heating setpoints where nothing cools;
-        #: ``None`` in tasks without bands.
+        #: Observation slots of the controlled zones' cooling setpoints, or of their heating setpoints where nothing
+        #: cools; ``None`` in tasks without bands.
         self.cooling_setpoints = (
             np.array([low if high is None else high for low, high in slots], dtype=int)
             if any(high is not None for _, high in slots)

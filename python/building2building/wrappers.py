@@ -88,7 +88,7 @@ class PadObservation(ObservationWrapper):
         if len(layout.zones) > room:
             raise SettingError(f"zones is {room}, but {self._building.name} has {len(layout.zones)} zones")
         if layout.cooling_setpoints is not None:
-            raise SettingError("zones has no slots for comfort bands; use PadObservation(width=...) in tasks of operation")
+            raise SettingError("zones has no slots for comfort bands; use width in tasks of operation")
         varying = 0 if layout.targets is None else 2 * sum(zone.controlled for zone in layout.zones)
         others = len(layout.observation) - len(layout.zones) - varying
         self._places = np.arange(len(layout.observation)) + room - len(layout.zones)
