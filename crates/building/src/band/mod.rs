@@ -2,7 +2,7 @@
 //! people are present.
 //!
 //! - [`ZoneYear`] is the year of a zone, by its own schedules.
-//! - A house has thermostats that no one set: [`household`] draws its bands from surveys.
+//! - A house has thermostats that no one set: `household` draws its bands from surveys.
 
 mod household;
 mod schedules;
