@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::kind::{self, AnyController, Case};
+use crate::parameter_set::{from_json, to_json};
 use crate::{Error, Reactive, ReactiveParameters, Result};
 
 /// The temperature that is held.
@@ -30,10 +31,6 @@ impl Parameters {
     fn with(reactive: ReactiveParameters) -> Self {
         Self { target: 22.5, reactive }
     }
-
-    fn to_json(&self) -> Value {
-        serde_json::to_value(self).expect("plain numbers always serialize")
-    }
 }
 
 impl kind::Kind for Kind {
@@ -54,16 +51,15 @@ impl kind::Kind for Kind {
     }
 
     fn defaults(&self) -> Value {
-        Parameters::with(ReactiveParameters::default()).to_json()
+        to_json(&Parameters::with(ReactiveParameters::default()))
     }
 
     fn tuned(&self, building: &PreparedBuilding, task: &Task) -> Value {
-        Parameters::with(ReactiveParameters::tuned_for(building, task)).to_json()
+        to_json(&Parameters::with(ReactiveParameters::tuned_for(building, task)))
     }
 
     fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
-        let read = serde_json::from_value::<Parameters>(values);
-        let mut parameters = read.map_err(|error| Error::Values { why: error.to_string() })?;
+        let mut parameters: Parameters = from_json(&values)?;
         for (name, value) in changes {
             if name != TARGET.name {
                 let (controller, known) = (self.name(), vec![TARGET.name]);
@@ -72,7 +68,7 @@ impl kind::Kind for Kind {
             TARGET.check(*value)?;
             parameters.target = *value;
         }
-        Ok(parameters.to_json())
+        Ok(to_json(&parameters))
     }
 
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {

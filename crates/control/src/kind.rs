@@ -12,7 +12,7 @@ use b2b_workers::Episode;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::{Error, KINDS, Result};
+use crate::{Error, KINDS, Result, parameter_set};
 
 /// A kind of controller that needs no file.
 pub trait Kind: Sync {
@@ -159,7 +159,7 @@ pub fn kind(name: &str) -> Option<&'static dyn Kind> {
 
 /// Reads the values of a case as the parameters of a kind.
 pub(crate) fn values<T: serde::de::DeserializeOwned>(case: &Case<'_>) -> Result<T> {
-    T::deserialize(case.values).map_err(|error| Error::Values { why: error.to_string() })
+    parameter_set::from_json(case.values)
 }
 
 #[cfg(test)]

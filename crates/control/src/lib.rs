@@ -9,6 +9,7 @@ mod kind;
 mod objective;
 mod off;
 mod own;
+mod parameter_set;
 #[cfg(target_os = "linux")]
 mod planner;
 mod random;
@@ -35,9 +36,11 @@ pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, kind_hash, parameters_hash};
 
+/// Number of kinds. A planner needs copies of the simulation.
+const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 8 } else { 7 };
+
 /// The kinds of controllers that need no file.
-#[cfg(target_os = "linux")]
-pub static KINDS: [&dyn Kind; 8] = [
+pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
     &guideline36::Kind,
     &own::Kind,
     &reactive::Kind,
@@ -45,16 +48,6 @@ pub static KINDS: [&dyn Kind; 8] = [
     &off::Kind,
     &random::Kind,
     &constant::Kind,
+    #[cfg(target_os = "linux")]
     &planner::Kind,
-];
-/// The kinds of controllers that need no file.
-#[cfg(not(target_os = "linux"))]
-pub static KINDS: [&dyn Kind; 7] = [
-    &guideline36::Kind,
-    &own::Kind,
-    &reactive::Kind,
-    &hold::Kind,
-    &off::Kind,
-    &random::Kind,
-    &constant::Kind,
 ];

@@ -8,8 +8,9 @@ use b2b_env::Task;
 use serde_json::Value;
 
 use super::{Guideline36, Guideline36Parameters, inputs};
+use crate::Result;
 use crate::kind::{self, AnyController, Case};
-use crate::{Error, Result};
+use crate::parameter_set::{from_json, to_json};
 
 /// Lift of the supply air of a heat pump up to which flow is not raised, K. Its efficiency grows with the flow: in a small
 /// office in January, 7 instead of 11 K saves 3 % of energy, while 4 K saves no more.
@@ -53,8 +54,7 @@ impl kind::Kind for Kind {
     }
 
     fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
-        let read = serde_json::from_value::<Guideline36Parameters>(values);
-        let mut parameters = read.map_err(|error| Error::Values { why: error.to_string() })?;
+        let mut parameters: Guideline36Parameters = from_json(&values)?;
         changes.iter().try_for_each(|(name, value)| parameters.set(name, *value))?;
         parameters.check()?;
         Ok(to_json(&parameters))
@@ -68,8 +68,4 @@ impl kind::Kind for Kind {
         let parameters: Guideline36Parameters = kind::values(case)?;
         Ok(Box::new(Guideline36::new(case.spaces, &parameters)))
     }
-}
-
-fn to_json(parameters: &Guideline36Parameters) -> Value {
-    serde_json::to_value(parameters).expect("plain numbers always serialize")
 }

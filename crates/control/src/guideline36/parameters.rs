@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use b2b_building::parameter::Field;
-use b2b_building::{Parameter, user_file};
 use serde::{Deserialize, Serialize};
 
 use super::air_loop::TrimRespond;
 use super::zone::{LoopGains, ZoneRules};
-use crate::{Error, Result};
+use crate::Result;
+use crate::parameter_set::{self, parameter};
 
 /// Parameters of the controller `guideline36`. Four of them are ablations: `air_loop.supply_temperature_reset` 0,
 /// `air_loop.min_flow` 0.3, `optimum_start` 0 and `setback` 0.
@@ -123,49 +123,37 @@ impl Default for AirLoopParameters {
     }
 }
 
-macro_rules! parameter {
-    ($name:literal, $unit:literal, $low:literal, $high:literal, $($level:ident).+) => {
-        Field::new(Parameter::new($name, $unit, $low, $high), |parameters| &mut parameters.$($level).+)
-    };
-}
-
 impl Guideline36Parameters {
     /// All parameters. A name is the JSON keys joined by dots.
     pub const TABLE: [Field<Self>; 28] = [
-        parameter!("optimum_start", "h", 0.0, 6.0, optimum_start),
-        parameter!("setback", "1", 0.0, 1.0, setback),
-        parameter!("demand_level", "1", 0.0, 3.0, demand_level),
-        parameter!("unitary.gains.proportional", "1/K", 0.001, 10.0, unitary.gains.proportional),
-        parameter!("unitary.gains.integral_time", "s", 60.0, 100_000.0, unitary.gains.integral_time),
-        parameter!("unitary.margin", "K", 0.0, 1.0, unitary.margin),
-        parameter!("unitary.min_flow", "1", 0.05, 1.0, unitary.min_flow),
-        parameter!("unitary.heating_flow", "1", 0.05, 1.0, unitary.heating_flow),
-        parameter!("unitary.heating_lift", "K", 0.0, 30.0, unitary.heating_lift),
-        parameter!("unitary.cooling_temperature", "°C", 10.0, 20.0, unitary.cooling_temperature),
-        parameter!("unitary.economizer", "1", 0.0, 1.0, unitary.economizer),
-        parameter!("unitary.compressor_lift", "K", 0.0, 60.0, unitary.compressor_lift),
-        parameter!("unitary.compressor_cutoff", "°C", -60.0, 20.0, unitary.compressor_cutoff),
-        parameter!("air_loop.gains.proportional", "1/K", 0.001, 10.0, air_loop.gains.proportional),
-        parameter!("air_loop.gains.integral_time", "s", 60.0, 100_000.0, air_loop.gains.integral_time),
-        parameter!("air_loop.heating_margin", "K", 0.0, 1.0, air_loop.heating_margin),
-        parameter!("air_loop.cooling_margin", "K", 0.0, 1.0, air_loop.cooling_margin),
-        parameter!("air_loop.min_flow", "1", 0.0, 1.0, air_loop.min_flow),
-        parameter!("air_loop.heating_flow", "1", 0.0, 1.0, air_loop.heating_flow),
-        parameter!("air_loop.min_supply_temperature", "°C", 5.0, 20.0, air_loop.min_supply_temperature),
-        parameter!("air_loop.max_supply_temperature", "°C", 10.0, 30.0, air_loop.max_supply_temperature),
-        parameter!("air_loop.supply_temperature_reset", "1", 0.0, 1.0, air_loop.supply_temperature_reset),
-        parameter!("air_loop.fan_rise", "K", 0.0, 5.0, air_loop.fan_rise),
-        parameter!("air_loop.trim_respond.delay", "h", 0.0, 24.0, air_loop.trim_respond.delay),
-        parameter!(
-            "air_loop.trim_respond.ignored_requests",
-            "1",
-            0.0,
-            100.0,
-            air_loop.trim_respond.ignored_requests
-        ),
-        parameter!("air_loop.trim_respond.trim", "K/h", 0.0, 100.0, air_loop.trim_respond.trim),
-        parameter!("air_loop.trim_respond.respond", "K/h", 0.0, 100.0, air_loop.trim_respond.respond),
-        parameter!("air_loop.trim_respond.max_respond", "K/h", 0.0, 100.0, air_loop.trim_respond.max_respond),
+        parameter!(optimum_start, "h", 0.0, 6.0),
+        parameter!(setback, "1", 0.0, 1.0),
+        parameter!(demand_level, "1", 0.0, 3.0),
+        parameter!(unitary.gains.proportional, "1/K", 0.001, 10.0),
+        parameter!(unitary.gains.integral_time, "s", 60.0, 100_000.0),
+        parameter!(unitary.margin, "K", 0.0, 1.0),
+        parameter!(unitary.min_flow, "1", 0.05, 1.0),
+        parameter!(unitary.heating_flow, "1", 0.05, 1.0),
+        parameter!(unitary.heating_lift, "K", 0.0, 30.0),
+        parameter!(unitary.cooling_temperature, "°C", 10.0, 20.0),
+        parameter!(unitary.economizer, "1", 0.0, 1.0),
+        parameter!(unitary.compressor_lift, "K", 0.0, 60.0),
+        parameter!(unitary.compressor_cutoff, "°C", -60.0, 20.0),
+        parameter!(air_loop.gains.proportional, "1/K", 0.001, 10.0),
+        parameter!(air_loop.gains.integral_time, "s", 60.0, 100_000.0),
+        parameter!(air_loop.heating_margin, "K", 0.0, 1.0),
+        parameter!(air_loop.cooling_margin, "K", 0.0, 1.0),
+        parameter!(air_loop.min_flow, "1", 0.0, 1.0),
+        parameter!(air_loop.heating_flow, "1", 0.0, 1.0),
+        parameter!(air_loop.min_supply_temperature, "°C", 5.0, 20.0),
+        parameter!(air_loop.max_supply_temperature, "°C", 10.0, 30.0),
+        parameter!(air_loop.supply_temperature_reset, "1", 0.0, 1.0),
+        parameter!(air_loop.fan_rise, "K", 0.0, 5.0),
+        parameter!(air_loop.trim_respond.delay, "h", 0.0, 24.0),
+        parameter!(air_loop.trim_respond.ignored_requests, "1", 0.0, 100.0),
+        parameter!(air_loop.trim_respond.trim, "K/h", 0.0, 100.0),
+        parameter!(air_loop.trim_respond.respond, "K/h", 0.0, 100.0),
+        parameter!(air_loop.trim_respond.max_respond, "K/h", 0.0, 100.0),
     ];
 
     /// Sets a parameter by its name in [`Guideline36Parameters::TABLE`]; [`Guideline36Parameters::check`] checks its value.
@@ -173,14 +161,7 @@ impl Guideline36Parameters {
     /// # Errors
     /// [`Error::UnknownParameter`].
     pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
-        let field = Self::TABLE.into_iter().find(|field| field.parameter.name == name);
-        let field = field.ok_or_else(|| Error::UnknownParameter {
-            controller: "guideline36",
-            name: name.to_owned(),
-            known: Self::TABLE.map(|field| field.parameter.name).to_vec(),
-        })?;
-        field.set(self, value);
-        Ok(())
+        parameter_set::set(self, &Self::TABLE, "guideline36", name, value)
     }
 
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
@@ -188,9 +169,7 @@ impl Guideline36Parameters {
     /// # Errors
     /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`Guideline36Parameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let parameters: Self = user_file::parse_object(&text)
-            .map_err(|why| Error::ParameterFile { path: path.to_owned(), why })?;
+        let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;
         Ok(parameters)
     }
@@ -200,11 +179,8 @@ impl Guideline36Parameters {
     /// # Errors
     /// [`Error::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<()> {
-        Self::TABLE.iter().try_for_each(|field| field.check(self))?;
         let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
-        let below_maximum =
-            Parameter::new("air_loop.min_supply_temperature", "°C", 5.0, max_supply_temperature);
-        Ok(below_maximum.check(min_supply_temperature)?)
+        parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])
     }
 
     /// Returns how zones are controlled, with the margins of no system.

@@ -8,8 +8,9 @@ use b2b_env::Task;
 use serde_json::Value;
 
 use super::{Reactive, ReactiveParameters};
+use crate::Result;
 use crate::kind::{self, AnyController, Case, KindDescription};
-use crate::{Error, Result};
+use crate::parameter_set::{from_json, to_json};
 
 /// The kind `reactive`.
 pub struct Kind;
@@ -40,8 +41,7 @@ impl kind::Kind for Kind {
     }
 
     fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
-        let read = serde_json::from_value::<ReactiveParameters>(values);
-        let mut parameters = read.map_err(|error| Error::Values { why: error.to_string() })?;
+        let mut parameters: ReactiveParameters = from_json(&values)?;
         changes.iter().try_for_each(|(name, value)| parameters.set(name, *value))?;
         parameters.check()?;
         Ok(to_json(&parameters))
@@ -69,8 +69,4 @@ impl Reactive {
         let parameters: ReactiveParameters = kind::values(case)?;
         Ok(Self::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters))
     }
-}
-
-fn to_json(parameters: &ReactiveParameters) -> Value {
-    serde_json::to_value(parameters).expect("plain numbers always serialize")
 }

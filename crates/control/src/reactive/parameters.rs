@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use b2b_building::parameter::Field;
-use b2b_building::{Parameter, user_file};
 use serde::{Deserialize, Serialize};
 
 use super::air_loop::AirLoopParameters;
 use super::unitary::UnitaryParameters;
-use crate::{Error, Result};
+use crate::Result;
+use crate::parameter_set::{self, parameter};
 
 /// Parameters of the reactive controllers. The defaults hold 21 °C in every prototype building and are not tuned to any of
 /// them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings and the
@@ -20,18 +20,6 @@ pub struct ReactiveParameters {
     pub unitary: UnitaryParameters,
     /// Parameters of central air loops.
     pub air_loop: AirLoopParameters,
-}
-
-macro_rules! parameter {
-    ($($level:ident).+, $unit:literal, $low:literal, $high:literal) => {
-        Field::new(Parameter::new(concat_names!($($level).+), $unit, $low, $high), |parameters| {
-            &mut parameters.$($level).+
-        })
-    };
-}
-
-macro_rules! concat_names {
-    ($first:ident $(. $next:ident)*) => { concat!(stringify!($first) $(, ".", stringify!($next))*) };
 }
 
 impl ReactiveParameters {
@@ -79,13 +67,7 @@ impl ReactiveParameters {
     /// # Errors
     /// [`Error::UnknownParameter`].
     pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
-        let field = Self::parameter(name).ok_or_else(|| Error::UnknownParameter {
-            controller: "the reactive controllers",
-            name: name.to_owned(),
-            known: Self::TABLE.map(|field| field.parameter.name).to_vec(),
-        })?;
-        field.set(self, value);
-        Ok(())
+        parameter_set::set(self, &Self::TABLE, "the reactive controllers", name, value)
     }
 
     /// Returns a text that identifies the parameters. Results store its hash, which changes when a field is renamed.
@@ -98,9 +80,7 @@ impl ReactiveParameters {
     /// # Errors
     /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let parameters: Self = user_file::parse_object(&text)
-            .map_err(|why| Error::ParameterFile { path: path.to_owned(), why })?;
+        let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;
         Ok(parameters)
     }
@@ -110,11 +90,8 @@ impl ReactiveParameters {
     /// # Errors
     /// [`Error::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<()> {
-        Self::TABLE.iter().try_for_each(|field| field.check(self))?;
         let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
-        let below_maximum =
-            Parameter::new("air_loop.min_supply_temperature", "°C", 5.0, max_supply_temperature);
-        Ok(below_maximum.check(min_supply_temperature)?)
+        parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])
     }
 }
 
