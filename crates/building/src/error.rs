@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use b2b_climate::TwoWeeks;
+
 use crate::parameter::OutOfBounds;
 
 /// An error of this crate.
@@ -91,11 +93,21 @@ pub enum Error {
     },
     /// Text that is not a run period.
     #[error(
-        "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, within a \
-         year, or two weeks that the weather decides: peak-heating, typical-heating, peak-cooling, typical-cooling, mixed",
-        near_period(text)
+        "invalid run period `{text}`{}; expected winter, summer, full_year or MM-DD..MM-DD, from the first day to the last, within a \
+         year",
+        near_period(text, &[])
     )]
     RunPeriod {
+        /// The text.
+        text: String,
+    },
+    /// Text that is neither a run period nor the name of two weeks.
+    #[error(
+        "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, within a \
+         year, or two weeks that the weather decides: {}",
+        near_period(text, &TWO_WEEKS), TWO_WEEKS.join(", ")
+    )]
+    Period {
         /// The text.
         text: String,
     },
@@ -139,6 +151,14 @@ pub enum Error {
     /// The engine's table of sizes could not be read.
     #[error("the sizes in {path} cannot be read: {source}")]
     SizeTable {
+        /// The engine's SQLite output.
+        path: PathBuf,
+        /// The error of SQLite.
+        source: rusqlite::Error,
+    },
+    /// The engine's values of schedules could not be read.
+    #[error("the values of schedules in {path} cannot be read: {source}")]
+    ScheduleTable {
         /// The engine's SQLite output.
         path: PathBuf,
         /// The error of SQLite.
@@ -218,11 +238,18 @@ impl Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Returns the named run period that a text resembles, as a part of a message.
-fn near_period(text: &str) -> String {
+/// The names of the two weeks that the weather decides.
+const TWO_WEEKS: [&str; TwoWeeks::ALL.len()] = {
+    let [a, b, c, d, e] = TwoWeeks::ALL;
+    [a.name(), b.name(), c.name(), d.name(), e.name()]
+};
+
+/// Returns the named run period that a text resembles, as a part of a message. `others` are named beside winter, summer and
+/// the full year.
+fn near_period(text: &str, others: &[&str]) -> String {
     let is_near = |name: &&str| strsim::damerau_levenshtein(name, &text.to_lowercase()) <= 2;
     let names = ["winter", "summer", "full_year"].into_iter();
-    let near = names.chain(b2b_climate::TwoWeeks::ALL.map(|each| each.name())).find(is_near);
+    let near = names.chain(others.iter().copied()).find(is_near);
     near.map_or_else(String::new, |name| format!(": did you mean {name}?"))
 }
 

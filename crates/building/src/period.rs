@@ -70,7 +70,10 @@ impl FromStr for Period {
     fn from_str(text: &str) -> Result<Self> {
         match text.parse() {
             Ok(two_weeks) => Ok(Self::TwoWeeks(two_weeks)),
-            Err(()) => Ok(Self::Days(text.parse()?)),
+            Err(()) => text.parse().map(Self::Days).map_err(|error| match error {
+                Error::RunPeriod { text } => Error::Period { text },
+                other => other,
+            }),
         }
     }
 }

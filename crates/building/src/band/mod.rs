@@ -160,7 +160,7 @@ pub(crate) fn years(
     library: &Library,
 ) -> Result<Vec<ZoneYear>> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
-    let people: Vec<_> = crate::people::groups(model)?;
+    let people = crate::people::groups(model)?;
     let of_zone = |zone: &str| {
         let groups =
             people.iter().filter(|group| group.people > 0.0 && group.zone.eq_ignore_ascii_case(zone));
@@ -171,10 +171,11 @@ pub(crate) fn years(
     names.extend(present.iter().flatten().map(String::as_str));
     let sampled = schedules::Sampled::of(model, &names, weather, library)?;
     let years = thermostats.iter().zip(&present).map(|(thermostat, present)| {
+        let setpoints = thermostat.as_ref().map(|thermostat| thermostat.setpoints(&sampled));
+        let present: Vec<_> = present.iter().map(|schedule| sampled.of_schedule(schedule)).collect();
         ZoneYear::of_samples(schedules::PER_DAY, |index| {
-            let [heating, cooling] =
-                thermostat.as_ref().map_or([None; 2], |thermostat| thermostat.at(&sampled, index));
-            let people = present.iter().any(|schedule| sampled.at(schedule, index) > 0.0);
+            let [heating, cooling] = setpoints.as_ref().map_or([None; 2], |setpoints| setpoints(index));
+            let people = present.iter().any(|values| values.at(index) > 0.0);
             Span { from: 0.0, heating, cooling, people }
         })
     });

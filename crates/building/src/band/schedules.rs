@@ -17,8 +17,8 @@ use crate::{Error, Model, Result, RunPeriod};
 pub(super) const PER_DAY: usize = 96;
 
 /// Objects that the values of schedules depend on, by the beginnings of their classes.
-const NEEDED: [&str; 4] =
-    ["Schedule", "RunPeriodControl:SpecialDays", "Site:Location", "GlobalGeometryRules"];
+const NEEDED: [&str; 5] =
+    ["Version", "Schedule", "RunPeriodControl:SpecialDays", "Site:Location", "GlobalGeometryRules"];
 
 /// The values of schedules over the calendar year of an episode.
 #[derive(Debug)]
@@ -43,18 +43,26 @@ impl Sampled {
         if !varying.is_empty() {
             let model = schedules_alone(model, &varying);
             let database = OutputDatabase::of(&model, weather, library, "b2b-schedules-")?;
-            let read = database.read(read_values, |path, source| Error::EnergyTable { path, source })?;
+            let read = database.read(read_values, |path, source| Error::ScheduleTable { path, source })?;
             values.extend(read);
         }
         Ok(Self { values })
     }
 
-    /// Returns a value by its number in the year; 0 for a schedule that the model does not have, as in the engine, where it
-    /// is an error elsewhere.
-    pub(super) fn at(&self, name: &str, index: usize) -> f64 {
-        let values = self.values.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-        let value = |values: &Vec<f64>| values.get(index).or_else(|| values.last()).copied();
-        values.and_then(|(_, values)| value(values)).unwrap_or(0.0)
+    /// Returns the values of a schedule. One that the model does not have is 0; the engine refuses such a model.
+    pub(super) fn of_schedule(&self, name: &str) -> Values<'_> {
+        Values(self.values.get(&name.to_uppercase()).map_or(&[], Vec::as_slice))
+    }
+}
+
+/// The values of a schedule: one, or one for every quarter of an hour of the year.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Values<'a>(&'a [f64]);
+
+impl Values<'_> {
+    /// Returns a value by its number in the year.
+    pub(super) fn at(self, index: usize) -> f64 {
+        self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
 }
 

@@ -63,11 +63,19 @@ impl Thermostat {
         setpoints.flatten().map(String::as_str).chain([self.control_type.as_str()])
     }
 
-    /// Returns the heating and the cooling setpoint at a time of the year, °C.
-    pub(super) fn at(&self, sampled: &Sampled, index: usize) -> [Option<f64>; 2] {
-        let active = sampled.at(&self.control_type, index);
-        let control = self.controls.iter().find(|control| control.control_type == active);
-        let value = |schedule: &Option<String>| Some(sampled.at(schedule.as_ref()?, index));
-        control.map_or([None; 2], |control| [value(&control.heating), value(&control.cooling)])
+    /// Returns the heating and the cooling setpoint (°C) as a function of the time of the year.
+    pub(super) fn setpoints<'a>(&self, sampled: &'a Sampled) -> impl Fn(usize) -> [Option<f64>; 2] + use<'a> {
+        let control_type = sampled.of_schedule(&self.control_type);
+        let of = |schedule: &Option<String>| Some(sampled.of_schedule(schedule.as_ref()?));
+        let controls: Vec<_> = self
+            .controls
+            .iter()
+            .map(|control| (control.control_type, [of(&control.heating), of(&control.cooling)]))
+            .collect();
+        move |index| {
+            let active = control_type.at(index);
+            let control = controls.iter().find(|(control_type, _)| *control_type == active);
+            control.map_or([None; 2], |(_, setpoints)| setpoints.map(|values| Some(values?.at(index))))
+        }
     }
 }
