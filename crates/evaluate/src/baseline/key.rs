@@ -15,8 +15,11 @@ use crate::{Result, SiteInfo};
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
 pub(super) const REVISION: u32 = 4;
-/// The same for the guideline controller, the baseline of the tasks of operation.
+/// The same for what only the tasks of operation use: the guideline controller, bands and tariffs. Their baselines depend on
+/// both.
 const OPERATION_REVISION: u32 = 1;
+/// Most revisions of operation for one of the others.
+const REVISIONS: u32 = 1000;
 
 /// Everything that a baseline depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -49,7 +52,10 @@ impl Key {
     pub fn of(episode: &Episode, site: &SiteInfo) -> Result<Self> {
         let task = &episode.task;
         let (objective, controller, revision) = match task.is_operation() {
-            true => (Objective::Energy, kind_hash(BuiltIn::guideline36().kind()), OPERATION_REVISION),
+            true => {
+                let revision = REVISION * REVISIONS + OPERATION_REVISION;
+                (Objective::Energy, kind_hash(BuiltIn::guideline36().kind()), revision)
+            }
             false => {
                 let parameters = controller_parameters(&episode.subject, site, task);
                 (Objective::of(task), parameters_hash(&parameters), REVISION)
