@@ -1,6 +1,6 @@
 //! Comfort bands: a heating and a cooling setpoint for every controlled zone and time.
 
-use b2b_building::{Conditioning, PreparedBuilding, Span, ZoneYear};
+use b2b_building::{Conditioning, Date, PreparedBuilding, Span, ZoneYear};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
@@ -125,8 +125,7 @@ impl Band {
 
 impl Days {
     fn include(self, day_of_year: u32) -> bool {
-        // 1 January of the calendar year is a Sunday.
-        let is_weekend = matches!(day_of_year % 7, 0 | 1);
+        let is_weekend = Date::of_day(day_of_year).weekday() >= 5;
         match self {
             Self::All => true,
             Self::Weekdays => !is_weekend,

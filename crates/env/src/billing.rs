@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::{CarrierEnergy, RunPeriod};
+use b2b_building::{CarrierEnergy, Date, RunPeriod};
 use b2b_climate::EpwFile;
 use b2b_tariff::{Bill, DAYS, Emissions, Moment, Part, Prices, Year};
 
@@ -10,9 +10,6 @@ use crate::engine_report::BillPart;
 use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};
-
-/// Weekday of 1 January of the calendar year, a Sunday.
-const FIRST_WEEKDAY: u32 = 6;
 
 /// The bill of an episode and its prices.
 #[derive(Clone, Debug)]
@@ -106,11 +103,16 @@ impl Billing {
     }
 }
 
+/// Returns the calendar year of every episode, for tariffs.
+pub fn calendar_year() -> Year {
+    Year::starting_on(Date::of_day(1).weekday())
+}
+
 /// Returns the prices of a task's tariff in the year of a weather file; `None` without a tariff.
 fn prices(task: &Task, weather: &Path) -> Result<Option<Prices>> {
     let Some(tariff) = &task.tariff else { return Ok(None) };
     let tariff = tariff.tariff()?;
-    let year = Year::starting_on(FIRST_WEEKDAY);
+    let year = calendar_year();
     let outdoor = EpwFile::open(weather).map_err(Error::building)?.dry_bulbs();
     let events =
         if tariff.has_events() { tariff.events(year, &daily_means(&outdoor), None) } else { Vec::new() };

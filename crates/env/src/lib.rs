@@ -50,7 +50,7 @@ pub use action::{ActionSpace, rescale, unscale};
 pub use attributes::{attribute_name, attributes};
 pub use b2b_tariff as tariff;
 pub use band::{Band, Bands, Days, HoursPair, NextPair, Pair};
-pub use billing::{Billed, ElectricityPrice};
+pub use billing::{Billed, ElectricityPrice, calendar_year};
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;
 pub use cost_scale::CostScale;

@@ -15,7 +15,7 @@ use crate::random::stream;
 use crate::{Error, Result};
 
 /// Hours ahead of prices and weather.
-pub const PREVIEW_HOURS: usize = 24;
+pub const PREVIEW_HOURS: usize = b2b_tariff::PREVIEW;
 const HOURS_OF_YEAR: usize = 8760;
 /// The first of the random streams of forecasts, one for each hour of the year.
 const FIRST_STREAM: u64 = 1 << 41;
@@ -43,6 +43,10 @@ pub(crate) struct Forecast {
 }
 
 impl Preview {
+    fn has_errors(&self) -> bool {
+        self.temperature_error > 0.0 || self.solar_error > 0.0
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         within("temperature_error", self.temperature_error, 0.0, 20.0)?;
         within("solar_error", self.solar_error, 0.0, 2.0)
@@ -69,18 +73,28 @@ impl Forecast {
     /// (W/m²) in each.
     pub(crate) fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
         let now = 24 * (day_of_year as usize - 1) + hour as usize;
+        for ahead in 0..PREVIEW_HOURS {
+            let at = (now + ahead) % HOURS_OF_YEAR;
+            (temperatures[ahead], solar[ahead]) = (self.temperatures[at], self.solar[at]);
+        }
+        if self.preview.has_errors() {
+            self.disturb(now, temperatures, solar);
+        }
+    }
+
+    /// Adds the errors of the forecast of an hour of the year.
+    fn disturb(&self, now: usize, temperatures: &mut [f64], solar: &mut [f64]) {
         let mut random = stream(self.preview.seed, FIRST_STREAM + now as u64);
         let step = 1.0 / (PREVIEW_HOURS as f64).sqrt();
         let mut errors = [0.0; 2];
         for ahead in 0..PREVIEW_HOURS {
-            let at = (now + ahead) % HOURS_OF_YEAR;
             for (error, size) in
                 errors.iter_mut().zip([self.preview.temperature_error, self.preview.solar_error])
             {
                 *error += size * step * standard_normal(&mut random);
             }
-            temperatures[ahead] = self.temperatures[at] + errors[0];
-            solar[ahead] = (self.solar[at] * (1.0 + errors[1])).max(0.0);
+            temperatures[ahead] += errors[0];
+            solar[ahead] = (solar[ahead] * (1.0 + errors[1])).max(0.0);
         }
     }
 }

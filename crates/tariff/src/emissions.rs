@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::calendar::{Moment, month_of};
 use crate::error::{Fault, Result, read};
-use crate::fuel::{EMISSIONS, Fuel, FuelValues, Fuels};
+use crate::fuel::{Fuel, FuelValues, Fuels};
 use crate::tariff::Source;
 
 /// An emission profile.
@@ -89,7 +89,7 @@ impl Emissions {
             rate: file.rate,
             source: file.source,
             electricity,
-            fuels: EMISSIONS.with(&file.fuels).map_err(|why| Fault::at(place, why))?,
+            fuels: FuelValues::EMISSIONS.with(&file.fuels).map_err(|why| Fault::at(place, why))?,
         })
     }
 

@@ -43,22 +43,20 @@ pub(crate) struct Fuels {
 
 /// Values of the carriers other than electricity, per kWh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FuelValues {
-    gas: f64,
-    propane: f64,
-    fuel_oil: f64,
-    other_fuel: f64,
-    district_heating: Option<f64>,
-    district_cooling: Option<f64>,
+pub struct FuelValues {
+    /// Natural gas.
+    pub gas: f64,
+    /// Propane.
+    pub propane: f64,
+    /// Heating oil, diesel and gasoline.
+    pub fuel_oil: f64,
+    /// Coal, wood and other fuels.
+    pub other_fuel: f64,
+    /// District heat. Default: the value for heat from a gas boiler.
+    pub district_heating: Option<f64>,
+    /// District cooling. Default: the value for cooling from an electric chiller.
+    pub district_cooling: Option<f64>,
 }
-
-/// US dollars per kWh: natural gas of US commercial consumers, 2023, 11.1 $ per thousand cubic feet (EIA, Natural Gas
-/// Monthly); propane at 2.7 $/gal and heating oil at 4 $/gal (US winter 2022-23), wood pellets at 300 $/ton. The same as
-/// of tasks without a tariff.
-pub(crate) const PRICES: FuelValues = FuelValues::of([0.0365, 0.10, 0.10, 0.06]);
-/// kg of CO₂ per kWh: 40 CFR 98, table C-1, kg per million Btu: natural gas 53.06, propane 62.87, distillate fuel oil No. 2
-/// 73.96, wood 93.80. The same as of tasks without an emission profile.
-pub(crate) const EMISSIONS: FuelValues = FuelValues::of([0.181, 0.215, 0.252, 0.320]);
 
 impl Fuel {
     /// All carriers.
@@ -87,6 +85,13 @@ impl Fuel {
 }
 
 impl FuelValues {
+    /// US dollars per kWh, rounded: natural gas of US commercial consumers, 2023, 11.1 $ per thousand cubic feet (EIA, Natural
+    /// Gas Monthly); propane at 2.7 $/gal and heating oil at 4 $/gal (US winter 2022-23), wood pellets at 300 $/ton.
+    pub const PRICES: Self = Self::of([0.0365, 0.10, 0.10, 0.06]);
+    /// kg of CO₂ per kWh, rounded: 40 CFR 98, table C-1, kg per million Btu: natural gas 53.06, propane 62.87, distillate fuel oil
+    /// No. 2 73.96, wood 93.80 (coal: 94.27).
+    pub const EMISSIONS: Self = Self::of([0.181, 0.215, 0.252, 0.320]);
+
     const fn of([gas, propane, fuel_oil, other_fuel]: [f64; 4]) -> Self {
         Self { gas, propane, fuel_oil, other_fuel, district_heating: None, district_cooling: None }
     }
@@ -120,7 +125,7 @@ impl FuelValues {
     }
 
     /// Returns the value of a carrier where electricity has a given one.
-    pub(crate) fn at(&self, fuel: Fuel, electricity: f64) -> f64 {
+    pub fn at(&self, fuel: Fuel, electricity: f64) -> f64 {
         match fuel {
             Fuel::Electricity => electricity,
             Fuel::Gas => self.gas,

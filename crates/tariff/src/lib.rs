@@ -46,6 +46,6 @@ pub use calendar::{DAYS, Moment, Year};
 pub use emissions::{Emissions, Rate};
 pub use error::{Error, Result};
 pub use events::Event;
-pub use fuel::{ByFuel, Fuel};
+pub use fuel::{ByFuel, Fuel, FuelValues};
 pub use prices::{PREVIEW, Prices};
 pub use tariff::{Customers, Source, Tariff};

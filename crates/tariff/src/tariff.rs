@@ -11,7 +11,7 @@ use crate::energy::{Class, EnergyTable};
 use crate::error::{Fault, Result, read};
 use crate::events::EventRule;
 use crate::file::{BlocksFile, ColdFile, ElectricityFile, Per, TariffFile};
-use crate::fuel::{FuelValues, PRICES};
+use crate::fuel::FuelValues;
 
 /// Most prices by blocks of energy.
 pub(crate) const MAX_BLOCKS: usize = 4;
@@ -130,10 +130,10 @@ impl Tariff {
             events,
             cold,
             fuels: match file.fuels {
-                None => PRICES,
-                Some(given) => {
-                    PRICES.with(given.get_ref()).map_err(|why| Fault::at(given.span().start, why))?
-                }
+                None => FuelValues::PRICES,
+                Some(given) => FuelValues::PRICES
+                    .with(given.get_ref())
+                    .map_err(|why| Fault::at(given.span().start, why))?,
             },
             month_days: month_days(&electricity, place)?,
             energy,

@@ -7,7 +7,7 @@ use b2b_building::people::PeopleGroup;
 use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
-use super::meters::{by_carrier, by_end_use};
+use super::meters::{by_carrier, per_area};
 use crate::Result;
 use crate::presence::Attendance;
 use crate::zones::ControlledZone;
@@ -209,18 +209,20 @@ impl Engine {
         by_carrier(self.meters.iter().map(read), floor_area)
     }
 
-    /// The sum of the end uses of HVAC in the step, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
+    /// HVAC energy of the step by end use and by carrier, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
     /// transformer.
-    pub(super) fn energy_of_end_uses(&self, floor_area: f64) -> CarrierEnergy {
-        let metered = |&(carrier, _, meter)| (carrier, self.simulation.read_meter(meter));
-        let other = |fan: &Variable| (Carrier::Electricity, -self.simulation.read(*fan));
-        by_carrier(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
-    }
-
-    /// HVAC energy of the step by end use, Wh/m².
-    pub(super) fn end_uses(&self, floor_area: f64) -> EndUseEnergy {
-        let metered = |&(_, end_use, meter)| (end_use, self.simulation.read_meter(meter));
-        let other = |fan: &Variable| (EndUse::Fans, -self.simulation.read(*fan));
-        by_end_use(self.end_uses.iter().map(metered).chain(self.fans_outside.iter().map(other)), floor_area)
+    pub(super) fn end_uses(&self, floor_area: f64) -> (EndUseEnergy, CarrierEnergy) {
+        let (mut by_end_use, mut by_carrier) = (EndUseEnergy::default(), CarrierEnergy::default());
+        let metered = self.end_uses.iter();
+        let metered =
+            metered.map(|&(carrier, end_use, meter)| (carrier, end_use, self.simulation.read_meter(meter)));
+        let outside = self.fans_outside.iter();
+        let outside = outside.map(|fan| (Carrier::Electricity, EndUse::Fans, -self.simulation.read(*fan)));
+        for (carrier, end_use, joules) in metered.chain(outside) {
+            let energy = per_area(joules, floor_area);
+            by_end_use[end_use as usize] += energy;
+            by_carrier[carrier as usize] += energy;
+        }
+        (by_end_use, by_carrier)
     }
 }

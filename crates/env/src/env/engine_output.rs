@@ -25,7 +25,7 @@ impl Env {
         let folder =
             std::path::absolute(folder).map_err(|source| Error::Io { path: folder.to_owned(), source })?;
         std::fs::create_dir_all(&folder).map_err(|source| Error::Io { path: folder.clone(), source })?;
-        let mut model = episode_model(&self.spaces.building, &self.spaces.episode);
+        let mut model = episode_model(&self.spaces.building, &self.spaces.episode, &self.meters);
         request(&mut model, &self.spaces.building);
         let path = folder.join(MODEL_FILE);
         std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;

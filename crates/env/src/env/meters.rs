@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, Model, PreparedBuilding};
+use b2b_building::{Carrier, CarrierEnergy, HvacMeter, Model, PreparedBuilding};
 
 use crate::task::Task;
 use crate::{Error, Result};
@@ -56,18 +56,14 @@ pub(super) fn read(path: &Path, meters: &[HvacMeter], floor_area: f64) -> Result
 pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_area: f64) -> CarrierEnergy {
     let mut energy = CarrierEnergy::default();
     for (carrier, joules) in readings {
-        energy[carrier as usize] += joules / JOULES_PER_WATT_HOUR / floor_area;
+        energy[carrier as usize] += per_area(joules, floor_area);
     }
     energy
 }
 
-/// Adds readings of meters (J) up by end use, Wh/m².
-pub(super) fn by_end_use(readings: impl Iterator<Item = (EndUse, f64)>, floor_area: f64) -> EndUseEnergy {
-    let mut energy = EndUseEnergy::default();
-    for (end_use, joules) in readings {
-        energy[end_use as usize] += joules / JOULES_PER_WATT_HOUR / floor_area;
-    }
-    energy
+/// Returns the reading of a meter (J) per floor area, Wh/m².
+pub(super) fn per_area(joules: f64, floor_area: f64) -> f64 {
+    joules / JOULES_PER_WATT_HOUR / floor_area
 }
 
 /// Electricity, and the sum of all other carriers.

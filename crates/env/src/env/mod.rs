@@ -108,7 +108,8 @@ impl Env {
         let temporary = temporary_folder("b2b-env-").map_err(b2b_energyplus::Error::from)?;
         let folder = temporary.path().to_owned();
         let path = folder.join(MODEL_FILE);
-        std::fs::write(&path, episode_model(&building, &episode).to_epjson())
+        let meters = meters::compared(&building, &episode.task);
+        std::fs::write(&path, episode_model(&building, &episode, &meters).to_epjson())
             .map_err(|source| Error::Io { path, source })?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
@@ -151,7 +152,7 @@ impl Env {
             history: None,
             steps: spaces.episode_steps(),
             finish_run: true,
-            meters: meters::compared(&spaces.building, &spaces.episode.task),
+            meters,
             meter_file: folder.join(meters::METER_FILE),
             spaces: Arc::new(spaces),
             zones,
@@ -260,11 +261,11 @@ impl Env {
         }
         let floor_area = self.spaces.building.conditioned_floor_area;
         let is_operation = self.spaces.episode.task.is_operation();
-        let by_carrier =
-            if is_operation { engine.energy_of_end_uses(floor_area) } else { engine.energy(floor_area) };
+        let (end_uses, of_end_uses) = engine.end_uses(floor_area);
+        let by_carrier = if is_operation { of_end_uses } else { engine.energy(floor_area) };
         let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
-        self.terms = self.measure(engine, &by_carrier, began);
+        self.terms = self.measure(&end_uses, &by_carrier, began);
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
@@ -491,9 +492,9 @@ impl Env {
 }
 
 /// The model of an episode, with the meters that the engine writes.
-fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig) -> Model {
+fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig, meters: &[HvacMeter]) -> Model {
     let mut model = building.model_for(episode.period, episode.steps_per_hour);
-    meters::request(&mut model, &meters::compared(building, &episode.task));
+    meters::request(&mut model, meters);
     model
 }
 

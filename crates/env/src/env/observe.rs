@@ -1,6 +1,6 @@
 //! The observation and the reward of a step.
 
-use b2b_building::{Carrier, CarrierEnergy};
+use b2b_building::{Carrier, CarrierEnergy, EndUseEnergy};
 
 use super::Env;
 use super::engine::Engine;
@@ -55,13 +55,17 @@ impl Env {
         self.zone_steps.extend(zones.map(|(zone, asked)| zone_step(f64::NAN, *asked, zone)));
     }
 
-    /// Returns the terms of a step that used energy (Wh/m²) and began at an hour of the day.
-    pub(super) fn measure(&mut self, engine: &Engine, energy: &CarrierEnergy, began: Moment) -> Amounts {
+    /// Returns the terms of a step that used energy (Wh/m²) and began at a moment.
+    pub(super) fn measure(
+        &mut self,
+        end_uses: &EndUseEnergy,
+        energy: &CarrierEnergy,
+        began: Moment,
+    ) -> Amounts {
         let Moment { day_of_year, hour } = began;
         let billed = self.billing.step(day_of_year, hour, energy);
         let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
         let hours = 1.0 / f64::from(*steps_per_hour);
-        let end_uses = &engine.end_uses(self.spaces.building.conditioned_floor_area);
         Measured { energy, end_uses, billed, task, hour, hours, so_far: &self.metrics.terms }.amounts()
     }
 

@@ -1,6 +1,7 @@
 //! Prices and emission factors by energy carrier and hour of the day.
 
-use b2b_building::{Carrier, CarrierEnergy};
+use b2b_building::CarrierEnergy;
+use b2b_tariff::{Fuel, FuelValues};
 use serde::{Deserialize, Serialize};
 
 /// A value for each energy carrier. Carriers used only by imported models may be omitted.
@@ -28,17 +29,6 @@ pub struct Fuels {
     pub district_cooling: Option<Hourly>,
 }
 
-/// Default values of the fuels used only by imported models.
-#[derive(Debug)]
-pub(super) struct OtherFuels {
-    propane: f64,
-    fuel_oil: f64,
-    other_fuel: f64,
-}
-
-/// Efficiency of the boilers and coefficient of performance of the chillers of a district.
-const DISTRICT: [f64; 2] = [0.8, 5.0];
-
 /// A constant value, or one value for each hour of the day from midnight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -49,24 +39,17 @@ pub enum Hourly {
     Hours([f64; 24]),
 }
 
-/// US commercial consumers, 2023, rounded: 12.7 ¢/kWh of electricity, $11.1 per thousand cubic feet of gas (EIA, Electric
-/// Power Monthly and Natural Gas Monthly). A default, to be replaced by local prices.
-pub(super) const PRICES: Fuels = Fuels::of(0.127, 0.0365);
-/// Rounded: propane at 2.7 $/gal, heating oil at 4 $/gal (US winter 2022-23), wood pellets at 300 $/ton.
-pub(super) const PRICES_OF_OTHERS: OtherFuels =
-    OtherFuels { propane: 0.10, fuel_oil: 0.10, other_fuel: 0.06 };
-/// 0.373 kg/kWh: US grid average (EPA eGRID 2022, 823 lb/MWh); 0.181 kg/kWh: 53.06 kg per million Btu of natural gas
-/// (40 CFR 98, table C-1). A default, to be replaced by local factors.
-pub(super) const EMISSIONS: Fuels = Fuels::of(0.373, 0.181);
-/// Also table C-1, kg per million Btu: propane 62.87, distillate fuel oil No. 2 73.96, wood 93.80 (coal: 94.27).
-pub(super) const EMISSIONS_OF_OTHERS: OtherFuels =
-    OtherFuels { propane: 0.215, fuel_oil: 0.252, other_fuel: 0.320 };
+/// US commercial consumers, 2023, rounded: 12.7 ¢/kWh of electricity (EIA, Electric Power Monthly). A default, to be replaced by
+/// local prices.
+pub(super) const PRICES: Fuels = Fuels::of(0.127, &FuelValues::PRICES);
+/// 0.373 kg/kWh: US grid average (EPA eGRID 2022, 823 lb/MWh). A default, to be replaced by local factors.
+pub(super) const EMISSIONS: Fuels = Fuels::of(0.373, &FuelValues::EMISSIONS);
 
 impl Fuels {
-    const fn of(electricity: f64, gas: f64) -> Self {
+    const fn of(electricity: f64, others: &FuelValues) -> Self {
         Self {
             electricity: Hourly::Always(electricity),
-            gas: Hourly::Always(gas),
+            gas: Hourly::Always(others.gas),
             propane: None,
             fuel_oil: None,
             other_fuel: None,
@@ -75,25 +58,21 @@ impl Fuels {
         }
     }
 
-    /// Returns the value of a carrier at an hour of the day, 0 to 24.
-    fn at(&self, carrier: Carrier, hour: f64, others: &OtherFuels) -> f64 {
-        let [boiler, chiller] = DISTRICT;
+    /// Returns the sum over the carriers of energy times value at an hour of the day, 0 to 24. `others` are the values of carriers
+    /// that are not given.
+    pub(super) fn times(&self, energy: &CarrierEnergy, hour: f64, others: &FuelValues) -> f64 {
         let or = |own: &Option<Hourly>, default: f64| own.as_ref().map_or(default, |own| own.at(hour));
-        match carrier {
-            Carrier::Electricity => self.electricity.at(hour),
-            Carrier::Gas => self.gas.at(hour),
-            Carrier::Propane => or(&self.propane, others.propane),
-            Carrier::FuelOil => or(&self.fuel_oil, others.fuel_oil),
-            Carrier::OtherFuel => or(&self.other_fuel, others.other_fuel),
-            Carrier::DistrictHeating => or(&self.district_heating, self.gas.at(hour) / boiler),
-            Carrier::DistrictCooling => or(&self.district_cooling, self.electricity.at(hour) / chiller),
-        }
-    }
-
-    /// Returns the sum over the carriers of energy times value at an hour of the day.
-    pub(super) fn times(&self, energy: &CarrierEnergy, hour: f64, others: &OtherFuels) -> f64 {
-        let of = |carrier: Carrier| energy[carrier as usize] * self.at(carrier, hour, others);
-        Carrier::ALL.into_iter().map(of).sum()
+        let at = |own: &Option<Hourly>| own.as_ref().map(|own| own.at(hour));
+        let electricity = self.electricity.at(hour);
+        let values = FuelValues {
+            gas: self.gas.at(hour),
+            propane: or(&self.propane, others.propane),
+            fuel_oil: or(&self.fuel_oil, others.fuel_oil),
+            other_fuel: or(&self.other_fuel, others.other_fuel),
+            district_heating: at(&self.district_heating),
+            district_cooling: at(&self.district_cooling),
+        };
+        Fuel::ALL.into_iter().zip(energy).map(|(fuel, energy)| energy * values.at(fuel, electricity)).sum()
     }
 
     /// All given values.
@@ -119,5 +98,18 @@ impl Hourly {
             Self::Always(value) => std::slice::from_ref(value),
             Self::Hours(hours) => hours,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use b2b_building::Carrier;
+
+    use super::*;
+
+    #[test]
+    fn the_carriers_of_a_building_and_of_a_tariff_have_one_order() {
+        let carriers = Carrier::ALL.map(|carrier| (format!("{carrier:?}"), carrier as usize));
+        assert_eq!(carriers, Fuel::ALL.map(|fuel| (format!("{fuel:?}"), fuel as usize)));
     }
 }

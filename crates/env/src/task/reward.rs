@@ -1,9 +1,9 @@
 //! The reward of a task.
 
 use b2b_building::CarrierEnergy;
+use b2b_tariff::FuelValues;
 
 use super::Task;
-use super::fuels::{EMISSIONS_OF_OTHERS, PRICES_OF_OTHERS};
 use crate::calendar::Season;
 use crate::reward::{Reward, RewardFunction, StepView};
 
@@ -24,13 +24,13 @@ impl Task {
     /// Returns the cost of energy (Wh/m²) used at an hour of the day, currency/m².
     pub fn cost(&self, energy: &CarrierEnergy, hour: f64) -> f64 {
         // Prices are per kWh.
-        self.prices.times(energy, hour, &PRICES_OF_OTHERS) / 1000.0
+        self.prices.times(energy, hour, &FuelValues::PRICES) / 1000.0
     }
 
     /// Returns the emissions of energy (Wh/m²) used at an hour of the day, g CO₂/m².
     pub fn emissions_of(&self, energy: &CarrierEnergy, hour: f64) -> f64 {
         // kg/kWh is g/Wh.
-        self.emissions.times(energy, hour, &EMISSIONS_OF_OTHERS)
+        self.emissions.times(energy, hour, &FuelValues::EMISSIONS)
     }
 }
 

@@ -1,11 +1,9 @@
 //! The three price scenarios of BOPTEST.
 
-use b2b_tariff::{Fuel, Moment, Prices, Tariff, Year};
+use b2b_env::calendar_year;
+use b2b_tariff::{Fuel, Moment, Prices, Tariff};
 
 use crate::Result;
-
-/// Weekday of 1 January of the calendar year, a Sunday.
-const FIRST_WEEKDAY: u32 = 6;
 
 /// A price scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,7 +61,7 @@ impl AllPrices {
     pub fn new() -> Result<Self> {
         let of = |scenario: PriceScenario| {
             let tariff = Tariff::named(scenario.tariff())?;
-            Prices::new(tariff, Year::starting_on(FIRST_WEEKDAY), &[], None)
+            Prices::new(tariff, calendar_year(), &[], None)
         };
         let [constant, dynamic, highly_dynamic] = PriceScenario::ALL.map(of);
         Ok(Self([constant?, dynamic?, highly_dynamic?]))
