@@ -159,7 +159,7 @@ impl Guideline36Parameters {
     /// Sets a parameter by its name in [`Guideline36Parameters::TABLE`]; [`Guideline36Parameters::check`] checks its value.
     ///
     /// # Errors
-    /// [`Error::UnknownParameter`].
+    /// [`Error::UnknownParameter`](crate::Error::UnknownParameter).
     pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
         parameter_set::set(self, &Self::TABLE, "guideline36", name, value)
     }
@@ -167,7 +167,7 @@ impl Guideline36Parameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`Guideline36Parameters::check`].
+    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the errors of [`Guideline36Parameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;
@@ -177,7 +177,7 @@ impl Guideline36Parameters {
     /// Checks that every value is within the bounds of its parameter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) for the first that is not.
     pub fn check(&self) -> Result<()> {
         let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
         parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])

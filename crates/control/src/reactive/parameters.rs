@@ -65,7 +65,7 @@ impl ReactiveParameters {
     /// Sets a parameter by its name in [`ReactiveParameters::TABLE`]; [`ReactiveParameters::check`] checks its value.
     ///
     /// # Errors
-    /// [`Error::UnknownParameter`].
+    /// [`Error::UnknownParameter`](crate::Error::UnknownParameter).
     pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
         parameter_set::set(self, &Self::TABLE, "the reactive controllers", name, value)
     }
@@ -78,7 +78,7 @@ impl ReactiveParameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`ReactiveParameters::check`].
+    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the errors of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;
@@ -88,7 +88,7 @@ impl ReactiveParameters {
     /// Checks that every value is within the bounds of its parameter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) for the first that is not.
     pub fn check(&self) -> Result<()> {
         let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
         parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])
