@@ -34,5 +34,5 @@ pub fn prototype(building_type: BuildingType, engine: &Engine, library: &Library
     let Some(prototype) = &building_type.data().prototype else { return Ok(Model::default()) };
     let missing = || Error::NoStockModels { file: prototype.file.to_owned() };
     let models = engine.models.as_ref().ok_or_else(missing)?;
-    Ok(Model::read(&models.join(prototype.file), &library.in_this_process())?)
+    Ok(Model::read(&models.join(prototype.file), library)?)
 }

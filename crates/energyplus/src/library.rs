@@ -49,12 +49,6 @@ impl Library {
         self.host.is_some()
     }
 
-    /// Returns the library without its host, for models that are known not to crash.
-    #[must_use]
-    pub fn in_this_process(&self) -> Self {
-        Self { host: None, ..self.clone() }
-    }
-
     /// Path of the library file.
     pub fn path(&self) -> &Path {
         &self.path
