@@ -48,4 +48,5 @@ pub use error::{Error, Result};
 pub use events::Event;
 pub use fuel::{ByFuel, Fuel, FuelValues};
 pub use prices::{PREVIEW, Prices};
+pub use shipped::shipped_text;
 pub use tariff::{Customers, Source, Tariff};

@@ -85,6 +85,11 @@ impl Emissions {
     }
 }
 
+/// Returns the text of the shipped tariff or emission profile of a name; `None` for others.
+pub fn shipped_text(name: &str) -> Option<&'static str> {
+    TARIFFS.into_iter().chain(EMISSIONS).find_map(|(known, text)| (known == name).then_some(text))
+}
+
 /// Returns whether a name is the path of a file of its own.
 fn is_path(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension == "toml")

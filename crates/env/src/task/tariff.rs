@@ -52,6 +52,14 @@ impl DataFile {
         }
     }
 
+    /// Returns its text; `None` for the name of a file that does not ship with this software.
+    pub fn text(&self) -> Option<&str> {
+        match self {
+            Self::Shipped(name) => b2b_tariff::shipped_text(name),
+            Self::Own { toml, .. } => Some(toml),
+        }
+    }
+
     /// Returns it as a tariff.
     ///
     /// # Errors

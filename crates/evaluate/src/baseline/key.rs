@@ -4,7 +4,7 @@ use b2b_base::digest::sha256;
 use b2b_control::{Objective, kind_hash, parameters_hash};
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::{Band, Task};
+use b2b_env::{Band, DataFile, Task};
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Episode;
@@ -38,7 +38,7 @@ pub struct Key {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the controllers' parameters.
+    /// Hash of the controllers' parameters and, for a task of operation, of its tariff and emission profile.
     pub controller: String,
     /// Revision of preparation, environments and controllers.
     pub revision: u32,
@@ -54,7 +54,7 @@ impl Key {
         let (objective, controller, revision) = match task.is_operation() {
             true => {
                 let revision = REVISION * REVISIONS + OPERATION_REVISION;
-                (Objective::Energy, kind_hash(BuiltIn::guideline36().kind()), revision)
+                (Objective::Energy, guideline36_hash(task), revision)
             }
             false => {
                 let parameters = controller_parameters(&episode.subject, site, task);
@@ -79,6 +79,13 @@ impl Key {
         let json = serde_json::to_string(self).expect("plain data always serializes");
         format!("{}.json", &sha256(json)[..32])
     }
+}
+
+/// Returns the hash of the guideline controller's parameters and of the data that a task takes by name, so that a baseline does
+/// not outlive a corrected tariff.
+fn guideline36_hash(task: &Task) -> String {
+    let data = [&task.tariff, &task.emission_profile].into_iter().flatten().filter_map(DataFile::text);
+    data.fold(kind_hash(BuiltIn::guideline36().kind()), |hash, text| sha256(hash + text))
 }
 
 /// Returns a task without energy term and comfort band, which are not part of a baseline's key; a task of operation has that of

@@ -232,6 +232,8 @@ mod tests {
         assert_ne!(key("occupancy"), key("constant"));
         assert_ne!(key("constant+deadband"), key("constant"), "comfort is judged otherwise");
         assert_ne!(key("random:1"), key("random:2"));
+        let [plain, priced] = ["operate", "operate+tou"].map(|task| key(task).controller);
+        assert_ne!(plain, priced, "a corrected tariff is another baseline");
     }
 
     #[test]
