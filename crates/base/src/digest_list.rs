@@ -64,7 +64,7 @@ impl DigestList {
 /// Reads a file of a folder, and compares it with its digest if the folder has digests.
 ///
 /// # Errors
-/// Those of [`DigestList::read`] and [`DigestList::read_file`].
+/// Errors from [`DigestList::read`] and [`DigestList::read_file`].
 pub fn read_verified(folder: &Path, name: &str) -> Result<Vec<u8>> {
     match DigestList::read(folder)? {
         Some(digests) => digests.read_file(folder, name),

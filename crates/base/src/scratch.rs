@@ -87,8 +87,8 @@ pub(crate) fn owned(prefix: &str) -> String {
     }
 }
 
-/// Removes folders and files with a prefix whose owner has ended. Those that cannot be removed, for example another
-/// user's, are kept. So are those of other containers or from before the last boot, whose owner is unknown here.
+/// Removes folders and files with a prefix whose owner has ended. Keeps what it cannot remove, such as another user's
+/// files, and what comes from another container or from before the last boot, because its owner is unknown here.
 pub(crate) fn sweep(parent: &Path, prefix: &str) {
     let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {

@@ -66,9 +66,7 @@ pub enum Error {
         what: String,
     },
     /// A policy whose file changed while its episodes ran.
-    #[error(
-        "{path} changed while its episodes ran, so the result would not be that of the file; run it again"
-    )]
+    #[error("{path} changed while its episodes ran, so the result would not match the file; run it again")]
     ChangedPolicy {
         /// The file or folder.
         path: PathBuf,

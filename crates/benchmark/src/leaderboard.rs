@@ -256,7 +256,7 @@ fn footer(results: &[Entry], rank_by: RankBy) -> String {
     let several = if versions.len() > 1 { "Results of different versions are not comparable: " } else { "" };
     format!(
         "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
-         that of the tuned reactive controllers (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
+         the tuned reactive controllers' return (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
          score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
          type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
          what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is a program of its author, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",

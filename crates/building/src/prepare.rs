@@ -40,8 +40,8 @@ pub struct PreparedBuilding {
     layouts: Vec<SystemLayout>,
     /// Systems and equipment that are not controlled, with the reason; empty except for imported buildings.
     pub uncontrolled: Vec<Uncontrolled>,
-    /// Floor area of the conditioned zones, m², to which energy is normalized. Energy is that of all HVAC, so that zones
-    /// under their own controls count too.
+    /// Floor area of the conditioned zones, m², by which energy is normalized. It includes zones under their own
+    /// controls, because energy covers all HVAC.
     pub conditioned_floor_area: f64,
     /// The engine's meters of HVAC energy, electricity and natural gas first.
     pub meters: Vec<HvacMeter>,

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 /// Reads a text without the byte order mark that some editors put before it.
 ///
 /// # Errors
-/// Those of [`std::fs::read_to_string`].
+/// Errors from [`std::fs::read_to_string`].
 pub fn read(path: &Path) -> std::io::Result<String> {
     let text = std::fs::read_to_string(path)?;
     Ok(match text.strip_prefix('\u{feff}') {

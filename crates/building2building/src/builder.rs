@@ -100,7 +100,7 @@ impl EnvBuilder {
     ///
     /// # Errors
     /// [`Error::Environment`] for an unknown task, [`Error::Building`] for an unknown period, [`Error::Climate`] for an
-    /// unknown place; those of finding, sizing and preparing the building; those of [`Env::new`].
+    /// unknown place; errors from finding, sizing and preparing the building, and from [`Env::new`].
     pub fn build(self) -> Result<Env> {
         let catalog = catalog()?;
         let (building, episode) = self.prepare(&catalog)?;

@@ -15,8 +15,8 @@ use crate::builder::catalog;
 /// [`learn::train::train`](crate::learn::train::train) with [`RunOptions`] of your own.
 ///
 /// # Errors
-/// [`Error::Training`](crate::Error::Training) for a configuration that cannot be used, a folder of another run, and what goes
-/// wrong in training; those of finding the engine.
+/// [`Error::Training`](crate::Error::Training) for an invalid configuration, a folder that holds another run, or a
+/// failure during training; errors from finding the engine.
 pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<Summary> {
     let options = RunOptions {
         out: folder.as_ref().to_owned(),

@@ -95,7 +95,7 @@ impl Run {
         for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
             let id = entry.file_name().to_string_lossy().parse().ok().and_then(Pid::from_raw);
             let environment = std::fs::read(entry.path().join("environ")).unwrap_or_default();
-            // A child may have a temporary folder below that of its parent.
+            // A child may have a temporary folder inside its parent's.
             let is_its = environment.split(|byte| *byte == 0).any(|each| each.starts_with(mark.as_bytes()));
             found.extend(id.filter(|_| is_its));
         }

@@ -65,7 +65,7 @@ pub fn global_radiation(text: &str) -> Vec<f64> {
     column(text, GLOBAL_RADIATION)
 }
 
-/// Returns the values of a column beyond the first three, without those of 29 February.
+/// Returns the values of a column beyond the first three, without 29 February.
 fn column(text: &str, column: usize) -> Vec<f64> {
     let hour = |line: &str| {
         let mut columns = line.split(',');

@@ -52,7 +52,7 @@ pub enum Error {
         /// The controller.
         name: &'static str,
     },
-    /// Values that are not those of a controller's parameters.
+    /// Values that do not fit a controller's parameters.
     #[error("invalid parameters of a controller: {why}")]
     Values {
         /// Reason.

@@ -131,7 +131,7 @@ impl KindDescription {
     /// Makes the controller.
     ///
     /// # Errors
-    /// [`Error::UnknownKind`]; those of [`Kind::make`].
+    /// [`Error::UnknownKind`]; errors from [`Kind::make`].
     pub fn controller(&self, spaces: &Spaces) -> Result<Box<dyn AnyController>> {
         let Self { name, seed, values } = self;
         let unknown =

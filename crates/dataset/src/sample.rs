@@ -24,7 +24,7 @@ const HOUSEHOLDS: u64 = 2000;
 /// The places or regions from which a sample is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
-    /// Those of the dataset: the 16 places in the United States, or the regions by their share of the stock.
+    /// The dataset's places: the 16 places in the United States, or the regions by their share of the stock.
     All,
     /// These places or regions, in equal numbers.
     Named(Vec<String>),

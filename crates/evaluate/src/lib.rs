@@ -4,7 +4,7 @@
 //!    implementation.
 //! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
-//!    is the ratio of the two returns; [`score_at_comfort`] is that of two costs, in tasks of operation.
+//!    is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
 #![cfg(target_os = "linux")]
 

@@ -5,8 +5,8 @@ use b2b_env::Task;
 
 use crate::subject::{SiteInfo, Subject};
 
-/// Returns the parameters of the reactive controllers for a building and a task: those of its type and climate zone for the
-/// objective of the task.
+/// Returns the reactive controllers' tuned parameters for the building's type and climate zone and the task's
+/// objective.
 pub fn controller_parameters(subject: &Subject, site: &SiteInfo, task: &Task) -> ReactiveParameters {
     let prototype = subject.placement.is_prototype(&subject.name);
     ReactiveParameters::tuned(subject.class(site), prototype, Objective::of(task))

@@ -15,8 +15,8 @@ const OF_TRAINING: f64 = 8.0;
 /// Zone time steps of a day.
 const STEPS_PER_DAY: f64 = 288.0;
 
-/// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, each on a core of its own: no less than
-/// that of the longest job. Speeds are those of `data/rates.csv`; the times of finished jobs correct it.
+/// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, each on its own core; never
+/// less than the longest job. Speeds come from `data/rates.csv` and are corrected by the times of finished jobs.
 pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Duration {
     let (mut left, mut longest, mut expected, mut taken) = (0.0, 0.0_f64, 0.0, 0.0);
     for job in jobs {

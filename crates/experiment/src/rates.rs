@@ -38,11 +38,11 @@ pub struct Rate {
     pub timed: &'static str,
 }
 
-/// Returns the speeds in folders of results, by type and preset: of trainings whose job folders are at hand; of a preset without
-/// any, those of whole jobs; and those of environments from the experiment `speed`.
+/// Returns the speeds in folders of results, by type and preset: of trainings if their job folders are available,
+/// otherwise of whole jobs; and of environments, from the experiment `speed`.
 ///
 /// # Errors
-/// Those of the files of jobs that are marked as done.
+/// Errors from reading the files of jobs that are marked as done.
 pub fn rates(folders: &[(Folder, Experiment, Budget)]) -> Result<Vec<Rate>> {
     let mut timed: BTreeMap<(String, String, &'static str), Vec<f64>> = BTreeMap::new();
     for (folder, experiment, budget) in folders {
@@ -109,8 +109,8 @@ pub(crate) fn of_environment(building_type: BuildingType) -> f64 {
     of(building_type.name(), ENVIRONMENT)
 }
 
-/// Returns the measured speed; of a type that was not measured with the preset, that of the type most like it, in proportion to the
-/// speeds of their environments. Several types are as fast as the slowest.
+/// Returns the measured speed. A type that was not measured with the preset gets the speed of the most similar type,
+/// scaled by the ratio of their environments' speeds. Several types are as fast as the slowest.
 fn of(building_type: &str, preset: &str) -> f64 {
     let measured = |preset: &str| shipped().filter(|row| row[1] == preset).collect::<Vec<_>>();
     let mut rows = measured(preset);

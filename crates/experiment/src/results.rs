@@ -60,11 +60,11 @@ impl Results {
         Self { budget, done: Vec::new(), failed: Vec::new(), missing: Vec::new() }
     }
 
-    /// Reads the results in the folder of an experiment: those of the jobs' folders and, of jobs without one, those that
+    /// Reads the results in an experiment's folder: from each job's own folder or, if that is gone, from what
     /// [`Folder::keep`] kept.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) and those of the benchmark's reader, for a job that is marked as done.
+    /// [`Error::Io`](crate::Error::Io) and errors from the benchmark's reader, for a job that is marked as done.
     pub fn read(folder: &Folder, experiment: &Experiment, budget: &Budget) -> Result<Self> {
         let mut results = Self::none(budget.clone());
         let jobs = experiment.jobs(budget);

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-/// An energy carrier. The order is that of `b2b_building::Carrier`.
+/// An energy carrier, in the same order as `b2b_building::Carrier`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fuel {
     /// Electricity.

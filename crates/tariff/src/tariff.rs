@@ -15,7 +15,7 @@ use crate::fuel::FuelValues;
 
 /// Most prices by blocks of energy.
 pub(crate) const MAX_BLOCKS: usize = 4;
-/// Most names of energy prices, with those of events and cold.
+/// Maximum number of energy price names, including the names used for events and cold.
 pub(crate) const MAX_NAMES: usize = 16;
 /// Most demand charges.
 pub(crate) const MAX_CHARGES: usize = 8;

@@ -39,7 +39,7 @@ impl Runners {
     /// Makes a runner.
     ///
     /// # Errors
-    /// For a kind that the program does not have; those of the runner.
+    /// Errors for a kind that the program does not have; errors from the runner.
     pub(super) fn make(self, kind: &str, env: &Env, order: &[u8]) -> Result<RunnerOf, RunnerError> {
         let Some((kind, make)) = self.0.iter().find(|(known, _)| *known == kind) else {
             let known: Vec<&str> = self.0.iter().map(|(known, _)| *known).collect();

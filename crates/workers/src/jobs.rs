@@ -40,7 +40,7 @@ impl Jobs {
     /// Checks the response of a building to its actuators: see [`authority::measure`].
     ///
     /// # Errors
-    /// Those of the engine; [`Error::Process`]; [`Error::Interrupted`].
+    /// Errors from the engine; [`Error::Process`]; [`Error::Interrupted`].
     pub fn authority(&self, building: &PreparedBuilding, weather: &Path) -> Result<authority::Report> {
         let doing = format!("checking the actuators of {}", building.name);
         let (library, building, weather) = (self.library(), building.clone(), absolute(weather)?);

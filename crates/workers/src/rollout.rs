@@ -116,7 +116,7 @@ impl RolloutMemory {
 
 impl Episode {
     /// Resets the episode, runs it to its end under a controller that the worker creates from its description, and
-    /// passes the steps to the observer, a day at a time. Metrics and steps equal those of
+    /// passes the steps to the observer, a day at a time. Metrics and steps equal the results of
     /// [`rollout`](b2b_env::rollout) bit for bit.
     ///
     /// # Errors

@@ -130,7 +130,8 @@ impl EntryPolicy {
     /// one that these episodes need is read.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); those of [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and
+    /// [`Agent::read`].
     pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[Episode]) -> Result<Self> {
         let format = match text.parse() {
             Ok(built_in) => return Ok(Self::BuiltIn(built_in)),
@@ -148,8 +149,8 @@ impl EntryPolicy {
     /// Reads the policy of a result whose ONNX files or agents are in a folder, named by their hashes.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); those of [`OnnxPolicy::read`] and [`Agent::read`]; [`Error::Modified`] for a file with another
-    /// hash.
+    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); [`Error::Modified`] for a file with another hash;
+    /// errors from [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
         let (pattern, format, files) = match description {
             PolicyDescription::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),
@@ -226,7 +227,7 @@ impl EntryPolicy {
     /// Checks that the files have not changed since they were read.
     ///
     /// # Errors
-    /// [`Error::ChangedPolicy`]; those of reading them.
+    /// [`Error::ChangedPolicy`]; errors from reading the files.
     pub(super) fn check_files(&self) -> Result<()> {
         let Self::Files(Files { format, files, .. }) = self else { return Ok(()) };
         for file in files.values() {
@@ -337,7 +338,7 @@ impl Files {
         }
     }
 
-    /// Returns the base controller of the agents: that of the first, as all agents of an entry share it.
+    /// Returns the agents' base controller, taken from the first agent because all agents of an entry share it.
     fn base(&self) -> Option<String> {
         match self.files.values().next().map(|file| &file.policy) {
             Some(FilePolicy::Agent(agent)) => agent.info().interface.acting.base(),

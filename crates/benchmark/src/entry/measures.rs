@@ -16,9 +16,9 @@ const SEED: u64 = 0;
 
 /// The measures of a run.
 ///
-/// A *score* is that of a building under a task in a run period: the mean over seeds of the return divided by that of the
-/// tuned reactive controllers, as in the paper. Lower is better, and below 1 beats the baseline. Measures also have the
-/// resolved score, RMS deviation and energy; profile, gap and adaptation are those of the paper's score. A stratum of the
+/// A *score* belongs to one building, task and run period: the return divided by the tuned reactive controllers'
+/// return, averaged over seeds, as in the paper. Lower is better, and below 1 beats the baseline. Measures also have
+/// the resolved score, RMS deviation and energy; profile, gap and adaptation use the paper's score. A stratum of the
 /// bootstrap is a building type under a task in a run period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {

@@ -132,7 +132,7 @@ impl RunResult {
         write_whole(&result, &text).map_err(at(&result))
     }
 
-    /// Errors unless a folder's result is that of an entry.
+    /// Errors unless the folder's result belongs to this entry.
     pub(super) fn check_same(&self, here: &Self, folder: &Path) -> Result<()> {
         let value = |result: &Self| serde_json::to_value(result).expect("plain data always serializes");
         let mut paths = Vec::new();
@@ -162,8 +162,8 @@ pub type Stages = Vec<(Stage, Vec<Row>)>;
 /// Returns the result of a folder, and its rows by stage.
 ///
 /// # Errors
-/// [`Error::Unfinished`] and [`Error::NoResult`] if there is none; [`Error::Damaged`](b2b_evaluate::Error::Damaged); [`Error::Modified`] if the episodes
-/// are not those of the result; [`Error::Io`](b2b_evaluate::Error::Io).
+/// [`Error::Unfinished`] and [`Error::NoResult`] if there is none; [`Error::Damaged`](b2b_evaluate::Error::Damaged);
+/// [`Error::Modified`] if the episodes do not match the result; [`Error::Io`](b2b_evaluate::Error::Io).
 pub fn read_result(folder: &Path) -> Result<(RunResult, Stages)> {
     match find_result(folder)? {
         Some(found) => Ok(found),

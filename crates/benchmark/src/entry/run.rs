@@ -25,8 +25,8 @@ impl Entry {
     /// as it is.
     ///
     /// # Errors
-    /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](b2b_evaluate::Error::OtherEvaluation) for the folder of another
-    /// entry; those of [`Folder::open`] and [`Results::of`].
+    /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](b2b_evaluate::Error::OtherEvaluation) for the folder
+    /// of another entry; errors from [`Folder::open`] and [`Results::of`].
     pub fn run(
         &self,
         folder: &Path,

@@ -30,7 +30,7 @@ pub struct Score {
     pub relative_energy: Option<f64>,
 }
 
-/// The performance in a set of episodes. The fields of the paper's score are those of the set itself in JSON.
+/// Performance over a set of episodes. In JSON, the fields of the paper's score are flattened into the set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Performance {
     /// Scores as in the paper.

@@ -58,7 +58,7 @@ impl Problem {
     /// Returns the problem with these changes, checked.
     ///
     /// # Errors
-    /// [`Error::Problem`] for changes that do not apply to it; those of [`Problem::check`].
+    /// [`Error::Problem`] for changes that do not apply to it; errors from [`Problem::check`].
     pub fn with(mut self, changes: &Changes) -> Result<Self> {
         let misfit = |why: String| Error::Problem { name: self.name.clone(), why };
         if let Some(task) = &changes.left_out {

@@ -4,8 +4,8 @@
 //!    The named ones are JSON files under `data/problems`; a user's own file has the same format.
 //! 2. [`Problem::check`] rejects a problem that cannot measure generalization, such as one that trains on test buildings.
 //! 3. [`Changes`] derive another problem, for example with other run periods; its [`Problem::hash`] differs.
-//! 4. [`WrappedPolicy`] gives a policy the observation and action spaces of a side, and [`TrainingForm`] gives those of the
-//!    training side to a batch of environments.
+//! 4. [`WrappedPolicy`] gives a policy the observation and action spaces of the training or test side, and
+//!    [`TrainingForm`] gives a batch of environments the spaces of the training side.
 
 mod as_text;
 mod buildings;

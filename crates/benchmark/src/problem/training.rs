@@ -24,7 +24,8 @@ pub struct TrainingForm {
 }
 
 impl TrainingForm {
-    /// The form of a problem that fits these buildings. The problem's own width is that of observations in order.
+    /// Returns the form of a problem for these buildings. The problem's own width applies to observations in model
+    /// order.
     ///
     /// # Errors
     /// [`crate::Error::Problem`] if the problem's restriction does not apply to one of them.

@@ -63,7 +63,7 @@ struct Best {
 /// Minimizes the sum of squared residuals from the origin. `evaluate` returns the residuals of each point of a batch.
 ///
 /// # Errors
-/// Those of `evaluate`.
+/// Errors from `evaluate`.
 pub fn fit<E>(
     options: &Options,
     evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,

@@ -116,10 +116,10 @@ pub struct ZoneDescription {
     pub volume: f64,
     /// Zone multiplier.
     pub multiplier: f64,
-    /// Center of its bounding box relative to that of the building: 0 at west, south and bottom before rotation, 1 at the
+    /// Center of its bounding box relative to the building's: 0 at west, south and bottom before rotation, 1 at the
     /// other end.
     pub center: Point,
-    /// Size of its bounding box relative to that of the building.
+    /// Size of its bounding box relative to the building's.
     pub extent: Point,
     /// Area of exterior walls, including windows, m².
     pub exterior_wall_area: f64,
@@ -208,7 +208,7 @@ impl Description {
     /// Describes a model, sized or not, with the conditioning of its zones, in model order, and its systems.
     ///
     /// # Errors
-    /// As [`Description::of`], except for those of the weather file.
+    /// The errors of [`Description::of`], apart from errors in the weather file.
     pub fn of_model(
         name: &str,
         model: &Model,

@@ -58,7 +58,7 @@ pub fn require_relative_coordinates(model: &Model) -> Result<()> {
     Err(Error::edit("GlobalGeometryRules", &name, why))
 }
 
-/// Checks that all surfaces have corners, in axes that are those of the building.
+/// Checks that all surfaces have corners, in the building's axes.
 ///
 /// # Errors
 /// [`Error::Edit`] naming the first object that cannot be stretched.

@@ -1,8 +1,9 @@
 //! The energy that a building's HVAC buys, and the engine's meters of it.
 //!
-//! The meters `…:HVAC` are those of coils, fans and zone equipment. Boilers, chillers, towers, pumps and district energy count
-//! in `…:Plant`, together with service hot water and refrigeration. In a model with such equipment, HVAC energy is therefore
-//! the sum of the meters of [`EndUse`]. These include the pumps of service hot water, which have no meter of their own.
+//! The meters `…:HVAC` count coils, fans and zone equipment. Boilers, chillers, towers, pumps and district energy count
+//! in `…:Plant`, together with service hot water and refrigeration. In a model with such equipment, HVAC energy is
+//! therefore the sum of the meters of [`EndUse`]. These include the pumps of service hot water, which have no meter of
+//! their own.
 
 use serde::{Deserialize, Serialize};
 

@@ -26,8 +26,8 @@ pub struct MonthlyEnergy {
 }
 
 impl MonthlyEnergy {
-    /// Simulates a year of a model with its own controls and sizing. The run period is that of the model if it is one
-    /// whole year, and otherwise [`RunPeriod::FULL_YEAR`].
+    /// Simulates a year of a model with its own controls and sizing. Uses the model's run period if it is one whole
+    /// year, otherwise [`RunPeriod::FULL_YEAR`].
     ///
     /// # Errors
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::EnergyTable`] when its output

@@ -14,7 +14,7 @@ pub struct Zone {
     pub name: String,
     /// Floor area, m²: given in the model, or the sum of its floor surfaces.
     pub floor_area: f64,
-    /// Number of identical zones: the multiplier of the zone times that of its group.
+    /// Number of identical zones: the zone's multiplier times its group's.
     pub multiplier: f64,
 }
 
@@ -114,7 +114,7 @@ pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     own.filter_map(area).reduce(|sum, area| sum + area)
 }
 
-/// Returns whether a name is that of a space in a zone, or of a list that has one.
+/// Returns whether a name refers to a space in the zone, or to a list that contains one.
 pub fn covers_part(model: &Model, space_or_list: &str, zone: &str) -> bool {
     spaces_of(model, zone).any(|(space, _)| covers_space(model, space_or_list, space))
 }
@@ -123,13 +123,13 @@ fn spaces_of<'a>(model: &'a Model, zone: &'a str) -> impl Iterator<Item = (&'a s
     model.objects("Space").into_iter().filter(move |(_, fields)| names(fields, "zone_name", zone))
 }
 
-/// Returns whether a name is that of a zone, or of a list that has it.
+/// Returns whether a name refers to the zone, or to a list that contains it.
 pub fn covers_zone(model: &Model, zone_or_list: &str, zone: &str) -> bool {
     zone_or_list.eq_ignore_ascii_case(zone)
         || lists(model, "ZoneList", zone_or_list, ["zones", "zone_name"], zone)
 }
 
-/// Returns whether a name is that of a space, or of a list that has it.
+/// Returns whether a name refers to the space, or to a list that contains it.
 pub fn covers_space(model: &Model, space_or_list: &str, space: &str) -> bool {
     space_or_list.eq_ignore_ascii_case(space)
         || lists(model, "SpaceList", space_or_list, ["spaces", "space_name"], space)

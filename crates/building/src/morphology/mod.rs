@@ -157,7 +157,7 @@ impl Morphology {
         self.nodes.iter().filter(|node| node.node_type == node_type).count()
     }
 
-    /// Returns the number of a node among those of its type: its row in the arrays.
+    /// Returns a node's index among the nodes of its type, which is its row in the arrays.
     pub fn row(&self, node: usize) -> usize {
         let node_type = self.nodes[node].node_type;
         self.nodes[..node].iter().filter(|other| other.node_type == node_type).count()

@@ -89,7 +89,7 @@ fn without_outdoor_air_limit(mut model: Model) -> Model {
     model
 }
 
-/// Hard-sizes an archetype and compares its week with that of the autosized model.
+/// Hard-sizes an archetype and compares a simulated week with the autosized model's.
 fn a_hard_sized_model_behaves_as_the_autosized_one(name: &str) {
     let library = library();
     let shipped = without_outdoor_air_limit(archetype(name, &library));

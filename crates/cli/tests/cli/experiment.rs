@@ -84,7 +84,7 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     }
     let output = b2b(path, "experiment check whole");
     assert_eq!(output.status.code(), Some(1));
-    assert!(both_outputs(&output).contains("is another agent than that of the results"));
+    assert!(both_outputs(&output).contains("is not the agent of the results"));
     assert!(both_outputs(&output).contains("1 of 2 agents agree"), "{}", both_outputs(&output));
     std::fs::remove_dir_all(path.join("whole/jobs")).unwrap();
     assert_rejected(path, "experiment check whole", &["whole has no agents to check"]);

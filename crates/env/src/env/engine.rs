@@ -44,7 +44,7 @@ pub(super) struct Engine {
     pub(super) people: Vec<Option<Variable>>,
     /// The building's meters, as far as the engine has them.
     meters: Vec<(Carrier, Meter)>,
-    /// Those of their end uses that the engine has.
+    /// The end-use meters of these carriers that the engine has.
     end_uses: Vec<(Carrier, EndUse, Meter)>,
     /// Electricity of fans that are in the meter of fans and are not HVAC, J.
     fans_outside: Vec<Variable>,

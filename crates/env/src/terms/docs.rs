@@ -1,4 +1,4 @@
-//! The lists in docs/tasks.md are those of the code, and the example in CONTRIBUTING.md is a file.
+//! The lists in docs/tasks.md match the code, and the example in CONTRIBUTING.md is a file.
 //!
 //! `B2B_RECORD_DOCS=1 cargo test --release -p b2b-env docs` writes the lists.
 

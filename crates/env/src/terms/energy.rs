@@ -3,7 +3,7 @@
 use super::entry::{Column, Display, Entry, Penalty, Total};
 use super::{Term, Totals};
 
-/// Electricity, and all else that HVAC buys. The total is that of both, so that it follows from the columns of a table.
+/// Electricity and all other energy bought for HVAC. The total is their sum, so that it follows from a table's columns.
 pub(super) const ENERGY: Entry = Entry {
     name: "energy",
     unit: "Wh/m²",

@@ -88,8 +88,8 @@ fn guideline36_hash(task: &Task) -> String {
     data.fold(kind_hash(BuiltIn::guideline36().kind()), |hash, text| sha256(hash + text))
 }
 
-/// Returns a task without energy term and comfort band, which are not part of a baseline's key; a task of operation has that of
-/// `operate` instead, and no preview, which the guideline controller does not read.
+/// Returns the task without its energy term and comfort band, which are not part of a baseline's key. A task of
+/// operation gets the comfort band of `operate` and loses its preview, which the guideline controller does not read.
 pub(super) fn without_energy(task: &Task) -> Task {
     let usual = if task.is_operation() { Task::operate(Band::Own) } else { Task::default() };
     let Task { energy_weight, energy_scale, resource, comfort_band, preview, .. } = usual;

@@ -48,7 +48,7 @@ pub(super) struct Bench {
 }
 
 impl<'a> Group<'a> {
-    /// Groups of episodes in the order of a list; those of one building that follow each other are one.
+    /// Groups episodes in list order: consecutive episodes in the same building form a group.
     pub(super) fn of(episodes: &[(usize, &'a Episode)]) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
         for (position, (_, episode)) in episodes.iter().enumerate() {

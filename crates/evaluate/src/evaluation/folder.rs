@@ -50,8 +50,8 @@ const DEFINITION: &str = "evaluation.json";
 const EPISODES: &str = "episodes";
 
 impl Folder {
-    /// Opens the folder of these episodes under this policy: a new one, or one with some episodes in it already. A folder of
-    /// another evaluation in which nothing has finished becomes that of this one.
+    /// Opens the folder for these episodes under this policy, whether new or partly complete. A folder left by another
+    /// evaluation in which no episode finished is taken over.
     ///
     /// # Errors
     /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];

@@ -138,14 +138,14 @@ impl Scored {
     }
 }
 
-/// Returns the sum of HVAC energy over that of the reactive controllers; `None` if theirs is unknown or 0. Of sums, so that
-/// an episode with next to no energy counts next to nothing.
+/// Returns total HVAC energy divided by the reactive controllers' total; `None` if theirs is unknown or 0. A ratio of
+/// sums gives almost no weight to an episode that uses almost no energy.
 pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
 }
 
-/// Returns the sum of the task's resource over that of the reactive controllers, for rows of one task; `None` if theirs is
-/// unknown or not above 0.
+/// Returns the total of the task's resource divided by the reactive controllers' total, for rows of one task; `None` if
+/// theirs is unknown or not above 0.
 pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
 }

@@ -12,7 +12,7 @@ impl dyn Policy {
     /// scaled by `scale`.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); those of [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
         let path = Path::new(name);
         if is_onnx(path) {

@@ -43,7 +43,7 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
         "tables": [table(all)],
         "lost": [],
         "drawings": charts.map(Chart::json),
-        "footer": "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, \
+        "footer": "Means over episodes. Score: the return divided by the reactive controllers' return for the same building, \
                    task and days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both.",
     });
     b2b_page::write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })

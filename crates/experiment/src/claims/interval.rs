@@ -25,8 +25,8 @@ impl Measured {
     }
 }
 
-/// Returns a statistic of sorted values, one of each building: the mean of its own. The interval is that of a bootstrap over
-/// buildings. `None` without a value.
+/// Returns a statistic of the buildings' means, sorted, with a bootstrap interval over buildings; `None` without a
+/// value.
 pub(super) fn measured(buildings: &[Vec<f64>], statistic: fn(&[f64]) -> f64) -> Option<Measured> {
     let mut means: Vec<f64> = buildings.iter().filter(|own| !own.is_empty()).map(|own| mean(own)).collect();
     if means.is_empty() {

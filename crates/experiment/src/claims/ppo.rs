@@ -156,8 +156,8 @@ fn no_degenerate_policy(all: &[&Row]) -> Judged {
     claim.judge(measured(&degenerate, mean), &remark)
 }
 
-/// Energy over that of the reactive controllers below which HVAC is as good as off, and the RMS deviation, in K, beyond which that is
-/// no achievement.
+/// HVAC counts as off below this fraction of the reactive controllers' energy, and saving that way is no achievement
+/// above this RMS deviation, K.
 pub(super) const OFF_ENERGY: f64 = 0.25;
 const OFF_DEVIATION: f64 = 2.0;
 

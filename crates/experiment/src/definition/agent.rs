@@ -18,7 +18,7 @@ pub struct Agent {
     /// Whether one training covers all tasks of the experiment instead of one each.
     #[serde(default)]
     pub all_tasks: bool,
-    /// The problems that it is entered on, among those of the experiment.
+    /// The experiment's problems that the agent is entered on.
     #[serde(default)]
     pub problems: Vec<String>,
     /// Options of `b2b train`, as in a file for its `--config`.

@@ -11,16 +11,16 @@ use super::agent::Agent;
 use super::budget::Budget;
 use crate::error::{Error, Result};
 
-/// Name of the reactive controllers beside those of agents.
+/// Name of the reactive controllers, listed next to the agents' names.
 pub const REACTIVE: &str = "reactive";
-/// Name of random actions beside those of agents.
+/// Name of random actions, listed next to the agents' names.
 pub const RANDOM: &str = "random";
 
 /// An experiment.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
-    /// Name: that of the shipped experiment or of the file.
+    /// Name of the shipped experiment or of the file.
     #[serde(skip)]
     pub name: String,
     /// Title of the report.
@@ -49,7 +49,7 @@ pub struct Experiment {
     /// Run periods.
     #[serde(default)]
     pub periods: Vec<String>,
-    /// Whether the episodes of the reactive controllers are kept, too; those of random actions as well on problems.
+    /// Whether to keep the episodes of the reactive controllers and, on problems, of random actions too.
     #[serde(default)]
     pub reactive: bool,
     /// Controllers that need no training, such as `guideline36`, evaluated on the test buildings of the types.
@@ -92,7 +92,8 @@ pub enum ReportKind {
     Board,
 }
 
-/// Returns the name of the best agent by held-out days, beside that of the last one of the same training.
+/// Returns the name of the agent that did best on held-out days, which is kept along with the last agent of the same
+/// training.
 pub fn best_of(agent: &str) -> String {
     format!("{agent}, best")
 }

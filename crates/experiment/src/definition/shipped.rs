@@ -32,7 +32,7 @@ impl Experiment {
         SHIPPED.into_iter().map(parse)
     }
 
-    /// Returns the shipped experiment of a name, or that of a TOML file.
+    /// Returns a shipped experiment by name, or reads one from a TOML file.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the most similar name; [`Error::Definition`]; [`Error::Io`].

@@ -83,7 +83,7 @@ impl Folder {
     /// Opens a folder with results, and returns it with its experiment and budget.
     ///
     /// # Errors
-    /// [`Error::NoResults`]; those of [`Experiment::named`] and [`Experiment::budget`].
+    /// [`Error::NoResults`]; errors from [`Experiment::named`] and [`Experiment::budget`].
     pub fn open(path: &Path) -> Result<(Self, Experiment, Budget)> {
         let identity = read_identity(path)?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
         let experiment = Experiment::named(&identity.experiment)?;
@@ -139,7 +139,7 @@ impl Folder {
     /// done.
     ///
     /// # Errors
-    /// Those of the files of a job that is marked as done.
+    /// Errors from reading the files of a job that is marked as done.
     pub fn result(&self, job: &Job, report: ReportKind) -> Result<Option<JobResult>> {
         let own = JobResult::read(&self.job(job), job, report)?;
         Ok(own.or_else(|| self.kept(job).filter(|_| self.is_done(job)).cloned()))
@@ -175,7 +175,7 @@ impl Folder {
     /// the same if it has the same key, options and episodes, and if its result has what this experiment's report shows.
     ///
     /// # Errors
-    /// [`Error::NoResults`] if there are none; [`Error::Io`] and those of the benchmark's reader.
+    /// [`Error::NoResults`] if there are none; [`Error::Io`] and errors from the benchmark's reader.
     pub fn reuse(&mut self, jobs: &[Job], report: ReportKind, other: &Path) -> Result<usize> {
         let (other, experiment, budget) = Self::open(other)?;
         let theirs = experiment.jobs(&budget);

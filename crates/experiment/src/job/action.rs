@@ -109,7 +109,7 @@ impl Job {
         self.actions.iter().any(|action| matches!(action, Action::EvaluateLast(_)))
     }
 
-    /// Returns the SHA-256 of the actions: results of other actions are not those of this job.
+    /// Returns the SHA-256 of the actions, by which results of other actions are told apart from this job's.
     pub fn actions_sha256(&self) -> String {
         self.first_actions_sha256(self.actions.len())
     }

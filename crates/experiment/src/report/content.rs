@@ -16,6 +16,6 @@ pub(super) struct Content {
 }
 
 /// Explains scores under a page.
-pub(super) const SCORES: &str = "Score: the return of an episode divided by that of the tuned reactive controllers in the same \
+pub(super) const SCORES: &str = "Score: the return of an episode divided by the tuned reactive controllers' return in the same \
                                  building, task and days; lower is better, below 1 beats them. Resolved score: the same after \
                                  adding 0.2 K of deviation to both, which no thermometer resolves.";

@@ -110,8 +110,8 @@ fn differences(buildings: &Manifest, worst: usize) -> Vec<Difference> {
     found
 }
 
-/// Returns the difference between the mean of the first values and that of all, in standard deviations of the mean of as
-/// many values drawn without replacement; `None` where all are equal.
+/// Returns the mean of the first values minus the mean of all values, in standard deviations of the mean of equally
+/// many values drawn without replacement; `None` if all values are equal.
 fn z(values: &[f64], first: usize) -> Option<f64> {
     let (mean_of_all, count) = (mean(values), values.len() as f64);
     let variance = values.iter().map(|value| (value - mean_of_all).powi(2)).sum::<f64>() / count;

@@ -170,7 +170,7 @@ fn distributions(
     (!all.is_empty()).then(|| step_deviations(title, &all))
 }
 
-/// Returns the names of the policies, after that of the reactive controllers if their episodes are kept.
+/// Returns the names of the policies, with the reactive controllers first if their episodes are kept.
 fn controllers(experiment: &Experiment, results: &Results) -> Vec<String> {
     let reactive = experiment.reactive.then(|| REACTIVE.to_owned());
     let policies = experiment.policies(&results.budget).into_iter().map(|policy| policy.name);

@@ -22,7 +22,7 @@ const TOLERANCE: f64 = 1e-3;
 pub struct Checked {
     /// Key of the job, with `, best` for the best agent of one that evaluates two.
     pub job: String,
-    /// Why its results are not those of its agent or controller; `None` if they are.
+    /// Why the results do not match the agent or controller; `None` if they do.
     pub fault: Option<String>,
 }
 
@@ -45,9 +45,10 @@ enum Checkable {
 }
 
 /// Evaluates the experiment's `controllers` again and the agents whose folders are at hand, and compares their episodes with the results that
-/// `Folder::keep` kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
-/// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
-/// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
+/// `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced them, otherwise scores within a
+/// relative 0.001. With `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its
+/// results. `done` is called with every check. Entries on benchmark problems are left out: `b2b benchmark verify`
+/// checks them.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is neither; the errors of [`Runner::run`].
@@ -108,7 +109,7 @@ fn subjects<'a>(
     [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand(experiment)).collect()
 }
 
-/// Returns why a result is not that of its agent, if it is not.
+/// Returns why a result does not match its agent; `None` if it does.
 fn fault(
     runner: &Runner<'_>,
     subject: &Subject<'_>,
@@ -142,7 +143,7 @@ fn fault(
 fn other_agent(path: &Path, sha256: Option<&str>) -> Option<String> {
     match Agent::read(path) {
         Ok(agent) if sha256 == Some(agent.sha256()) => None,
-        Ok(_) => Some(format!("{} is another agent than that of the results", path.display())),
+        Ok(_) => Some(format!("{} is not the agent of the results", path.display())),
         Err(error) => Some(error.to_string()),
     }
 }

@@ -39,7 +39,7 @@ pub struct Runner<'a> {
 /// How the jobs of a run ended.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ended {
-    /// Number of jobs without an error, including those of earlier runs.
+    /// Number of jobs without an error, including jobs from earlier runs.
     pub done: usize,
     /// Number of jobs with an error.
     pub failed: usize,

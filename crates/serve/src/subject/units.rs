@@ -2,7 +2,7 @@
 
 use b2b_env::Spaces;
 
-/// A unit, and how its values follow from those of this project.
+/// A unit, and the conversion to it from this project's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unit {
     /// Name as in BOPTEST's metadata.

@@ -1,4 +1,4 @@
-//! The indicators of a client equal those of an episode in this process under the same actions.
+//! A client gets the same indicators as an episode in this process under the same actions.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The lists and the example in docs/tariffs.md are those of the data.
+//! The lists and the example in docs/tariffs.md match the data.
 //!
 //! `B2B_RECORD_DOCS=1 cargo test -p b2b-tariff docs` writes the lists.
 

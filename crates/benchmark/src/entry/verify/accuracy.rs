@@ -8,7 +8,7 @@ use super::{TOLERANCE, is_near};
 /// How exactly episodes that ran again are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accuracy {
-    /// Bit for bit: this machine computes as that of the result does.
+    /// Bit for bit, because this machine rounds like the one that produced the result.
     Bits,
     /// Within [`TOLERANCE`]: libm or instruction set differ.
     Tolerance,

@@ -52,9 +52,9 @@ impl Check {
 
 type CheckOutcome = std::result::Result<String, String>;
 
-/// Verifies a result: checks it as [`check`] does and, if all checks pass, runs a sample of the episodes and their baselines
-/// again. They are compared bit for bit on a machine that computes as that of the result does ([`fingerprint`](b2b_base::machine::fingerprint)),
-/// and within [`TOLERANCE`] on another.
+/// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
+/// baselines. Reruns are compared bit for bit on a machine that rounds like the one that produced the result
+/// ([`fingerprint`](b2b_base::machine::fingerprint)), and within [`TOLERANCE`] on another.
 ///
 /// # Errors
 /// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
@@ -121,7 +121,7 @@ fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, 
         let stage_of = stage.parse::<Stage>()?;
         match stage_of {
             Stage::Untrained if *description != EntryPolicy::BuiltIn(BuiltIn::random()).description() => {
-                return Err(format!("{stage}: the policy is not that of random actions"));
+                return Err(format!("{stage}: the policy does not act at random"));
             }
             Stage::Adapted(steps) if !result.problem.protocol.adaptation.contains(&steps) => {
                 return Err(format!("{stage}: the problem has no scores after {steps} steps"));
@@ -160,7 +160,7 @@ fn problem(result: &RunResult) -> CheckOutcome {
         Problem::all().iter().find(|known| known.name == problem.name).map(|known| &known.question)
         && *question != problem.question
     {
-        return Err(format!("its question is not that of {}: {}", problem.name, problem.question));
+        return Err(format!("its question is not {}'s: {}", problem.name, problem.question));
     }
     if problem.changes() != result.problem_changes {
         return Err(format!("the changes to {} do not match the listed changes", problem.name));
@@ -208,7 +208,7 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
         }
     }
     counts(result, stages)?;
-    Ok("exactly those of the problem".into())
+    Ok("exactly the episodes of the problem".into())
 }
 
 /// Checks the stated seeds and numbers of episodes of every stage.
@@ -217,10 +217,7 @@ fn counts(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> std::result::Resu
     let seeds: BTreeMap<_, _> =
         result.policies.iter().map(|(stage, policy)| (stage.clone(), seeds(policy))).collect();
     if seeds != result.seeds {
-        return Err(format!(
-            "the seeds are stated as {:?}; those of the policies are {seeds:?}",
-            result.seeds
-        ));
+        return Err(format!("the stated seeds are {:?}, but the policies have {seeds:?}", result.seeds));
     }
     let episodes: BTreeMap<_, _> =
         stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect();
@@ -243,8 +240,8 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
 
 fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
     match Measures::of(stages) {
-        Some(measures) if measures == result.measures => Ok("those of the episodes".into()),
-        _ => Err("they differ from those of the episodes".into()),
+        Some(measures) if measures == result.measures => Ok("as the episodes give".into()),
+        _ => Err("they differ from what the episodes give".into()),
     }
 }
 
@@ -315,7 +312,7 @@ fn compare(
         (Ok(finished), Ok(there)) => (finished.record, finished.step_rewards, there),
         (Err(lost), _) | (_, Err(lost)) => return Ok(Err(format!("it was lost: {lost}"))),
     };
-    // The name of the policy is that of the user's file.
+    // The policy is named after the user's file.
     here.info.policy.clone_from(&row.info.policy);
     if accuracy == Accuracy::Bits && here.inputs != there.inputs {
         return Ok(Err(format!(
@@ -328,7 +325,7 @@ fn compare(
         return Ok(Err(format!("its trajectory differs: the result has hash {there}, the rerun {here}")));
     }
     if accuracy == Accuracy::Bits && step_rewards != there.step_rewards {
-        return Ok(Err("the distribution of its step rewards differs from that of the rerun".into()));
+        return Ok(Err("the distribution of its step rewards differs from the rerun's".into()));
     }
     if accuracy == Accuracy::Tolerance {
         // It includes the energy scale, which the engine computes.

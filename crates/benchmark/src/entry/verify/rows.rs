@@ -16,7 +16,7 @@ use b2b_evaluate::{Episode, EpisodeInfo, Row, Scored};
 /// Length of a trajectory hash: a SHA-256 in hexadecimal.
 const HASH_DIGITS: usize = 64;
 
-/// Returns whether a row is that of an episode. Task hashes are not compared: they include the building's energy scale.
+/// Returns whether a row belongs to an episode. Task hashes are not compared: they include the building's energy scale.
 pub(super) fn is_of(row: &Row, episode: &Episode) -> bool {
     let EpisodeInfo { building, building_type, split, task, period, seed, steps_per_hour, .. } = &row.info;
     let Episode { subject, .. } = episode;
@@ -74,8 +74,8 @@ fn score(row: &Row) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks the baseline of every row: equal in rows with the same one, and that of `known` where it is known, which may be of
-/// a machine that rounds differently.
+/// Checks the baseline of every row: rows that share a baseline agree, and each agrees with `known` where it has an
+/// entry. Known baselines may come from a machine that rounds differently.
 pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known: &Baselines) -> CheckOutcome {
     let mut first: HashMap<(Key, String), Baseline> = HashMap::new();
     let (mut rows_checked, mut rows_known) = (0, 0);
@@ -97,7 +97,7 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
                 if !same(&there, &here, TOLERANCE) {
-                    return Err(wrong(&there, "that of the known baseline"));
+                    return Err(wrong(&there, "the known baseline"));
                 }
                 rows_known += 1;
                 let used = terms.used(episode.task.resource);
@@ -105,7 +105,7 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
             if !same(there, &here, ROUNDING) {
-                return Err(wrong(there, "that of another row with the same episode"));
+                return Err(wrong(there, "another row with the same episode"));
             }
             rows_checked += 1;
         }
@@ -113,7 +113,7 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
     Ok(format!("equal where they are the same; {rows_known} of {rows_checked} compared with known ones"))
 }
 
-/// Checks the amount of the task's resource and that of the baseline, of which results from before them have none.
+/// Checks the amount of the task's resource in the episode and in its baseline. Older results have neither.
 fn resource(scored: &Scored, episode: &Episode, of_baseline: Option<f64>) -> Result<(), String> {
     let own = scored.metrics.used(episode.task.resource);
     for (what, there, here) in [

@@ -18,7 +18,7 @@ use crate::{Error, Model, Result};
 const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
 /// Maximum visible transmittance.
 const MAX_TRANSMITTANCE: f64 = 0.99;
-/// Windows and doors that are glass, apart from those of [`FENESTRATION`].
+/// Glass windows and doors that [`FENESTRATION`] does not list.
 const SIMPLE_GLASS: [&str; 2] = ["Window", "GlazedDoor"];
 
 /// A window or a glass door.

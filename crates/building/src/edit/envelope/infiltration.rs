@@ -19,7 +19,7 @@ const LEAKAGE: &[(&str, &[&str])] = &[
     ("ZoneInfiltration:FlowCoefficient", &["flow_coefficient"]),
 ];
 
-/// Multiplies all infiltration, including that of attics. Infiltration through opened doors, which the prototypes mark by
+/// Multiplies all infiltration, including in attics. Infiltration through opened doors, which the prototypes mark by
 /// `Door` in the name, and ventilation are not changed. Returns the number of objects.
 pub fn scale(model: &mut Model, multiplier: f64) -> usize {
     let mut count = 0;

@@ -191,7 +191,7 @@ fn set(material: &mut Fields, class: &str, resistance: f64) {
     }
 }
 
-/// Returns whether a construction that some surface uses, other than those of the requirements, has a material.
+/// Returns whether a material is also in a construction that some surface uses and that no requirement names.
 fn has_other_users(model: &Model, material: &str, requirements: &[Requirement]) -> bool {
     let has_it = |fields: &Fields| layers(fields).any(|layer| layer.eq_ignore_ascii_case(material));
     let is_required =

@@ -4,7 +4,7 @@ use crate::construction::{assembly_resistance, insulation_of};
 use crate::zone::{Surface, SurfaceKind, has_equipment};
 use crate::{Model, Result};
 
-/// Returns the surfaces whose insulation is that of the roof: the roofs, or the ceilings under an attic, from both sides.
+/// Returns the surfaces that hold the roof insulation: the roofs, or the ceilings under an attic, from both sides.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.
@@ -22,7 +22,7 @@ pub(in crate::edit) fn roof_surfaces<'a>(model: &Model, surfaces: &'a [Surface])
     Ok(insulated)
 }
 
-/// Returns whether a roof is that of an attic: a deck over ceilings that are better insulated.
+/// Returns whether a roof covers an attic: a deck over better insulated ceilings.
 fn is_attic_roof(model: &Model, roof: &Surface, below: &[&Surface]) -> Result<bool> {
     if model.contains("Construction", &roof.construction)
         && insulation_of(model, &roof.construction)?.is_some()

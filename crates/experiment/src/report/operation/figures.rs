@@ -38,7 +38,7 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Returns the figures of the episodes of a controller: one for the tasks of each building and period, in the order in which
-    /// they ran. Energy and comfort are those of the first task, whose tariff no controller of these experiments reads.
+    /// they ran. Energy and comfort come from the first task, whose tariff no controller of these experiments reads.
     pub(super) fn of_episodes(
         experiment: &Experiment,
         results: &Results,
