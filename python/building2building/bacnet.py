@@ -351,7 +351,7 @@ def main() -> None:
     """Serves a building from the command line."""
     parser = argparse.ArgumentParser(prog="python -m building2building.bacnet", description=main.__doc__)
     parser.add_argument("building", help="building type, id (OfficeSmall-0042) or model file")
-    parser.add_argument("--place", help="place, such as Miami [default: that of the building]")
+    parser.add_argument("--place", help="place, such as Miami [default: the building's]")
     parser.add_argument("--weather", help="weather file (EPW); needed for a model file")
     parser.add_argument("--task", default="constant", help="task [default: constant]")
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")

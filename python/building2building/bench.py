@@ -1,6 +1,6 @@
 """Measures the cost of a step: ``python -m building2building.bench``.
 
-CPU times are those of this process, or of the worker process where noted. Alternatives are measured in turn, in random
+CPU times are for this process, or for the worker process where noted. Alternatives are measured in turn, in random
 order.
 """
 
@@ -312,7 +312,7 @@ def _print_steps(arguments: argparse.Namespace) -> None:
     print(
         "\nRust: CPU time of Env::step in this process, called from Rust. + Python: what a step from Python adds.\n"
         "main, worker: CPU time of a step of an environment in its own process: of this process, with its context\n"
-        "switches, and of that of the environment."
+        "switches, and of the environment's."
     )
     print(f"\n{arguments.count} environments   make_vec, steps/s  Rust VecEnv, steps/s  ratio")
     for each in arguments.types:

@@ -4,8 +4,7 @@
 >>> envs = problem.make_train_envs(4)                  # four training buildings, spread over the split
 >>> result = problem.evaluate(policy)                  # on every test environment
 
-The problems are those of ``b2b benchmark``, which evaluates ONNX policies under the same rules and writes verifiable
-results.
+``b2b benchmark`` has the same problems, evaluates ONNX policies under the same rules and writes verifiable results.
 """
 
 from __future__ import annotations
@@ -117,7 +116,7 @@ class Result:
 
     @property
     def relative_energy(self) -> float:
-        """HVAC energy over that of the reactive controllers, mean over episodes."""
+        """HVAC energy divided by the reactive controllers' energy, mean over episodes."""
         return sum(each["relative_energy"] for each in self.episodes) / len(self.episodes)
 
     @property
@@ -211,7 +210,7 @@ class Problem:
     def make_train_envs(self, n: int, building_ids: Sequence[str] | None = None, **arguments: Any) -> list[_Env]:
         """Makes ``n`` training environments: buildings spread over the training split, then its tasks in turn.
 
-        Raises for a building that must not be used for training. ``arguments`` are those of :func:`make_env`.
+        Raises for a building that must not be used for training. ``arguments`` go to :func:`make_env`.
         """
         return [self._make("train", *each, **arguments) for each in self._spread(n, building_ids)]
 
@@ -234,10 +233,10 @@ class Problem:
         """Makes ``n`` training environments as one vector environment.
 
         Every episode draws a training building and a training task; with ``resample=k``, every ``k`` episodes;
-        ``weights={type: weight}`` weighs the building types. With ``resample=False``, environments repeat those of
-        :meth:`make_train_envs`. Observations are those that a policy is tested with: padded, with the building's
+        ``weights={type: weight}`` weighs the building types. With ``resample=False``, the environments are the ones
+        from :meth:`make_train_envs`, repeated. Observations are the same as in the test: padded, with the building's
         attributes if the problem gives them. Actions are in [-1, 1], so that all buildings share one action space, and
-        actuators that the problem withholds are not among them. Further arguments are those of :func:`make_vec`.
+        actuators that the problem withholds are not among them. Further arguments go to :func:`make_vec`.
         """
         protocol = self.definition["protocol"]
         spread = [building for building, _ in self._spread(n, building_ids)]

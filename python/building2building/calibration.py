@@ -29,7 +29,7 @@ def calibrate(
     """Fits a model to monthly metered energy, as ``b2b calibrate`` does, and writes the calibrated model as epJSON.
 
     ``model`` is a model file or a building of the dataset, with the weather of ``place`` (such as ``"Denver"``) or
-    ``weather`` (an EPW file, best that of the metered year). ``energy`` is a CSV file, a mapping or a data frame with
+    ``weather`` (an EPW file, preferably of the metered year). ``energy`` is a CSV file, a mapping or a data frame with
     the columns ``month`` (1 to 12), ``electricity_kwh`` and ``gas_kwh``, of which one fuel may be missing.
     ``parameters`` are ``"infiltration"``, ``"lights"``, ``"equipment"``, ``"people"``, ``"wall_u"``, ``"roof_u"`` or
     ``"window_u"``; the default is infiltration, lights, equipment and walls. ``jobs`` simulations run at a time, by

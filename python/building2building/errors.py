@@ -33,7 +33,7 @@ __all__ = [
     "need",
 ]
 
-#: Packages of this package's extras, which no registry has: those of ``pip install '.[plots]'`` in a clone.
+#: Packages of each extra, as ``pip install '.[plots]'`` installs them in a clone; this package is in no registry.
 _EXTRAS = {"plots": "'matplotlib>=3.8'", "train": "'stable-baselines3>=2.6' 'onnxscript>=0.5'"}
 
 

@@ -176,7 +176,7 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
     each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
     call resumes an interrupted evaluation and gives the same bytes; it says how many episodes are reused. Two calls are
-    the same if all their arguments are. A policy is the same if its ``name`` (by default that of the class or
+    the same if all their arguments are. A policy is the same if its ``name`` (by default the name of the class or
     function), its code and the values that it refers to are: closures, global variables, attributes, versions of
     packages. With a ``version``, values are not compared, so change it after further training. Observations are not
     batched, because rounding within a batch depends on its other members.
@@ -209,7 +209,7 @@ def compute_normalized_score(
     place: str | None = None,
     weather: PathLike | None = None,
 ) -> float | None:
-    """Divides a return by that of the reactive controllers for the same building, task and run period.
+    """Divides a return by the reactive controllers' return for the same building, task and run period.
 
     Both are sums of penalties: lower is better, and below 1 beats the baseline. Baseline returns of the ``test_small``
     split come with the package; others take an episode to compute and are cached. ``None`` if the ratio is undefined.

@@ -83,7 +83,7 @@ class WeatherForecast(ObservationWrapper):
     def observation(self, observation: Array) -> Array:
         if self._core.setting is not self._setting:
             self._read()
-        # EPW values are those of the hour that ends: row i belongs to the end of hour i + 1.
+        # EPW values describe the hour that ends: row i belongs to the end of hour i + 1.
         now = _hour_of_year(self._core)
         positions = now + np.arange(1, self._hours + 1) - 1
         whole, fraction = np.floor(positions).astype(int), (positions % 1)[:, None]
@@ -99,7 +99,7 @@ class PriceSignal(ObservationWrapper):
     """Appends an hourly price or emission factor, now and for the next ``ahead`` hours, and subtracts ``weight`` times
     the price times the step's electricity (kWh/m²) from the reward.
 
-    ``series`` has 24 values for the hours of the day, or 8760 for those of the year; see :meth:`time_of_use`.
+    ``series`` has 24 values for the hours of the day, or 8760 for the hours of the year; see :meth:`time_of_use`.
     """
 
     def __init__(

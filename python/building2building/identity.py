@@ -283,7 +283,7 @@ def _cells(function: types.FunctionType) -> Iterator[Any]:
 
 
 def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
-    """Yields a code object and those of the functions in it."""
+    """Yields a code object and the code objects of the functions in it."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
@@ -320,7 +320,7 @@ def _named_by(function: types.FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _attributes_of(module: types.ModuleType, words: list[str]) -> Iterator[tuple[str, Any]]:
-    """Yields the attributes with some names of a module of the user, and those of its modules."""
+    """Yields the attributes of a user's module that have one of these names, and such attributes of its submodules."""
     if _is_installed(module.__name__):
         return
     for word in words:

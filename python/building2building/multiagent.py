@@ -20,8 +20,8 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
     """Agents are the zones with actuators and the air handlers of central air loops.
 
     Every agent observes the whole observation and controls its own actuators. The reward of a zone is minus its squared
-    deviation from target (only below target for a zone without cooling) and an equal share of the energy term; that of
-    an air handler is an equal share of the building's reward.
+    deviation from target (only below target for a zone without cooling) and an equal share of the energy term; the
+    reward of an air handler is an equal share of the building's reward.
     """
 
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}

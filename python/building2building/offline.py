@@ -31,7 +31,7 @@ def collect(
     recreates it.
 
     ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
-    Every building runs ``episodes`` episodes of at most ``steps`` steps. ``arguments`` are those of :func:`make_env`.
+    Every building runs ``episodes`` episodes of at most ``steps`` steps. ``arguments`` go to :func:`make_env`.
     Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")

@@ -27,7 +27,7 @@ def warn_of_learner() -> None:
             space = getattr(learner, "action_space", None)
             if isinstance(space, Box) and not (np.all(space.low == -1) and np.all(space.high == 1)):
                 warnings.warn(
-                    f"{type(learner).__name__} needs actions in [-1, 1], but those of this environment are in physical "
+                    f"{type(learner).__name__} needs actions in [-1, 1], but this environment's are in physical "
                     "units; make it with rescale_action=True",
                     stacklevel=3,
                 )

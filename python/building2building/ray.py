@@ -32,7 +32,7 @@ from .temporary import temporary_folder
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]
-#: The files that make a folder that of an agent.
+#: The files in an agent's folder.
 _AGENT = ("agent.json", "weights.safetensors")
 
 
@@ -62,8 +62,8 @@ def evaluate(
     """Evaluates a policy on a cluster, with the arguments and the result of :func:`building2building.evaluate`.
 
     A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes
-    of ``episodes.parquet``, are those of an evaluation on one machine. A policy in an ONNX file or in the folder of an
-    agent is sent to the nodes; models and weather files of your own must have the same absolute path on all of them.
+    of ``episodes.parquet``, are the same as on one machine. A policy in an ONNX file or in the folder of an agent is
+    sent to the nodes; models and weather files of your own must have the same absolute path on all of them.
     """
     if chunk < 1:
         raise SettingError(f"chunk={chunk}; expected at least 1")
@@ -74,7 +74,7 @@ def evaluate(
         request.policy = os.path.abspath(request.policy)
         policy_files = _policy_files(Path(request.policy))
     place = Path(folder)
-    # Checks that the folder is that of this evaluation, or makes it.
+    # Checks that the folder belongs to this evaluation, or creates it.
     request.run_part(place, [], _core.baselines_folder())
     missing = [number for number in range(len(request.episodes)) if not _episode_file(place, number).exists()]
     chunks = [missing[start : start + chunk] for start in range(0, len(missing), chunk)]
@@ -123,9 +123,9 @@ def trainable(**fixed: Any) -> Callable[[dict[str, Any]], None]:
     """Returns a trainable for Ray Tune: a function that trains an agent with the arguments of a trial.
 
     ``fixed`` are arguments of :func:`building2building.train` that all trials share, without ``out`` and ``callback``;
-    those of a trial replace and extend them. A trial reports the metrics of every evaluation (``score``, ``steps``, …)
-    with the folder of its run as a checkpoint, from which a trial that was interrupted resumes, and the summary at the
-    end (``resolved_score``, …). ``Agent.load(result.checkpoint.path)`` is the agent of a result. Requires
+    a trial's arguments override and extend them. A trial reports the metrics of every evaluation (``score``, ``steps``,
+    …) with the folder of its run as a checkpoint, from which a trial that was interrupted resumes, and the summary at
+    the end (``resolved_score``, …). ``Agent.load(result.checkpoint.path)`` is the agent of a result. Needs
     ``pip install "ray[tune]"``.
 
     >>> from ray import tune  # doctest: +SKIP
@@ -283,7 +283,7 @@ def _joined(lists: Sequence[bytes]) -> bytes:
 
 
 def _position(name: str, names: Sequence[str]) -> int:
-    """Returns the position of a name; that of an unknown one, which its command reports, is the last."""
+    """Returns the position of a name, or the last for an unknown name, which its command reports."""
     return names.index(name) if name in names else len(names)
 
 

@@ -39,7 +39,7 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``rescale_action``: actions in [-1, 1] instead of physical units, as ``gymnasium.make`` has them by default;
     - ``window_days`` and ``window_starts``: episodes of ``window_days`` days that begin on one of ``window_starts``
       days of the run period, drawn at random;
-    - ``weather_years``: EPW files, such as those of measured years at the site; every episode draws one. The building
+    - ``weather_years``: EPW files, such as measured years at the site; every episode draws one. The building
       keeps the sizes for its own weather;
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;

@@ -151,7 +151,7 @@ def _widths(metadata: dict[str, Any]) -> tuple[int, int]:
 
 @dataclass(repr=False)
 class Trajectory:
-    """The steps of an episode. ``observations`` has one row more than the others: the first is that of the reset."""
+    """The steps of an episode. ``observations`` has one row more than the others: the first is from the reset."""
 
     #: f64 ``[steps + 1, slots]``.
     observations: Array
@@ -295,8 +295,8 @@ def rollout(
 ) -> Trajectory:
     """Runs an episode from its reset to its end, or for at most ``steps`` steps.
 
-    The built-in controllers observe f64 and act in physical units, so an episode equals that of ``b2b run`` bit for
-    bit; other controllers see what the environment's wrappers return.
+    The built-in controllers observe f64 and act in physical units, so an episode equals ``b2b run`` bit for bit; other
+    controllers see what the environment's wrappers return.
     """
     core = unwrap(env)
     if isinstance(controller, Controller):

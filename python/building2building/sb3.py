@@ -121,7 +121,7 @@ def make_sb3_vec(
 ) -> SB3VecEnv:
     """Makes environments for Stable-Baselines3, with actions in [-1, 1] and observations normalized by fixed bounds.
 
-    Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as that of
+    Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as from
     :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`.
     """
     if isinstance(building_type, BuildingVectorEnv):

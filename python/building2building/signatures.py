@@ -25,9 +25,9 @@ def with_arguments_of(maker: Callable[P, object]) -> Callable[[Callable[..., T]]
 
 
 def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Answers arguments of the original implementation by ``now``, what replaces each (docs/coming_from.md).
+    """Raises for arguments of the original implementation and names what replaces each, ``now`` (docs/coming_from.md).
 
-    More than ``positions`` arguments by position are those of the original, too.
+    A call with more than ``positions`` positional arguments is taken for one to the original, too.
     """
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:

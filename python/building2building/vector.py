@@ -48,8 +48,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
       that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
       the seed alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
-    - Infos: those of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read. Columns of
-      zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
+    - Infos: the infos of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read.
+      Columns of zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
       describe the end of an episode, as in Gymnasium; ``infos["_final_info"]`` marks the rows that have ended.
     - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
@@ -135,7 +135,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
         self._resample = bool(resample)
         slots, actuators = core.slots(), core.actuators()
-        #: Fixed bounds by which observations are normalized: those of everything that a slot of the row may hold.
+        #: Fixed bounds by which observations are normalized. They cover everything that a slot of the row may hold.
         self.scale = Scale.of_all(slots)
         self._plain = len(slots) == 1 and not by_role
         bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
@@ -197,7 +197,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         core = self._open_core()
         if mask is not None:
             if number is not None:
-                raise SettingError("a seed is that of all environments; omit seed or reset_mask")
+                raise SettingError("a seed applies to all environments; omit seed or reset_mask")
             mask = np.asarray(mask)
             if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
                 raise SettingError(
@@ -215,7 +215,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     def _restart_after_fork(self, mask: Any) -> None:
         """Abandons the processes of the parent, which still owns them, and starts new ones."""
         if mask is not None:
-            raise ProcessError("after a fork, the first reset is that of all environments; omit reset_mask")
+            raise ProcessError("after a fork, the first reset must be of all environments; omit reset_mask")
         self._core, self._process = self._make_core(), os.getpid()
 
     def _read_rows(self, begun: Array) -> None:
@@ -338,7 +338,7 @@ def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:
 
 
 def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
-    """Returns the bounds of a slot. Those of a building's attributes are typical ones, for scaling."""
+    """Returns the bounds of a slot. A building's attributes have only typical bounds, for scaling."""
     return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
 
 

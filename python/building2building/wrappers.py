@@ -1,4 +1,4 @@
-"""Wrappers for building environments, in addition to those of Gymnasium."""
+"""Wrappers for building environments, in addition to Gymnasium's."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class PadObservation(ObservationWrapper):
     """Pads the observation with zeros, so that buildings with different numbers of zones can share a policy.
 
     ``width`` appends zeros up to that many slots. ``zones`` aligns the zones instead: the temperature of zone i, in
-    model order, is slot i; weather, calendar and energy follow after those of ``zones`` zones, and then, where targets
+    model order, is slot i; weather, calendar and energy follow after ``zones`` such slots, and then, where targets
     vary, occupancy and target of each zone at its own place. Either way, zones stay in model order: for houses,
     :class:`RoleObservation` has a slot for each role.
 
@@ -178,7 +178,7 @@ class AugmentObservationWithBuildingParams(ObservationWrapper):
 
     @renamed(
         building_params="pass the names of attributes as parameters",
-        allow_defaults="attributes are those of the morphology",
+        allow_defaults="attributes come from the morphology",
     )
     def __init__(self, env: Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
         super().__init__(env, parameters=parameters, scaled=scaled)
@@ -315,9 +315,9 @@ class SubsetObservation(ObservationWrapper):
 
 class SubsetAction(ObservationWrapper):
     """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, sets
-    the others, in the action space of the wrapped environment; :class:`ReactiveController` by default, whose actions
-    are those of :class:`BuildingEnv`: apply wrappers that change the action space, such as ``RescaleAction``, after
-    this one."""
+    the others, in the action space of the wrapped environment; :class:`ReactiveController` by default, which acts in
+    the action space of :class:`BuildingEnv`: apply wrappers that change the action space, such as ``RescaleAction``,
+    after this one."""
 
     def __init__(self, env: Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):
         super().__init__(env, names=names, rest=rest)
@@ -329,8 +329,8 @@ class SubsetAction(ObservationWrapper):
             raise SettingError(f"expected actions in a Box; got {box}")
         if isinstance(self._rest, BuiltInController) and box != self._core.action_space:
             raise SettingError(
-                f"the action space was changed by another wrapper, but {type(self._rest).__name__} acts in that of the "
-                "building; apply SubsetAction first"
+                f"the action space was changed by another wrapper, but {type(self._rest).__name__} acts in the "
+                "building's; apply SubsetAction first"
             )
         low, high = box.low[self._actuators], box.high[self._actuators]
         self.action_space = Box(low, high, dtype=box.dtype)

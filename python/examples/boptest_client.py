@@ -38,7 +38,7 @@ try:
     flows = [name for name in inputs if name.endswith("supply_air_flow_u")]
     temperatures = [name for name in measurements if "_ZN" in name and name.endswith("_air_temperature_y")]
 
-    # Seven days of warm-up, then two weeks; the measurements are those of the beginning.
+    # Seven days of warm-up, then two weeks; the measurements are from the beginning.
     measured = call("PUT", "scenario", {"time_period": "peak_heat_day", "electricity_price": "dynamic"})["time_period"]
     print("step:", call("PUT", "step", {"step": 1800})["step"], "s")
     start = measured["time"]

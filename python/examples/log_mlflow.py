@@ -16,7 +16,7 @@ mlflow.set_experiment("building2building")
 
 
 def log(numbers: dict[str, float]) -> None:
-    """Logs the numbers of an update; those of an evaluation are NaN in updates without one."""
+    """Logs the numbers of an update; evaluation numbers are NaN in updates without an evaluation."""
     finite = {name: value for name, value in numbers.items() if math.isfinite(value)}
     mlflow.log_metrics(finite, step=int(numbers["steps"]))
 

@@ -15,7 +15,7 @@ run = wandb.init(project="building2building", mode="offline", dir=folder, config
 
 
 def log(numbers: dict[str, float]) -> None:
-    """Logs the numbers of an update; those of an evaluation are NaN in updates without one."""
+    """Logs the numbers of an update; evaluation numbers are NaN in updates without an evaluation."""
     run.log({name: value for name, value in numbers.items() if math.isfinite(value)}, step=int(numbers["steps"]))
 
 

@@ -28,7 +28,7 @@ pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyRe
 }
 
 /// Returns the arguments with which an interpreter runs the command `b2b` from this extension module in `file`, without
-/// code of the current folder; those of the command follow.
+/// code of the current folder. The command's own arguments follow.
 #[pyfunction]
 pub fn command_arguments(file: &str) -> [&str; 5] {
     interpreter_arguments(file)

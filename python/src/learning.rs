@@ -21,7 +21,7 @@ use crate::pools;
 /// before other work.
 #[pyfunction]
 #[pyo3(signature = (options, out, jobs, resume, preset=None, config=None, callback=None, stage=None))]
-#[expect(clippy::too_many_arguments, reason = "they are those of the Python function, which names them")]
+#[expect(clippy::too_many_arguments, reason = "the Python function passes them by name")]
 pub fn train(
     py: Python<'_>,
     options: &str,

@@ -24,8 +24,8 @@ module = _imp.create_dynamic(spec)
 _imp.exec_dynamic(module)
 module.run_command(*sys.argv[1:])";
 
-/// Returns the arguments with which an interpreter loads this extension module from its file; those of a worker or of a
-/// command follow.
+/// Returns the arguments with which an interpreter loads this extension module from its file. A worker's or a command's
+/// own arguments follow.
 pub fn interpreter_arguments(file: &str) -> [&str; 5] {
     ["-I", "-S", "-c", BOOTSTRAP, file]
 }

@@ -114,7 +114,7 @@ impl Episodes {
         })
     }
 
-    /// Returns representative buildings, from whose spaces those of all buildings follow.
+    /// Returns representative buildings, whose spaces determine the spaces of all buildings.
     pub fn representatives(&self) -> PyResult<Vec<Setting>> {
         let mut known = BTreeSet::new();
         let differs = |building: &&Arc<Inner>| match building.building_type() {
@@ -192,7 +192,7 @@ fn zones(source: &Source) -> Vec<String> {
 
 /// What an episode draws besides its building and its task.
 pub struct Cut {
-    /// Weather files, if not those of the buildings.
+    /// Weather files to use instead of the buildings' own.
     pub weather_years: Vec<PathBuf>,
     /// Days of an episode and number of first days; whole run periods if `None`.
     pub window: Option<(u32, u32)>,

@@ -25,8 +25,9 @@ pub struct Record {
 
 #[pymethods]
 impl Record {
-    /// Writes the files of `b2b run` to a folder and returns their paths; those of an episode that did not run to its end are
-    /// the time series alone. Observations, actions and penalties have one row per step; `wall` is the time that they took, s.
+    /// Writes the files of `b2b run` to a folder and returns their paths. An episode that did not run to its end has
+    /// only the time series. Observations, actions and penalties have one row per step; `wall` is the time that they
+    /// took, s.
     #[expect(clippy::too_many_arguments, reason = "they are the parts of a trajectory of Python")]
     fn write(
         &self,

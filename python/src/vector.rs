@@ -61,7 +61,7 @@ type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
 /// prepared again when they are drawn.
 const KEPT_BUILDINGS: usize = 2;
 
-/// Maximum number of environments in a batch: that of processes in a set of workers.
+/// Maximum number of environments in a batch, because a set of workers has at most that many processes.
 const MAX_ENVIRONMENTS: usize = 2048;
 
 /// The end of an episode: last observation, metrics, and the reason if it was lost.
@@ -79,7 +79,7 @@ impl VecEnv {
         buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,
         window=None, problem=None, by_role=false, weather_years=Vec::new()
     ))]
-    #[expect(clippy::too_many_arguments, reason = "they are those of the Python class, which names them")]
+    #[expect(clippy::too_many_arguments, reason = "the Python class passes them by name")]
     fn new(
         py: Python<'_>,
         buildings: Vec<Candidate<'_>>,

@@ -1,4 +1,4 @@
-"""The code of the documentation runs, its figures are those of the script, and file formats are as described."""
+"""The code of the documentation runs, its figures match the script, and file formats are as described."""
 
 import base64
 import json

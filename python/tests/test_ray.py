@@ -217,7 +217,7 @@ def test_ray_tune_tries_options_and_a_trial_resumes_from_its_checkpoint(cluster:
         ),
     ).fit()
     assert not results.errors and len(results) == 2
-    # The first report of the second attempt is not that of the first again.
+    # The second attempt does not begin with the first attempt's report.
     assert float(resumed.read_text()) > float(interrupted.read_text())
     for result in results:
         agent = b2b.Agent.load(result.checkpoint.path)

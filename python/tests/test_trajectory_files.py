@@ -1,4 +1,4 @@
-"""Files of a rollout: those of `b2b run`, and damaged ones."""
+"""Files of a rollout: the same as `b2b run` writes, and damaged ones."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""The info of a vector environment is that of single ones, row by row."""
+"""The info of a vector environment equals the infos of single ones, row by row."""
 
 import building2building as b2b
 import numpy as np

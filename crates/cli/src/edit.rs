@@ -46,7 +46,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The changes; their bounds are those of [`Change::parameter`].
+/// The changes, within the bounds of [`Change::parameter`].
 #[derive(clap::Args)]
 #[group(required = true, multiple = true)]
 struct Changes {

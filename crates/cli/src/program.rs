@@ -10,7 +10,7 @@ use b2b_dataset::Catalog;
 
 use crate::progress::Download;
 
-/// A program that calls [`run`](crate::run), and the arguments before those of `b2b`.
+/// A program that calls [`run`](crate::run), and the arguments that precede `b2b`'s own.
 #[derive(Clone, Debug)]
 pub struct Program {
     executable: PathBuf,
@@ -20,12 +20,12 @@ pub struct Program {
 static THIS: OnceLock<Program> = OnceLock::new();
 
 impl Program {
-    /// Creates a program without arguments before those of `b2b`.
+    /// Creates a program without leading arguments.
     pub fn new(executable: impl Into<PathBuf>) -> Self {
         Self { executable: executable.into(), arguments: Vec::new() }
     }
 
-    /// Adds an argument before those of `b2b`, as needed for an interpreter.
+    /// Adds an argument before `b2b`'s own, as an interpreter needs.
     #[must_use]
     pub fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());

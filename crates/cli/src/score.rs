@@ -19,7 +19,7 @@ use crate::{program, stdout};
 
 /// Score a trajectory against the reactive controllers
 ///
-/// Reads a trajectory.parquet written by `b2b run`. The score is its return divided by that of the reactive controllers
+/// Reads a trajectory.parquet written by `b2b run`. The score is its return divided by the reactive controllers' return
 /// for the same building, task and run period: lower is better, below 1 beats the baseline. A baseline that is not yet
 /// known is simulated first and cached.
 #[derive(clap::Args)]
@@ -107,7 +107,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     stdout::print_result(arguments.json, &score, || score.text())
 }
 
-/// Finds the site of the building, whose weather must be that of the trajectory.
+/// Finds the building's site and checks that its weather is the trajectory's.
 fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<SiteInfo> {
     let Trajectory { subject, weather_sha256, .. } = trajectory;
     let cannot = || format!("cannot prepare {}", subject.name);
@@ -116,7 +116,7 @@ fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<
     let weather = EpwFile::open(&found.weather).with_context(cannot)?;
     if weather_sha256.as_ref().is_some_and(|there| there != weather.sha256()) {
         bail!(
-            "the weather of the trajectory, {}, is not that of {} in {}; specify it with --weather",
+            "the trajectory's weather, {}, is not the weather of {} in {}; specify it with --weather",
             trajectory.place,
             subject.name,
             found.place

@@ -1,14 +1,14 @@
-//! Credit: the parts of a reward, and those that count in the advantage of each action.
+//! Credit: which parts of a reward count in the advantage of each action.
 //!
-//! Actions form groups. The probability ratio of PPO is that of all actions of a group together, and each group has its own
-//! advantage.
+//! Actions form groups. Each group has its own advantage, and PPO's probability ratio is the joint ratio of the group's
+//! actions.
 //!
-//! - Ordinary PPO has one group of all actions, whose advantage is that of the sum of the parts.
-//! - With a credit matrix, each action is a group. Its advantage is the sum of those of the parts, weighted by its row. A matrix
-//!   of ones is ordinary PPO.
+//! - Ordinary PPO has one group of all actions, with the advantage of the summed parts.
+//! - With a credit matrix, each action is a group. Its advantage is the sum of the parts' advantages, weighted by its
+//!   row. A matrix of ones is ordinary PPO.
 //!
-//! The parts of a reward are those of the controlled zones and of energy. For flat networks they are in this order; for graph
-//! networks each is the part of its node, and all other nodes have none.
+//! A reward has a part for each controlled zone and one for energy. Flat networks have them in this order; in graph
+//! networks each part belongs to its node, and all other nodes have none.
 
 use std::ops::Range;
 
@@ -128,8 +128,8 @@ impl Credit {
     }
 }
 
-/// Returns the weight of each part of a reward, of the controlled zones and of energy, in the advantage of each actuator: that of
-/// a zone counts for its own actuators and for those of the air handler that serves it, energy for all.
+/// Returns the weight of each part of a reward (column: controlled zones, then energy) in the advantage of each
+/// actuator (row). A zone's part counts for its own actuators and for the air handler that serves it, energy for all.
 pub(crate) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
     let zones: Vec<usize> = spaces.controlled_zones().collect();
     let layouts: Vec<_> = spaces.building.laid_out_systems().map(|(_, layout)| layout).collect();

@@ -35,7 +35,7 @@ pub struct GraphPolicy {
     pub activation: Activation,
     /// How attention uses the edges of a building: `none`, `bias`, `mask` or `mixed`. Default none.
     pub edges: Edges,
-    /// Whether nodes have their attributes as features, and the weather those of the building. Default false.
+    /// Whether nodes have their attributes as features, and the weather node the building's attributes. Default false.
     pub attributes: bool,
     /// Whether features have mean 0 and deviation 1 over all nodes of a type. Default true.
     pub normalize: bool,

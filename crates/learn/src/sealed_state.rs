@@ -22,7 +22,7 @@ pub(crate) fn seal(state: &State) -> Vec<u8> {
 /// Reads a sealed state.
 ///
 /// # Errors
-/// [`Error::State`] for bytes without a digest or with another one, and those of [`State::from_bytes`].
+/// [`Error::State`] for bytes with a missing or wrong digest, and errors from [`State::from_bytes`].
 pub(crate) fn unseal(bytes: &[u8]) -> Result<State> {
     match seal::is_intact(bytes, BEFORE) {
         None => Err(Error::State("it is damaged, or of an earlier version".to_owned())),

@@ -127,7 +127,7 @@ impl State {
         let bytes: Vec<Vec<u8>> = self.tensors.values().map(Values::to_bytes).collect();
         let views = self.tensors.iter().zip(&bytes).map(|((name, values), bytes)| {
             let view = TensorView::new(values.dtype(), vec![values.len()], bytes);
-            (name, view.expect("the bytes are those of the values"))
+            (name, view.expect("the bytes have the length of the values"))
         });
         serialize(views, metadata).expect("names and numbers always serialize")
     }

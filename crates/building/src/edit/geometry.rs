@@ -66,7 +66,7 @@ pub fn require_stretchable(model: &Model, x: f64, y: f64) -> Result<()> {
     require_corners(model, &WITHOUT_CORNERS)?;
     for (name, zone) in model.objects("Zone").into_iter().filter(|_| x != y && is_relative(model)) {
         if number(zone, "direction_of_relative_north").is_some_and(|angle| angle != 0.0) {
-            let why = "its axes are rotated from those of the building, so x_scale and y_scale must be equal";
+            let why = "its axes are rotated from the building's, so x_scale and y_scale must be equal";
             return Err(Error::edit("Zone", name, why));
         }
     }

@@ -36,7 +36,7 @@ Columns:
   steps/CPU s      the same per CPU time of this process and the environments' processes
   environment, inference, learner: shares of the wall-clock time. With fragments, inference is its share of the workers' time
   SB3              steps/s and steps/CPU s of Stable-Baselines3
-  ratio            steps/s divided by that of SB3
+  ratio            steps/s divided by SB3's
 
 Examples:
   b2b bench train

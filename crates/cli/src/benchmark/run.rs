@@ -69,7 +69,7 @@ Examples:
   b2b benchmark run cross-domain --train-type Warehouse RetailStandalone --test-type OfficeSmall --policy my.onnx --out x
   b2b benchmark run dynamics-house --period 01-10..01-11 --policy random --out try        a modified problem
 
-In the path of an ONNX policy, {seed}, {building} and {task} are replaced by those of the episode.";
+In the path of an ONNX policy, {seed}, {building} and {task} stand for the episode's.";
 
 fn adapted(text: &str) -> std::result::Result<(u64, String), String> {
     let pair =

@@ -209,8 +209,8 @@ impl ZoneRecord {
         })
     }
 
-    /// Returns the target of a step, °C; in a task with bands, the temperature or the setpoint that it is beyond. The target of
-    /// the first step is not recorded; it is taken to be that of the second.
+    /// Returns the target of a step, °C; in a task with bands, the temperature or the setpoint that it is beyond. The
+    /// first step's target is not recorded, so the second step's is used.
     pub fn target_of(&self, step: usize, constant: Option<f64>) -> f64 {
         match (&self.band, &self.target) {
             (Some(band), _) => band.nearest(step, self.temperature[step]),

@@ -25,8 +25,8 @@ enum Command {
     Manifest(ManifestArguments),
     /// Print the range of every parameter by type and climate zone, next to the building code; houses by vintage
     #[command(after_help = "\
-U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. The infiltration multiplies that of
-the prototype. The units of house parameters are in crates/dataset/data/README.md.")]
+U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. The infiltration is a factor on
+the prototype's. The units of house parameters are in crates/dataset/data/README.md.")]
     Ranges,
 }
 

@@ -11,8 +11,8 @@ use crate::stdout;
 /// Print how fast the trainings in folders of results were, by building type and preset
 ///
 /// Prints the table behind the estimates of `show` and `run` (crates/experiment/data/rates.csv): the 75th percentile of the
-/// steps per second of trainings whose job folders are at hand, without evaluations; of a preset without any, that of
-/// whole jobs; and the speed of environments from results of the experiment `speed`.
+/// steps per second of trainings, without evaluations, where their job folders are available, otherwise of whole jobs;
+/// and the speed of environments, from results of the experiment `speed`.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

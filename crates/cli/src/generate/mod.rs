@@ -150,7 +150,7 @@ impl Arguments {
     }
 
     /// Samples new buildings. Their names contain the seed, which distinguishes them from the dataset's buildings and
-    /// those of other seeds.
+    /// from other seeds' buildings.
     fn sample(&self, building_type: BuildingType) -> Result<Selection> {
         let places = self.places(building_type)?;
         let buildings =

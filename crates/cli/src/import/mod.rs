@@ -24,7 +24,7 @@ use trial::Trial;
 ///
 /// Sizes the unmodified model, then makes every supported system controllable: unitary and rooftop units that serve one
 /// zone, central air loops with reheat boxes, and zone heaters. All other systems keep their thermostats and schedules.
-/// The agent observes all zones; the reward counts those that it controls; energy use is that of all HVAC.
+/// The agent observes all zones; the reward counts the zones it controls; energy use covers all HVAC.
 ///
 /// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it
 /// in the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or

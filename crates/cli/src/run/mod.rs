@@ -85,7 +85,7 @@ occupancy and random, each with and without +energy0.5.
   RESOURCE     {resources}: W times the energy (relative to the mean use of the reactive
                controllers), cost, emissions or increase in peak demand of each step
   VENTILATION  an interlock supplies outdoor air while people are present (default); +free-ventilation: no minimum
-  PRESENCE     the number of people is that of the model's schedules (default); +presenceH: each person comes and
+  PRESENCE     the number of people follows the model's schedules (default); +presenceH: each person comes and
                goes at random, with a correlation time of H hours
   FAULT        +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with
                probability P; +foulingS: coils lose a share S of their range

@@ -130,8 +130,8 @@ impl View<'_> {
     }
 }
 
-/// Shifts what observations ask to the steps that it is for: those that follow. That of the first step is not recorded; it
-/// is taken to be that of the second.
+/// Shifts what observations ask for to the step that follows, which it applies to. The first step's value is not
+/// recorded, so the second step's is used.
 pub fn asked(mut observed: Vec<f64>) -> Vec<f64> {
     observed.rotate_right(1);
     if let [first, second, ..] = &mut observed[..] {

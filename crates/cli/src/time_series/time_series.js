@@ -37,7 +37,7 @@ function decodeSeries({ name, color, dashed, low, high, mean, days }) {
   return makeSeries({ name, color, dashed }, points, days && days.map(text => decode(text, low, high)));
 }
 
-/* A series of points, and daily means and ranges. Without given ranges, they are those of the points. */
+/* A series of points, and daily means and ranges. Without given ranges, they come from the points. */
 function makeSeries(about, mean, ranges) {
   const days = { mean: new Float32Array(DAYS), min: new Float32Array(DAYS), max: new Float32Array(DAYS) };
   let low = Infinity, high = -Infinity;

@@ -131,7 +131,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Returns the configuration: that of the run to resume, or a preset changed by a file and the arguments.
+    /// Returns the configuration of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
         if let Some(folder) = &self.resume {
             let mut config = TrainConfig::of_run(folder)

@@ -24,7 +24,7 @@ Tune the reactive controllers on training buildings
 For each building type and climate zone, optimizes the controller parameters for two objectives: comfort (energy
 weight 0) and energy (weight 0.5, relative to the energy use under the comfort set). Each candidate is simulated on
 training buildings from a Sunday to a Tuesday in winter and in summer, with setpoints that follow occupancy. Its loss
-is divided by that of the default parameters: 1 is as good as the defaults, 0 is perfect. Clearly inferior candidates
+is divided by the default parameters' loss: 1 is as good as the defaults, 0 is perfect. Clearly inferior candidates
 are dropped after the first buildings. The best ones are validated on other training buildings, also with constant
 setpoints, and the one with the lowest median loss is chosen, provided that actuators travel at most five full
 strokes per day on every building, or no more than under the defaults, and that it is not clearly worse than the

@@ -37,7 +37,7 @@ impl<'a> TrainingRollouts<'a> {
     /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
     pub fn simulate(&mut self, parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
         let tasks = Plan::tasks()?;
-        // Those of the search are by occupancy, after constant ones if the plan requires them.
+        // The search uses setpoints by occupancy, preceded by constant ones if the plan requires them.
         let searched = if self.constant_targets { &tasks[..] } else { &tasks[tasks.len() - 1..] };
         let TrainingBuildings { search, validation } = self.buildings;
         let (kept, ids, tasks, index, range) = match building {

@@ -113,7 +113,7 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
             let listed = side.buildings.ids();
             assert_eq!(side.sizes.len(), side.buildings.types().len(), "{}", problem.name);
             for size in &side.sizes {
-                // One building for each type and use: those of a type have the same systems.
+                // One building for each type and use: buildings of a type have the same systems.
                 let of_type =
                     |id: &&BuildingId| id.building_type() == size.building_type && listed.contains(id);
                 let first = listed.iter().find(of_type).copied().unwrap();
@@ -273,7 +273,7 @@ fn withheld_actuators_change_neither_the_building_nor_the_score_of_the_reactive_
 #[test]
 fn an_adapted_policy_is_scored_before_and_after_adaptation() {
     let folder = tempfile::tempdir().unwrap();
-    // Zeros are the middle of every bound; the width is that of the paper, zones in order with zeros behind.
+    // Zeros are the middle of every bound; the width is the paper's, with zones in order and zeros behind them.
     std::fs::write(folder.path().join("before.onnx"), linear_policy(20, 2, 0.0)).unwrap();
     for house in ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
         std::fs::write(folder.path().join(format!("{house}.onnx")), linear_policy(20, 2, -0.9)).unwrap();

@@ -21,7 +21,7 @@ fn runs_of_one_episode_are_compared_in_tables_json_and_page() {
     let runs = compared["runs"].as_array().unwrap();
     assert_eq!((&compared["building"], &compared["steps"]), (&"RestaurantFastFood".into(), &576.into()));
     assert_eq!([&runs[0]["name"], &runs[1]["name"]], ["reactive", "random"]);
-    // Metrics and differences are those of the summaries.
+    // Metrics and differences match the summaries.
     let summary = |name: &str| -> serde_json::Value {
         serde_json::from_slice(&std::fs::read(folder.path().join(name).join("summary.json")).unwrap())
             .unwrap()

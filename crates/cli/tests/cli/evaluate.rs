@@ -112,7 +112,7 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     assert_eq!(json(folder.path(), "score random"), scored, "by the folder of the run");
     assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
 
-    // With a weather file, the baseline is that of the same weather.
+    // With a weather file, the baseline has the same weather.
     let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
     let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let weather = format!("--weather {}", weather.display());

@@ -54,9 +54,10 @@ pub struct FragmentCollector {
 }
 
 impl FragmentCollector {
-    /// Begins the first episodes. With `by_zone` a reward has a part for each controlled zone and one for energy: for flat networks
-    /// all buildings must have the same zones, for graph networks each part is that of its node. `correlation` is that of the exploration noise between consecutive steps, `travel_cost`
-    /// what a full stroke costs, averaged over the actuators, in the unit of the scaled rewards.
+    /// Begins the first episodes. With `by_zone`, a reward has a part for each controlled zone and one for energy: flat
+    /// networks need the same zones in all buildings, and graph networks give each part to its node. `correlation` is
+    /// the correlation of exploration noise between consecutive steps; `travel_cost` is the cost of a full stroke,
+    /// averaged over the actuators, in the unit of the scaled rewards.
     ///
     /// # Errors
     /// [`Error::Env`](crate::Error::Env) when an environment cannot begin.
@@ -134,7 +135,7 @@ impl FragmentCollector {
     /// and the actions in it.
     pub fn state(&self) -> State {
         let mut state = State::default();
-        // Of an environment between two episodes, the state is that of the next one.
+        // Between two episodes, an environment has the state of the next one.
         let is_between = |progress: &Progress| progress.phase == Phase::Starting;
         let episodes: Vec<u64> = self.progress.iter().map(|progress| progress.place().0).collect();
         state.put_u64("episodes", &episodes);

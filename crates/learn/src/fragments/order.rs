@@ -33,7 +33,7 @@ pub struct Order {
     pub attributes: Vec<f64>,
     /// Shape of its network.
     pub shape: Shape,
-    /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow those of the network.
+    /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow the network's.
     pub distribution: Distribution,
     /// Place of the parameters in the shared memory.
     pub parameters: usize,

@@ -61,8 +61,8 @@ pub struct Cloned {
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` returns `false`;
-/// [`Error::Invalid`] for buildings whose observations or actuators differ, and for a dataset without steps; those of
-/// [`Dataset::read`], [`Pilot::new`] and `spaces`.
+/// [`Error::Invalid`] for buildings whose observations or actuators differ, and for a dataset without steps; errors
+/// from [`Dataset::read`], [`Pilot::new`] and `spaces`.
 pub fn clone_policy(
     dataset: &Dataset,
     config: &CloneConfig,

@@ -27,8 +27,8 @@ pub struct Collection<'a> {
 /// differ; with one building, in physical units.
 ///
 /// # Errors
-/// [`Error::Invalid`] for buildings of several types or with different observations, for a folder that exists, and when an
-/// episode is lost; those of [`Evaluation::record`].
+/// [`Error::Invalid`] for buildings of several types or with different observations, for a folder that exists, and when
+/// an episode is lost; errors from [`Evaluation::record`].
 pub fn collect(
     collection: &Collection<'_>,
     destination: &Path,

@@ -16,7 +16,7 @@ const SMALLEST_COST: f64 = 0.1;
 /// The mean penalty of a step.
 struct Penalty {
     all: f64,
-    /// That of the zones, if it is known; otherwise all.
+    /// The zones' penalty if it is known, otherwise all of it.
     comfort: f64,
 }
 

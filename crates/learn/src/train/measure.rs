@@ -19,7 +19,8 @@ use crate::rollout::Rollout;
 /// The design of a training loop: where actions are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Design {
-    /// In the workers, for a fragment of an episode at a time: see [`crate::fragments`]. That of [`train`](super::train).
+    /// In the workers, for a fragment of an episode at a time: see [`crate::fragments`]. [`train`](super::train) uses
+    /// this design.
     Fragments,
     /// In the owner, for one step of all environments at a time: see [`crate::lockstep`].
     Lockstep,
@@ -71,8 +72,8 @@ impl TrainingLoop {
     /// Begins the first episodes of a configuration.
     ///
     /// # Errors
-    /// The errors of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in lockstep; those of
-    /// environments, and of the baselines that rewards are scaled by.
+    /// The errors of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in
+    /// lockstep; errors from environments and from the baselines that scale the rewards.
     pub fn new(
         config: &TrainConfig,
         design: Design,

@@ -30,7 +30,8 @@ use crate::rollout::Rollout;
 /// Name of the folder of the last agent in a run's folder.
 pub const LAST: &str = "last";
 
-/// Cost up to which that of travel grows: five strokes a day then cost 174 times the penalty of the reactive controllers.
+/// Limit to which the cost of travel grows: at this cost, five strokes a day cost 174 times the reactive controllers'
+/// penalty.
 const LARGEST_TRAVEL_COST: f32 = 1e4;
 
 /// Where and how a run is carried out. None of it changes the result.
@@ -53,7 +54,7 @@ pub struct RunOptions<'a> {
 ///
 /// # Errors
 /// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
-/// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
+/// kept; [`Error::Interrupted`] after a checkpoint; errors from environments and evaluations.
 pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     config.check()?;
     let _lock = lock::acquire(&options.out, lock::PATIENCE, options.interrupted)?;
@@ -90,7 +91,7 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     run.finish(whole.as_ref())
 }
 
-/// Checks that the folder is that of this configuration, or writes it.
+/// Checks that the folder holds a run of this configuration, or writes the configuration to a new folder.
 fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     let path = out.join(CONFIG);
     if path.exists() {
@@ -332,7 +333,7 @@ impl<'a> Run<'a> {
             Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;
         } else if !self.best.is_within_travel_limit() {
             self.monitor.warn(&format!(
-                "the actuators of every evaluated agent hunt; those of the best travel {:.1} times the limit; raise \
+                "the actuators of every evaluated agent hunt; even the best agent's travel is {:.1} times the limit; raise \
                  `travel_cost`",
                 self.best.relative_travel
             ));

@@ -92,7 +92,7 @@ impl Simulation {
             Call::Forecast => self.forecast(arguments),
             Call::Submit => Err(Refusal::with_status(
                 501,
-                "`submit` is left out: BOPTEST's dashboard has no results of these buildings; keep those of GET /kpi",
+                "`submit` is left out: BOPTEST's dashboard has no results of these buildings; keep the results of GET /kpi",
             )),
         };
         answer.unwrap_or_else(Answer::from)

@@ -77,8 +77,8 @@ pub struct PpoConfig {
     /// Weight of the newest parameters in the running average that agents are written and evaluated with; rollouts use the newest
     /// ones. The first updates have equal weights. Default 1: no average.
     pub average_rate: f32,
-    /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: the advantage of all
-    /// actions is that of the sum of the parts.
+    /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: all actions
+    /// share the advantage of the summed parts.
     pub credit: Option<Vec<Vec<f32>>>,
 }
 

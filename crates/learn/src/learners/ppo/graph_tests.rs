@@ -127,7 +127,7 @@ fn features_are_normalized_over_all_nodes_of_a_type() {
     let mut ppo = learner(LogStd::Free, 3);
     assert_eq!(ppo.seen_types(), Vec::<usize>::new());
     let mut shifted = rollout(200, 0);
-    // The features of zones alternate in every row, before that of the last node.
+    // The features of zones alternate in every row, followed by the last node's feature.
     for row in 0..400 {
         let zones = shifted.scenes[shifted.scene_of(row / 200, row % 200)].graph.nodes() - 1;
         let row = &mut shifted.observations[row * 7..][..2 * zones];

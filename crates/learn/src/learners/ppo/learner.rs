@@ -59,8 +59,9 @@ impl Ppo {
         Self::with_networks(Networks::new(widths, &config, None), FeatureScale::new(&[], false), config, seed)
     }
 
-    /// Returns a learner of graph networks: for an actor of this shape, whose outputs are its actions, and a critic alike. `widths`
-    /// are those of the largest building. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
+    /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
+    /// same shape. `widths` are the largest building's. With `normalize`, features are scaled to mean 0 and deviation 1
+    /// over all nodes of a type.
     ///
     /// # Errors
     /// As [`Ppo::new`]; when there is a credit matrix.
@@ -72,7 +73,7 @@ impl Ppo {
         seed: u64,
     ) -> Result<Self> {
         if config.credit.is_some() {
-            return Err(Error::config("credit", "a matrix", "graph networks have that of their scenes"));
+            return Err(Error::config("credit", "a matrix", "graph networks take it from their scenes"));
         }
         let networks = Networks::new(widths, &config, Some(network));
         Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)

@@ -3,8 +3,8 @@
 //! An update has these stages:
 //!
 //! 1. Values and log densities of the steps of the rollout, under the parameters that made them.
-//! 2. Advantages and returns of each part of the reward, by generalized advantage estimation ([`advantage`]). Each action gets
-//!    those of its parts ([`credit`](crate::credit)).
+//! 2. Advantages and returns of each part of the reward, by generalized advantage estimation ([`advantage`]). Each
+//!    action is credited with the parts that it affects ([`credit`](crate::credit)).
 //! 3. Epochs of minibatches: losses ([`loss`]) and gradients, clipped, and a step of Adam.
 //!
 //! Actions are of a diagonal Gaussian and are not bounded: environments clip them. Actor and critic are separate networks.

@@ -11,8 +11,8 @@ use crate::nn::{Gains, graph, orthogonal};
 use crate::random::Random;
 use crate::rollout::Widths;
 
-/// The shapes of actor and critic. All parameters are one slice: those of the actor, the free logarithms of standard deviations,
-/// and those of the critic.
+/// The shapes of actor and critic. All parameters are one slice: the actor's, the free logarithms of standard
+/// deviations, and the critic's.
 #[derive(Clone, Debug)]
 pub(super) struct Networks {
     /// Shape of the actor: outputs are means and, if they depend on the observation, logarithms of standard deviations.
@@ -88,8 +88,8 @@ impl Networks {
         if self.of_state { 2 * self.widths.action } else { self.widths.action }
     }
 
-    /// Returns the place of the means and scales of features among all parameters, which are not learned: those of each type of
-    /// the actor, and those of the critic.
+    /// Returns where the feature means and scales, which are not learned, are among all parameters: for each node type,
+    /// in the actor and in the critic.
     pub fn feature_places(&self) -> Vec<[EncoderPlaces; 2]> {
         let of = |shape: &Shape, start: usize| -> Vec<EncoderPlaces> {
             let places = shape.graph().map(|network| network.places().encoders).unwrap_or_default();

@@ -197,7 +197,7 @@ fn gradients_of_all_parameters_are_those_of_finite_differences() {
 }
 
 impl Ppo {
-    /// Prepares the steps of a rollout as those of an actor that has changed since.
+    /// Prepares the steps of a rollout as if the actor had changed since it was collected.
     pub(super) fn prepare_for_test(&mut self, rollout: &Rollout) {
         self.prepare(rollout);
         let mut random = Random::new(1, 0);

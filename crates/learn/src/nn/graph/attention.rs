@@ -15,8 +15,9 @@ pub(super) struct Attended<'a> {
     pub nodes: usize,
 }
 
-/// Propagates gradients of the mixed values, nodes × embedding. Writes those of queries, keys and values, and adds those of the
-/// scores of edges, heads × kinds, if there are any. `columns` has room for the values of a head and for two numbers a node.
+/// Propagates the gradients of the mixed values, nodes × embedding. Overwrites the gradients of queries, keys and
+/// values, and adds to the gradients of the edge scores, heads × kinds, if there are any. `columns` has room for the
+/// values of a head and for two numbers a node.
 pub(super) fn backward(
     attended: Attended<'_>,
     gradients: &[f32],

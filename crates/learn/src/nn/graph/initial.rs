@@ -10,8 +10,8 @@ use crate::random::Random;
 /// Standard deviation of encoder biases, which tell apart the types of nodes without features.
 const TYPE_DEVIATION: f32 = 0.5;
 
-/// Returns initial parameters: orthogonal matrices, of the decoders times `last`; layers that add to the embedding are smaller the
-/// more of them there are (Radford et al. 2019). Biases are 0 apart from those of the encoders.
+/// Returns initial parameters: orthogonal matrices, scaled by `last` in the decoders and, in layers that add to the
+/// embedding, by the number of such layers (Radford et al. 2019). Biases are 0, except in the encoders.
 pub fn initialize(network: &GraphNetwork, last: f32, random: &mut Random) -> Vec<f32> {
     let places = network.places();
     let mut parameters = vec![0.0; places.parameters()];

@@ -82,8 +82,8 @@ impl GraphPass {
         self.outputs()
     }
 
-    /// Propagates the gradients of the outputs of the last forward pass, which was of this batch, and adds those of the parameters
-    /// to `sums`.
+    /// Propagates output gradients back through the last forward pass, which must have been on this batch, and adds the
+    /// parameters' gradients to `sums`.
     ///
     /// # Panics
     /// When a slice has another length than the shape.

@@ -238,7 +238,7 @@ fn read_table(path: &Path, read: impl FnOnce(Table) -> Read<TrainConfig>) -> Res
     table.and_then(read).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
 }
 
-/// Puts the values of one table over those of another. A table with a `kind` is replaced as a whole.
+/// Overrides the values of one table by another's. A table with a `kind` is replaced as a whole.
 fn merge(base: &mut Table, changes: Table) {
     for (key, value) in changes {
         match (base.get_mut(&key), value) {

@@ -33,7 +33,7 @@ fn a_configuration_is_written_with_the_options_of_its_learner_alone() {
     assert!(sac.to_toml().contains("[sac]") && !sac.to_toml().contains("[ppo]"));
     assert_eq!(sac.learner.options::<SacConfig>().unwrap().gamma, 0.9);
     assert_eq!(changed(&TrainConfig::default(), &sac.to_toml()), sac);
-    // Those of the others are read, so that a mistake in them is an error.
+    // Tables of the other learners are read too, so that a mistake in them is an error.
     assert!(residual.with_changes("[sac]\ngama = 0.9").unwrap_err().contains("did you mean `gamma`?"));
 }
 

@@ -16,11 +16,12 @@ use crate::limits::require;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TrainingSet {
-    /// Training buildings by name, in turn for the environments. Empty: those of `building_type` in the training split.
+    /// Training buildings by name, in turn for the environments. Empty: the buildings of `building_type` in the
+    /// training split.
     pub buildings: Vec<String>,
     /// Place of `buildings`, such as `Miami`. Empty: their own.
     pub place: String,
-    /// Weather file (EPW) of `buildings` instead of a place. Empty: that of the place.
+    /// Weather file (EPW) for `buildings`, instead of a place. Empty: the place's weather.
     pub weather: PathBuf,
     /// Whether a model file may run code and open files outside its folder. Only the caller sets it: no file may, and none has it.
     #[serde(skip)]
@@ -77,7 +78,7 @@ impl TrainingSet {
         self.period.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
     }
 
-    /// Returns the names of the training buildings; empty for those of a type.
+    /// Returns the names of the training buildings; empty if a type is given instead.
     ///
     /// # Errors
     /// [`Error::Building`].

@@ -9,7 +9,7 @@ pub(super) struct Paired<S> {
     /// A sampler for the first environment of every pair, and its twin for the second.
     of: [S; 2],
     seed: u64,
-    /// The random stream of each environment, which is that of its pair.
+    /// The random stream of each environment, the same for both of a pair.
     random: Vec<ChaCha8Rng>,
 }
 

@@ -20,9 +20,9 @@ use crate::train::config::TrainConfig;
 const SMALLEST_PENALTY: f64 = 4e-4;
 
 impl Environments<'_> {
-    /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building under the
-    /// task. For a building drawn from many it is the median of those of the evaluated ones, because a baseline of its own
-    /// would have to be run first; only for graph networks, whose buildings differ more, it is that of the building: see
+    /// Returns the factors of rewards: 1 over the reactive controllers' mean penalty per step in the building under the
+    /// task. A building drawn from many gets the median factor of the evaluated buildings, because its own baseline
+    /// would have to be run first. Graph networks, whose buildings differ more, use the building's own factor: see
     /// [`DrawnScale`].
     pub(crate) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
         if !self.config.rewards.scale_rewards {

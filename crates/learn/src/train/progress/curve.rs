@@ -70,8 +70,7 @@ impl Panel {
     }
 }
 
-/// Returns the tiles of the result, pairs of a label and a value. Of a run that has not finished, those of the last
-/// evaluation.
+/// Returns the tiles of the result, as pairs of a label and a value; for an unfinished run, of its last evaluation.
 fn tiles(folder: &Path, summary: Option<&Summary>) -> Vec<[String; 2]> {
     let tile = |name: &str, value: String| [name.to_owned(), value];
     if let Some(scores) = summary.and_then(|summary| summary.scores.as_ref()) {

@@ -17,7 +17,7 @@ pub(super) struct EventFile {
 }
 
 impl EventFile {
-    /// Begins an event file in a folder, or continues that of the same second.
+    /// Creates an event file in a folder, or continues the file created in the same second.
     pub(super) fn create(folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(at(folder))?;
         let path = folder.join(format!("events.out.tfevents.{}.b2b", now() as u64));
