@@ -55,7 +55,7 @@ impl Agent {
     /// folder.
     ///
     /// # Errors
-    /// As [`Agent::controller`]; [`Error::Io`] without a current folder.
+    /// Same as [`Agent::controller`]; [`Error::Io`] without a current folder.
     pub fn description(&self, spaces: &Arc<Spaces>) -> Result<Option<ControllerDescription>> {
         if self.sha256().is_empty() {
             return Ok(None);

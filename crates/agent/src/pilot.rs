@@ -43,7 +43,7 @@ impl Pilot {
     /// and, for a graph network, its plan.
     ///
     /// # Errors
-    /// As [`Pilot::new`].
+    /// Same as [`Pilot::new`].
     pub fn without_model(
         interface: Interface,
         spaces: &Arc<Spaces>,

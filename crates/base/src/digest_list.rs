@@ -30,7 +30,7 @@ impl DigestList {
         write_whole(&folder.join(DIGESTS), lines.as_bytes())
     }
 
-    /// Reads the digests of a folder; `None` for one that has none, as folders of earlier versions.
+    /// Reads a folder's digests; `None` if it has none, like folders from earlier versions.
     ///
     /// # Errors
     /// Errors of the operating system, and [`ErrorKind::InvalidData`] for a damaged list.
@@ -47,7 +47,7 @@ impl DigestList {
         digests.map(|digests| Some(Self(digests))).ok_or_else(|| invalid(format!("{DIGESTS} is damaged")))
     }
 
-    /// Reads a file of a folder and compares it with its digest.
+    /// Reads a file in a folder and compares it with its digest.
     ///
     /// # Errors
     /// Errors of the operating system, and [`ErrorKind::InvalidData`] for a file that was changed or is not listed.

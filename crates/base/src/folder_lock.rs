@@ -5,7 +5,7 @@ use std::io::Result;
 use std::path::Path;
 
 /// A lock of a folder by this process. It ends on drop, and with the process. It is on the folder itself, so it can be
-/// taken before the first file is written, and leaves none behind.
+/// taken before the first file is written and leaves no file behind.
 #[derive(Debug)]
 pub struct FolderLock(#[expect(dead_code, reason = "the lock ends when it is closed")] File);
 

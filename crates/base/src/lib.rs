@@ -1,5 +1,5 @@
-//! What all crates share: files written atomically, locks of folders, temporary folders that end with their owner, digests,
-//! random streams, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
+//! Building blocks for all crates: atomic file writes, folder locks, temporary folders that are removed with their
+//! owner, digests, random streams, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
 
 pub mod aside;
 pub mod digest;

@@ -1,8 +1,9 @@
 //! Temporary folders and files that are removed with their owner: on drop, or when the next one is created after the
 //! owner was killed.
 //!
-//! The name has the owner, `b2b-pool-4242.891.5f0c9a1e-x7Pq2a`: process 4242, started at clock tick 891, in the process
-//! numbering `5f0c9a1e`. Containers that share a folder have separate numberings and do not touch each other's folders.
+//! A name identifies its owner. In `b2b-pool-4242.891.5f0c9a1e-x7Pq2a` it is process 4242, started at clock tick 891,
+//! in the process numbering `5f0c9a1e`. Containers that share a folder have separate numberings and do not touch each
+//! other's folders.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

@@ -10,7 +10,8 @@ pub fn open() -> String {
     "0".repeat(DIGITS)
 }
 
-/// Replaces an open seal, which follows the text `before`, by the digest of the content. Returns whether there is one.
+/// Replaces an open seal, which follows the text `before`, with the digest of the content. Returns whether there was
+/// one.
 pub fn set(content: &mut [u8], before: &str) -> bool {
     let Some(place) = place(content, before) else { return false };
     let digest = sha256(&*content);
@@ -18,7 +19,7 @@ pub fn set(content: &mut [u8], before: &str) -> bool {
     true
 }
 
-/// Returns whether a content has the digest that it states behind the text `before`; `None` if it states none.
+/// Returns whether content matches the digest stated after the text `before`; `None` if none is stated.
 pub fn is_intact(content: &[u8], before: &str) -> Option<bool> {
     let place = place(content, before)?;
     let mut opened = content.to_vec();

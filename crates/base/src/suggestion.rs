@@ -1,6 +1,6 @@
 //! Suggestions for misspelled names.
 
-/// Similarity from which on a name is suggested.
+/// Minimum similarity of a suggested name.
 const SIMILAR: f64 = 0.75;
 
 /// Returns the most similar of some names, quoted; empty if none is similar.

@@ -109,20 +109,20 @@ impl PreparedBuilding {
         Self::with_kinds(name, model, weather, library, &KINDS, Unsupported::Refused)
     }
 
-    /// As [`PreparedBuilding::new`], but a system that cannot be made controllable is not controlled and is listed in
+    /// Like [`PreparedBuilding::new`], but a system that cannot be made controllable is not controlled and is listed in
     /// [`PreparedBuilding::uncontrolled`]. For users' models: see [`crate::import`].
     ///
     /// # Errors
-    /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
+    /// Same as [`PreparedBuilding::new`], without [`Error::Unsupported`].
     pub fn as_far_as_possible(name: &str, model: Model, weather: &Path, library: &Library) -> Result<Self> {
         Self::with_kinds(name, model, weather, library, &KINDS, Unsupported::LeftAlone)
     }
 
-    /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`], with systems of these kinds. Only a building
+    /// Like [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`], with systems of these kinds. Only a building
     /// of the [`KINDS`] of this crate can be read from a file.
     ///
     /// # Errors
-    /// As [`PreparedBuilding::new`].
+    /// Same as [`PreparedBuilding::new`].
     pub fn with_kinds(
         name: &str,
         mut model: Model,
@@ -142,7 +142,7 @@ impl PreparedBuilding {
     /// building under control.
     ///
     /// # Errors
-    /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
+    /// Same as [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
     pub fn under_own_controls(
         name: &str,
         mut model: Model,
@@ -404,7 +404,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_air_density_of_denver_and_miami_is_that_of_the_engine() {
+    fn the_air_density_of_denver_and_miami_matches_the_engine() {
         // The engine's own figures for the weather files of Denver (1726 m) and Miami (11 m).
         assert!((standard_air_density(1726.0) - 0.977).abs() < 5e-4);
         assert!((standard_air_density(11.0) - 1.203).abs() < 5e-4);

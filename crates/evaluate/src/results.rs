@@ -70,7 +70,7 @@ impl Results {
 /// Returns the lost episodes by number.
 ///
 /// # Errors
-/// As [`Results::of`].
+/// Same as [`Results::of`].
 pub fn run_part(
     evaluation: &Evaluation<'_>,
     folder: &Folder,

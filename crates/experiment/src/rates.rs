@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_those_of_a_folder_by_type_and_preset() {
+    fn rates_come_from_a_folder_by_type_and_preset() {
         let results =
             |name| Folder::open(format!("{}/../../results/{name}", env!("CARGO_MANIFEST_DIR")).as_ref());
         let found = rates(&[results("ppo").unwrap(), results("speed").unwrap()]).unwrap();

@@ -25,9 +25,9 @@ use crate::widths::Widths;
 pub struct Credit {
     /// Actions of a group.
     size: usize,
-    /// Of each group, the kind: advantages of one kind are normalized together.
+    /// Kind of each group. Advantages of one kind are normalized together.
     kinds: Vec<usize>,
-    /// Of each part, the kind: returns of one kind are normalized together. A part without one has no rewards.
+    /// Kind of each part. Returns of one kind are normalized together. A part without a kind has no rewards.
     parts: Vec<Option<usize>>,
     /// Weights, groups × parts.
     weights: Vec<f32>,
@@ -48,7 +48,7 @@ impl Credit {
         }
     }
 
-    /// Returns the credit of a matrix, actions × parts; without one, the credit of a single group.
+    /// Returns the credit for a matrix, actions × parts; without a matrix, for a single group.
     ///
     /// # Errors
     /// When the matrix has another shape.
@@ -71,8 +71,8 @@ impl Credit {
         }
     }
 
-    /// Returns the credit of a building of a graph network, with a part for every node. Actions of nodes of one type are of one
-    /// kind, and so are the parts of nodes of one type.
+    /// Returns the credit of a graph network's building, with a part for every node. The actions of all nodes of a type
+    /// form one kind, and so do their parts.
     pub(crate) fn by_node(spaces: &Spaces, plan: &NodePlan, graph: &Graph) -> Self {
         let (nodes, places) = (graph.nodes(), part_places(spaces, Some(plan), graph.nodes()));
         let mut weights = vec![0.0; graph.actions.len() * nodes];
@@ -82,8 +82,8 @@ impl Credit {
         Self::of_nodes(graph, &places, weights)
     }
 
-    /// Returns the credit of a building with a part for every node: the nodes that have a penalty, the last of which is energy, and
-    /// the weights, actions × nodes.
+    /// Returns the credit of a building with a part for every node. `penalized` lists the nodes with a penalty, energy
+    /// last; the weights are actions × nodes.
     pub(crate) fn of_nodes(graph: &Graph, penalized: &[usize], weights: Vec<f32>) -> Self {
         let kind = |node: usize| penalized.contains(&node).then(|| graph.types[node]);
         Self {
@@ -115,7 +115,7 @@ impl Credit {
         self.energy
     }
 
-    /// Returns the actions of a group, in a building that has this many.
+    /// Returns the actions of a group, in a building with this many actions.
     pub fn actions(&self, group: usize, count: usize) -> Range<usize> {
         group * self.size..((group + 1) * self.size).min(count)
     }
@@ -145,7 +145,8 @@ pub(crate) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
     spaces.action.owners().iter().map(row).collect()
 }
 
-/// Returns the place of the part of each controlled zone, and of energy, among the parts of a reward: one part has all.
+/// Returns the index of the part of each controlled zone, and then of energy, among the parts of a reward. If there is
+/// only one part, it holds all of them.
 pub(crate) fn part_places(spaces: &Spaces, plan: Option<&NodePlan>, parts: usize) -> Vec<usize> {
     let zones = spaces.controlled_zones();
     match plan {

@@ -18,7 +18,7 @@ pub enum Error {
         /// The values that are allowed.
         remedy: &'static str,
     },
-    /// An array of a rollout that has another length than its counts and widths.
+    /// An array of a rollout whose length does not match the counts and widths.
     #[error("`{name}` of the rollout has {length} values; expected {expected}")]
     Rollout {
         /// Name of the array.
@@ -47,7 +47,7 @@ pub enum Error {
         /// Number of updates.
         updates: u64,
     },
-    /// A tensor that a saved state does not have, or has with another type or shape.
+    /// A tensor that is missing from a saved state, or has another type or shape.
     #[error(
         "the saved state has no tensor `{name}` of {expected}; was it saved with the same configuration?"
     )]
@@ -82,7 +82,7 @@ pub enum Error {
     /// A configuration with incompatible values.
     #[error("{0}")]
     Invalid(String),
-    /// A run's folder that cannot be resumed, or that is another run's.
+    /// A run's folder that cannot be resumed, or that belongs to another run.
     #[error("cannot resume {path}: {why}")]
     Resume {
         /// The folder.

@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn densities_are_those_of_the_definition() {
+    fn densities_match_the_definition() {
         let density = |x: f64, mean: f64, std: f64| {
             (-(x - mean).powi(2) / (2.0 * std * std)).exp() / (std * std::f64::consts::TAU.sqrt())
         };

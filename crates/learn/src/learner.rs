@@ -40,10 +40,10 @@ pub trait Learner: Send {
     /// Continues from a state of a learner with the same setting and options.
     ///
     /// # Errors
-    /// When the state is of other options; the learner is then not usable.
+    /// When the state was saved with other options; the learner is then unusable.
     fn restore(&mut self, state: &State) -> Result<()>;
 
-    /// Sets the logarithm of the standard deviation of all actions, where a run may: see [`Abilities::noise`].
+    /// Sets the logarithm of the standard deviation of all actions. Only called if [`Abilities::noise`] allows it.
     fn set_log_std(&mut self, _log_std: f32) {}
 
     /// Returns the node types seen in rollouts so far, as indices into the graph network's types.

@@ -41,7 +41,7 @@ pub(crate) fn check_widths(values: [Named<&[usize]>; 2]) -> Result<()> {
 /// Checks a condition.
 ///
 /// # Errors
-/// [`Error::Invalid`] with what is wrong.
+/// [`Error::Invalid`] with the reason.
 pub(crate) fn require(holds: bool, why: impl FnOnce() -> String) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::Invalid(why())) }
 }

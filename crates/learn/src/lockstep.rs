@@ -39,7 +39,7 @@ pub struct LockstepCollector {
     /// Environments that are no longer busy.
     ready: Vec<usize>,
     lost: u64,
-    /// Time spent on actions and on all of the last rollout.
+    /// Time spent on actions, and on the whole last rollout.
     times: [Duration; 2],
 }
 
@@ -51,12 +51,12 @@ struct EnvProgress {
     noise: Noise,
     /// Factor of the rewards of the episode in progress.
     scale: f32,
-    /// Steps of the rollout.
+    /// Steps of the rollout so far.
     done: usize,
     /// This environment's fragments in the rollout: one more than the episodes that ended.
     fragments: u64,
     ends: Vec<End>,
-    /// Buildings of the rollout, each from a step on, for a graph network.
+    /// Buildings in the rollout, each with the step from which it applies, for a graph network.
     scenes: Vec<Scene>,
     lost_in_a_row: u32,
     /// The action in physical units, padded to the width of the batch.
@@ -125,7 +125,7 @@ impl LockstepCollector {
         &self.environments
     }
 
-    /// Returns the times spent on actions and on all of the last rollout, s.
+    /// Returns the times spent on actions and on the whole last rollout, s.
     pub fn times(&self) -> [f64; 2] {
         self.times.map(|time| time.as_secs_f64())
     }
@@ -252,7 +252,7 @@ impl EnvProgress {
         self.command[..physical.len()].copy_from_slice(physical);
     }
 
-    /// Notes the building from this step on.
+    /// Records the building from this step on.
     fn begin_scene(&mut self, environment: usize) {
         if let Some(graph) = self.pilot.graph() {
             self.scenes.retain(|scene| scene.step < self.done);
@@ -261,7 +261,7 @@ impl EnvProgress {
         }
     }
 
-    /// Ends the episode at the last step, unless one has ended there or the rollout has no step yet.
+    /// Ends the episode at the last step, unless it has ended there already or the rollout has no step yet.
     fn end(&mut self, environment: usize, widths: Widths) {
         let ended = self.ends.last().map_or(0, |end| end.step + 1);
         if self.done > ended {

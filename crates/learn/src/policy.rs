@@ -29,7 +29,7 @@ pub struct GraphPolicy {
     pub heads: usize,
     /// Layers of the transformer. Default 2.
     pub layers: usize,
-    /// Width of the hidden layer behind each attention. Default 128.
+    /// Width of the hidden layer after each attention. Default 128.
     pub feed_forward: usize,
     /// Activation of these hidden layers. Default relu.
     pub activation: Activation,

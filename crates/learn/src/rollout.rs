@@ -31,8 +31,8 @@ pub struct Rollout {
     /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows of a
     /// building that is smaller than the widths are padded with zeros.
     pub scenes: Vec<Scene>,
-    /// With mirrored noise, of every two environments the number of first steps in which both are at the same step of the same episode,
-    /// and have opposite noise.
+    /// With mirrored noise, for how many first steps the two environments of each pair are at the same step of the same
+    /// episode and have opposite noise.
     pub pairs: Vec<usize>,
 }
 
@@ -66,7 +66,7 @@ impl Rollout {
         self.environments * self.steps
     }
 
-    /// Makes room for the steps of environments with these widths, and forgets the ends.
+    /// Resizes the arrays for these environments, steps and widths, and clears the ends.
     pub(crate) fn resize(&mut self, environments: usize, steps: usize, widths: Widths) {
         (self.environments, self.steps) = (environments, steps);
         let rows = self.rows();
@@ -109,8 +109,8 @@ impl Rollout {
         -self.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
     }
 
-    /// Returns the share of energy in the mean penalty of a step, whose reward has this number of parts. For flat networks energy
-    /// is the last part.
+    /// Returns energy's share of the mean penalty of a step, for rewards with this number of parts. For flat networks
+    /// energy is the last part.
     pub(crate) fn mean_energy_penalty(&self, parts: usize) -> f64 {
         let energy = |(row, rewards): (usize, &[f32])| {
             let scene = self.scenes.get(self.scene_of(row / self.steps, row % self.steps));

@@ -26,7 +26,7 @@ pub(crate) fn seal(state: &State) -> Vec<u8> {
 pub(crate) fn unseal(bytes: &[u8]) -> Result<State> {
     match seal::is_intact(bytes, BEFORE) {
         None => Err(Error::State("it is damaged, or of an earlier version".to_owned())),
-        Some(false) => Err(Error::State("it was changed: its SHA-256 is another one".to_owned())),
+        Some(false) => Err(Error::State("it was changed: its SHA-256 does not match".to_owned())),
         Some(true) => State::from_bytes(bytes),
     }
 }

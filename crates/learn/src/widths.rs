@@ -24,7 +24,7 @@ impl Widths {
         }
     }
 
-    /// Checks that a building has these widths, or for a graph network at most these.
+    /// Checks that a building has these widths or, for a graph network, no larger ones.
     ///
     /// # Errors
     /// [`Error::Collect`] when it has others.

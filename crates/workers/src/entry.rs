@@ -20,7 +20,7 @@ pub fn run_if_worker() {
     run_if_worker_with(Runners::default());
 }
 
-/// As [`run_if_worker`], for a program whose workers can also run fragments: see [`Runner`](super::Runner).
+/// Like [`run_if_worker`], for a program whose workers can also run fragments: see [`Runner`](super::Runner).
 pub fn run_if_worker_with(runners: Runners) {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {

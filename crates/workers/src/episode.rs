@@ -67,7 +67,7 @@ impl Workers {
     /// Prepares a setting and returns an episode of it, before its first reset.
     ///
     /// # Errors
-    /// As [`Workers::prepare`].
+    /// Same as [`Workers::prepare`].
     pub fn episode(&self, setting: &Setting) -> Result<Episode> {
         let spaces = self.prepare(setting)?;
         Ok(Episode::new(self.clone(), setting.clone(), spaces))
@@ -140,15 +140,16 @@ impl Episode {
     /// Checks that [`Episode::send`] accepts an action now. Returns the slot.
     ///
     /// # Errors
-    /// As [`Episode::send`].
+    /// Same as [`Episode::send`].
     pub(super) fn check(&self, action: &[f64]) -> Result<u32> {
         let slot = self.slot()?;
         self.spaces.action.check(action)?;
         Ok(slot)
     }
 
-    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner) of a kind, without waiting for
-    /// it. An order too long for shared memory, for example an agent of a large building, passes through a file.
+    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner) of this kind, without
+    /// waiting for it. An order too long for shared memory, for example an agent of a large building, passes through a
+    /// file.
     ///
     /// # Errors
     /// [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`]; [`Error::Io`] when the file cannot be written.
@@ -221,7 +222,7 @@ impl Episode {
     /// Returns `count` episodes that continue from the current point of this one.
     ///
     /// # Errors
-    /// As [`Episode::snapshot`].
+    /// Same as [`Episode::snapshot`].
     pub fn branch(&self, count: usize) -> Result<Vec<Self>> {
         self.copies(count)
     }
@@ -293,7 +294,7 @@ impl Episode {
         self.phase == Phase::Truncated
     }
 
-    /// Returns the reason why the episode was lost, if it was.
+    /// Returns why the episode was lost, if it was.
     pub fn lost(&self) -> Option<&str> {
         match &self.phase {
             Phase::Lost(why) => Some(why),
@@ -427,7 +428,7 @@ impl Snapshot {
     /// Returns `count` episodes that continue from this point.
     ///
     /// # Errors
-    /// As [`Episode::snapshot`].
+    /// Same as [`Episode::snapshot`].
     pub fn branch(&self, count: usize) -> Result<Vec<Episode>> {
         self.0.copies(count)
     }
@@ -435,7 +436,7 @@ impl Snapshot {
     /// Returns an episode that continues from this point.
     ///
     /// # Errors
-    /// As [`Episode::snapshot`].
+    /// Same as [`Episode::snapshot`].
     pub fn episode(&self) -> Result<Episode> {
         Ok(self.0.copies(1)?.remove(0))
     }

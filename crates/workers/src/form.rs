@@ -31,7 +31,7 @@ pub trait EpisodeForm: Send {
     /// Converts a row of actions to the building's action in physical units, given the observation before the step.
     fn act(&mut self, observation: &[f64], row: &[f64], action: &mut [f64]);
 
-    /// Writes an observation to a row, all of it.
+    /// Writes an observation to the whole row.
     fn observe(&self, observation: &[f64], row: &mut [f64]);
 }
 
@@ -172,7 +172,7 @@ pub fn check_width(spaces: &Spaces, what: &'static str, width: usize, maximum: u
 
 struct PaddedEpisode {
     arranged: Arranged,
-    /// Numbers in a row of observations.
+    /// Width of a row of observations.
     width: usize,
 }
 

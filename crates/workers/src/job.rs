@@ -1,4 +1,4 @@
-//! The worker's side of a job: an order that it carries out at once.
+//! The worker's side of a job: an order that it carries out and then ends.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(super) fn carry_out(job: Order, order: &Path, owner: &Owner) -> ! {
 
 /// Refuses the order in the file `order`, and ends this process.
 pub(super) fn refuse(why: String, order: &Path) -> ! {
-    // The last words of a template, whose owner expects no reply.
+    // A template sends no reply; its owner reads this from the log.
     eprintln!("{why}");
     reply::<()>(order, Err(Failure::Other(why)));
     leave(1)

@@ -1,4 +1,4 @@
-//! The owner's side of jobs: orders that a worker process of its own carries out at once.
+//! The owner's side of jobs: orders that are each carried out by a separate worker process.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -21,7 +21,7 @@ use super::worker_options::WorkerOptions;
 
 /// Number of lines of the engine's error file that are repeated after a crash.
 const LAST_LINES: usize = 5;
-/// Bytes at the end of a file in which they are looked for.
+/// Number of bytes at the end of a file in which to look for them.
 const LAST_BYTES: u64 = 4000;
 
 /// Jobs for EnergyPlus, each in a worker process of its own: conversions, whole runs and response checks.
@@ -32,7 +32,7 @@ const LAST_BYTES: u64 = 4000;
 pub struct Jobs(WorkerOptions);
 
 impl Jobs {
-    /// Jobs in processes that are started as workers are.
+    /// Creates jobs whose processes are started like workers.
     pub fn new(options: WorkerOptions) -> Self {
         Self(options)
     }
@@ -52,7 +52,7 @@ impl Jobs {
         self.0.library.clone()
     }
 
-    /// Has an order carried out. `output` is where the engine writes, if not to a temporary folder of the job.
+    /// Carries out an order in a new process. `output` is the engine's output folder, by default a temporary one.
     fn run<T: DeserializeOwned>(&self, doing: &str, order: &Order, output: Option<&Path>) -> Result<T> {
         let folder = temporary_folder("b2b-job-")?;
         let [path, log] = ["order.json", "worker.log"].map(|name| folder.path().join(name));
@@ -118,7 +118,7 @@ impl Host for Jobs {
     }
 }
 
-/// A process that is killed with its owner's interest in it.
+/// A process that is killed on drop.
 struct Process(Child);
 
 impl Drop for Process {
@@ -129,7 +129,7 @@ impl Drop for Process {
     }
 }
 
-/// Names the model in an error as the caller did.
+/// Puts the caller's path of the model into an error.
 fn named(error: Error, path: &Path) -> Error {
     match error {
         Error::Engine { code, messages, .. } => Error::Engine { code, model: path.to_owned(), messages },
@@ -201,7 +201,7 @@ fn last_lines(path: &Path) -> Vec<String> {
     lines[lines.len().saturating_sub(LAST_LINES)..].to_vec()
 }
 
-/// The worker has the current folder of its owner, but its order should not depend on it.
+/// Makes a path absolute. A worker inherits the current folder, but its order should not depend on it.
 fn absolute(path: &Path) -> Result<PathBuf> {
     std::path::absolute(path).map_err(at(path))
 }

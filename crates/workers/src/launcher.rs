@@ -37,8 +37,9 @@ impl Launcher {
         self
     }
 
-    /// Starts a worker with an order; its input is the shared memory of an episode. Its temporary files go to `folder`. It has its own
-    /// process group: signals of a terminal or a job scheduler reach only the owner, which ends its workers.
+    /// Starts a worker with an order; its standard input is the shared memory of an episode. Its temporary files go to
+    /// `folder`. It has its own process group, so that signals from a terminal or a job scheduler reach only the owner,
+    /// which ends its workers.
     pub(super) fn start(&self, input: Stdio, order: &Path, folder: &Path, log: File) -> io::Result<Child> {
         Command::new(&self.program)
             .args(&self.arguments)
@@ -64,7 +65,7 @@ impl Launcher {
 /// share a processor (compare `b2b bench vector` without this line).
 const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 
-/// This process's settings of the C library, with large pages for the heap.
+/// Returns this process's settings of the C library, with large heap pages turned on.
 fn tunables() -> OsString {
     let mut tunables = std::env::var_os("GLIBC_TUNABLES").unwrap_or_default();
     if !tunables.is_empty() {

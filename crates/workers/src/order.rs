@@ -2,7 +2,8 @@
 //!
 //! A worker is started with one order in a file, `{"order": "convert", "of": {…}}`:
 //!
-//! - `episode` makes it an environment. Steps and copies are then commands in shared memory, and a `fragment` is an order there.
+//! - `episode` turns the worker into an environment, which then receives steps, copies and `fragment` orders through
+//!   shared memory.
 //! - Every other order is a job: the worker carries it out, writes its [`Reply`] and ends.
 
 use std::path::{Path, PathBuf};
@@ -44,7 +45,7 @@ pub(super) struct EpisodeOrder {
 }
 
 impl EpisodeOrder {
-    /// Makes the environment, before its first reset.
+    /// Creates the environment, before its first reset.
     pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
         let library = Library::load(&self.library)?;
         let building = self.source.prepare(&library).map_err(Error::building)?;
@@ -57,7 +58,7 @@ impl EpisodeOrder {
 pub(super) struct FragmentOrder {
     /// Kind of the runner: see [`Runners`](super::Runners).
     pub(super) runner: String,
-    /// Order in the runner's own terms.
+    /// Order, in the runner's own format.
     pub(super) order: Box<RawValue>,
 }
 
@@ -167,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_order_says_what_it_is_and_is_read_back() {
+    fn every_order_has_its_tag_and_reads_back() {
         let (library, path) = (PathBuf::from("lib.so"), PathBuf::from("m.idf"));
         let raw = RawValue::from_string(r#"{"steps": 3}"#.into()).unwrap();
         let orders = [
@@ -184,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_order_of_a_runner_is_passed_on_as_it_is() {
+    fn a_runners_order_is_passed_on_unchanged() {
         let text = br#"{"order":"fragment","of":{"runner":"rollout","order":{"b": 1.50, "a":[ ]}}}"#;
         let Order::Fragment(fragment) = Order::parse(text).unwrap() else { panic!("it is a fragment") };
         assert_eq!((&*fragment.runner, fragment.order.get()), ("rollout", r#"{"b": 1.50, "a":[ ]}"#));

@@ -149,7 +149,7 @@ fn unpack(packed: u64) -> (u32, u32) {
     ((packed >> 32) as u32, packed as u32)
 }
 
-/// Adds the remedy to an error, for memory that an option of `ulimit` limits.
+/// Adds a remedy to an error about memory, which `ulimit` may limit.
 fn limited(error: std::io::Error, option: &str) -> std::io::Error {
     let size = BYTES >> 30;
     let why = format!(
@@ -166,12 +166,12 @@ pub(super) struct Region {
     file: OwnedFd,
     /// Processors that this process may use.
     processors: u32,
-    /// The spins of this side.
+    /// Spinning state of this side.
     spin: Spin,
 }
 
 impl Region {
-    /// Creates anonymous memory, without pages.
+    /// Creates anonymous memory with no pages allocated yet.
     pub(super) fn new() -> std::io::Result<Self> {
         let file = rustix::fs::memfd_create("b2b", MemfdFlags::CLOEXEC)?;
         rustix::fs::ftruncate(&file, BYTES as u64).map_err(|error| limited(error.into(), "-f"))?;

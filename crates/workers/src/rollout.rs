@@ -151,7 +151,7 @@ impl Episode {
     /// without waiting.
     ///
     /// # Errors
-    /// As [`Episode::send_fragment`].
+    /// Same as [`Episode::send_fragment`].
     pub fn send_rollout(&mut self, controller: &Value) -> Result<()> {
         let steps = self.known_spaces().episode_steps();
         self.send_fragment(ROLLOUT, &order(controller, steps, None), steps)

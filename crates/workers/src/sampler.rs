@@ -126,7 +126,7 @@ impl Sampler for RoundRobin {
 pub struct Weighted(Vec<(f64, Box<dyn Sampler>)>);
 
 impl Weighted {
-    /// Samplers with their weights.
+    /// Creates a sampler from samplers and their weights.
     ///
     /// # Errors
     /// [`Error::Weight`] for a weight that is negative or not finite, and if all are 0.

@@ -145,7 +145,7 @@ impl Worker {
         }
     }
 
-    /// Returns the slot with the current observation.
+    /// Hands the slot back with the current observation.
     fn report_ready(&self, env: &Env) {
         let slot = self.slot();
         self.region.write_observation(slot, env.observation());
@@ -199,7 +199,7 @@ impl Worker {
         self.end_step(env)
     }
 
-    /// Returns the slot. The result is whether the episode is over.
+    /// Hands the slot back. Returns whether the episode is over.
     fn end_step(&self, env: &Env) -> Result<bool, Failure> {
         let truncated = env.is_truncated();
         if truncated {

@@ -83,7 +83,7 @@ impl Workers {
     /// Prepares several settings at the same time.
     ///
     /// # Errors
-    /// As [`Workers::prepare`].
+    /// Same as [`Workers::prepare`].
     pub fn prepare_all(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
         for setting in settings {
             self.start_preparing(setting)?;
@@ -112,7 +112,7 @@ impl Workers {
     /// Returns the spaces of settings, from the cache of prepared buildings where possible; prepares the others.
     ///
     /// # Errors
-    /// As [`Workers::prepare`].
+    /// Same as [`Workers::prepare`].
     pub fn spaces(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
         let library = self.lock().options.library.clone();
         let library = Library::load(&library)?;

@@ -15,7 +15,7 @@ use crate::Error;
 pub enum ObservationForm {
     /// The observation of the environment, each slot scaled from its bounds to [-1, 1], as in the paper.
     Raw,
-    /// As `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
+    /// Like `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
     /// Features for control: errors at several scales, their change and recent mean, targets, the calendar as sines,
     /// the previous action and the base controller's action. See `docs/training.md`.

@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_statistics_are_those_of_the_guideline() {
+    fn the_statistics_match_the_guideline() {
         let agreement = Agreement::of(&[100.0, 200.0, 300.0], &[110.0, 190.0, 270.0]);
         // √((10² + 10² + 30²) / 2) / 200 and (-10 + 10 + 30) / (2 · 200).
         assert!((agreement.cv_rmse_percent - 100.0 * 550.0_f64.sqrt() / 200.0).abs() < 1e-12);

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn the_intensity_is_that_of_the_selected_forms() {
+    fn the_intensity_covers_the_selected_forms() {
         let mut model = Model::default();
         model.insert("Zone", "A", json!({"floor_area": 50.0, "multiplier": 2}));
         model.insert("Zone", "B", json!({"floor_area": 100.0}));

@@ -89,7 +89,7 @@ pub(super) fn require_corners(model: &Model, classes: &[&str]) -> Result<()> {
 /// the model gives as numbers are scaled.
 ///
 /// # Errors
-/// As [`zone::surfaces`].
+/// Same as [`zone::surfaces`].
 pub fn stretch(model: &mut Model, x: f64, y: f64) -> Result<()> {
     let before = exposed_perimeters(model)?;
     for class in model.classes().map(str::to_owned).collect::<Vec<_>>() {

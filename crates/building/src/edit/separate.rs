@@ -25,7 +25,7 @@ pub(super) fn walls(model: &mut Model) -> Result<()> {
 /// Gives roofs constructions of their own where other surfaces share them.
 ///
 /// # Errors
-/// As [`walls`].
+/// Same as [`walls`].
 pub(super) fn roofs(model: &mut Model) -> Result<()> {
     require_corners(model, &["Roof", "RoofCeiling:Detailed"])?;
     let all = surfaces(model)?;

@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_plant_the_meters_are_those_of_the_air_side() {
+    fn without_a_plant_the_air_side_is_metered() {
         let mut model = Model::default();
         model.insert("WaterHeater:Mixed", "Heater", json!({"heater_fuel_type": "NaturalGas"}));
         model.insert("Pump:ConstantSpeed", "Circulator", json!({}));
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn with_a_plant_the_meters_are_those_of_end_uses() {
+    fn with_a_plant_end_uses_are_metered() {
         let mut model = Model::default();
         model.insert("DistrictHeating:Water", "Purchased", json!({}));
         let meters = hvac_meters(&model);

@@ -74,7 +74,7 @@ impl Surface {
 /// Returns the zones of a model, in model order.
 ///
 /// # Errors
-/// As [`surfaces`].
+/// Same as [`surfaces`].
 pub fn zones(model: &Model) -> Result<Vec<Zone>> {
     let surfaces = surfaces(model)?;
     let zones = model.objects("Zone").into_iter().map(|(name, fields)| Zone {

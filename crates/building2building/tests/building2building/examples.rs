@@ -52,7 +52,7 @@ fn a_restored_episode_continues_bit_for_bit() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_trained_agent_scores_what_its_return_is_over_that_of_the_reactive_controllers() {
+fn a_trained_agents_score_is_its_return_divided_by_the_reactive_controllers() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
     let arguments = [run.to_str().unwrap(), "SingleFamilyHouse-0014", "01-10..01-12", "2304"];

@@ -234,7 +234,7 @@ fn a_weather_file_without_design_conditions_is_reported() {
 
 /// `b2b dataset ranges` prints them.
 #[test]
-fn the_ranges_in_the_documentation_are_those_of_the_dataset() {
+fn the_ranges_in_the_documentation_match_the_dataset() {
     let printed = b2b(Path::new("."), "dataset ranges");
     let documented =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/dataset.md")).unwrap();

@@ -127,7 +127,7 @@ fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
 }
 
 #[test]
-fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
+fn the_reactive_controllers_score_one_and_match_a_single_environment() {
     let case = Case::new();
     let episodes = episodes(&HOUSES[..1], &["constant", "occupancy+energy0.5"], "01-10..01-10");
     let results = case.run("reactive", &BuiltIn::reactive(), &episodes, &());

@@ -61,7 +61,7 @@ pub fn generate(
 /// [`generate`] for a climate zone, for example `5B`.
 ///
 /// # Errors
-/// As [`generate`], and [`crate::Error::ClimateZone`] for a zone outside 1 to 8.
+/// Same as [`generate`], and [`crate::Error::ClimateZone`] for a zone outside 1 to 8.
 pub fn generate_in_zone(
     base: &Model,
     building_type: BuildingType,
@@ -77,7 +77,7 @@ pub fn generate_in_zone(
 /// geometry, window areas and leakage are the prototype's.
 ///
 /// # Errors
-/// As [`generate`], except for parameters out of bounds.
+/// Same as [`generate`], except for parameters out of bounds.
 pub fn code_compliant(
     base: &Model,
     building_type: BuildingType,
@@ -92,7 +92,7 @@ pub fn code_compliant(
 /// design days of the site.
 ///
 /// # Errors
-/// As [`generate`], when `base` is not a prototype.
+/// Same as [`generate`], when `base` is not a prototype.
 pub fn relocated(base: &Model, site: &Site) -> Result<Model> {
     let mut model = base.clone();
     relocate::relocate(&mut model, site);

@@ -87,7 +87,7 @@ impl CommercialParameters {
     /// Returns the parameters at a point of the unit cube, whose axes are in the order of the fields.
     ///
     /// # Errors
-    /// As [`bounds`]; [`Error::Parameter`] when a coordinate is not within 0 and 1.
+    /// Same as [`bounds`]; [`Error::Parameter`] when a coordinate is not within 0 and 1.
     pub fn from_unit(unit: [f64; 9], building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
         let bounds = bounds(building_type, ashrae_zone)?;
         let mut values = [0.0; 9];
@@ -128,7 +128,7 @@ impl CommercialParameters {
     /// Returns the code's requirements in a climate zone, with the geometry, window areas and leakage of the prototype.
     ///
     /// # Errors
-    /// As [`bounds`].
+    /// Same as [`bounds`].
     pub fn of_code(building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
         let code = Prescriptive::of(ashrae_zone)?;
         Ok(Self {
@@ -162,7 +162,7 @@ impl CommercialParameters {
     /// Checks that every parameter is a number within its [`bounds`].
     ///
     /// # Errors
-    /// As [`bounds`]; [`Error::Parameter`] naming the first parameter that is not.
+    /// Same as [`bounds`]; [`Error::Parameter`] naming the first parameter that is not.
     pub fn check(&self, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
         let bounds = bounds(building_type, ashrae_zone)?;
         Ok(bounds.iter().zip(self.values()).try_for_each(|(bound, value)| bound.check(value))?)

@@ -37,7 +37,7 @@ impl DataFile {
     /// Returns it with its text if it is the path of a user's file.
     ///
     /// # Errors
-    /// As [`DataFile::read`].
+    /// Same as [`DataFile::read`].
     pub(super) fn with_text(self) -> Result<Self> {
         match &self {
             Self::Shipped(path) if path.ends_with(".toml") => Self::read(Path::new(path)),
@@ -74,7 +74,7 @@ impl DataFile {
     /// Returns it as an emission profile.
     ///
     /// # Errors
-    /// As [`DataFile::tariff`].
+    /// Same as [`DataFile::tariff`].
     pub fn emissions(&self) -> Result<Emissions> {
         Ok(match self {
             Self::Shipped(name) => Emissions::named(name)?,

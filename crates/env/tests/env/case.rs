@@ -45,7 +45,7 @@ impl Case {
         Self::imported_with(&KINDS, model, weather, change)
     }
 
-    /// As [`Case::imported_after`], with these kinds of systems.
+    /// Like [`Case::imported_after`], with these kinds of systems.
     pub fn imported_with(
         kinds: &[Kind],
         model: &str,

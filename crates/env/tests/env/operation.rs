@@ -87,7 +87,7 @@ fn indicators_equal_those_computed_from_the_observations() {
 }
 
 #[test]
-fn energy_of_operation_is_that_of_its_end_uses_and_leaves_out_the_transformer() {
+fn energy_of_operation_is_the_sum_of_its_end_uses_without_the_transformer() {
     let case = Case::at_home(BuildingType::OfficeMedium);
     let energy = |task: &str| {
         let mut env = case.env_for("01-09..01-10", task);

@@ -39,7 +39,7 @@ impl Evaluation<'_> {
     /// Runs episodes as [`Evaluation::run`] does and passes the steps of each with its number to `keep`, or why it was lost.
     ///
     /// # Errors
-    /// As [`Evaluation::run`].
+    /// Same as [`Evaluation::run`].
     pub fn record(
         &self,
         episodes: &[(usize, &Episode)],

@@ -44,7 +44,7 @@ pub trait Policy: Sync {
     /// then runs without a hand-over of every step.
     ///
     /// # Errors
-    /// As [`Policy::controller`].
+    /// Same as [`Policy::controller`].
     fn description(&self, _context: &EpisodeContext<'_>) -> Result<Option<Value>> {
         Ok(None)
     }

@@ -56,7 +56,7 @@ impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
 /// Calls a function once, in a thread of its own; `None` if it exceeds the time limit.
 ///
 /// # Errors
-/// As [`Limited::new`].
+/// Same as [`Limited::new`].
 pub(super) fn once<O: Send + 'static>(function: impl FnOnce() -> O + Send + 'static) -> Result<Option<O>> {
     let mut function = Some(function);
     let call = move |()| function.take().map(|function| function());

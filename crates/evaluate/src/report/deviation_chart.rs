@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_of_a_histogram_are_those_of_its_values() {
+    fn quantiles_of_a_histogram_match_its_values() {
         let values = of((0..1000).map(|step| -1.0 + f64::from(step) / 500.0)).quantiles();
         assert_eq!(values.len(), QUANTILES);
         assert!(values.is_sorted());

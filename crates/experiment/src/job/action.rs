@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hash_of_the_first_actions_is_that_of_a_job_that_has_grown() {
+    fn a_grown_job_still_matches_the_hash_of_its_first_actions() {
         let episodes = Episodes { buildings: vec![], tasks: vec![], periods: vec![] };
         let training = train(AGENT, Table::new(), 10, 0);
         let first = vec![training, Action::Evaluate(episodes.clone())];

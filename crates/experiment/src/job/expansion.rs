@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn the_runs_of_ppo_are_those_of_rewards_and_some_of_direct() {
+    fn ppo_has_the_runs_of_rewards_and_some_of_direct() {
         let ppo = jobs("ppo", "paper-part");
         let shared = |name, budget| {
             let jobs = jobs(name, budget);

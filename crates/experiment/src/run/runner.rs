@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cause_of_a_failure_is_that_of_the_last_command() {
+    fn the_cause_of_a_failure_comes_from_the_last_command() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "error: of an earlier command\n$ b2b train\n").unwrap();
         let begin = file.path().metadata().unwrap().len();

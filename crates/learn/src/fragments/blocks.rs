@@ -7,8 +7,8 @@ use crate::rollout::Widths;
 /// Numbers of [`Block::times`].
 const TIMES: usize = 2;
 
-/// The block of an environment: its observations, actions and rewards, each with the steps one after another, and the
-/// observation after the last.
+/// The block of an environment: the observations, actions and rewards of consecutive steps, and the observation after
+/// the last step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     place: usize,
@@ -19,7 +19,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Returns the block with room for a number of steps that begins at a place.
+    /// Returns the block that begins at `place` and has room for `steps` steps.
     pub(super) fn new(place: usize, steps: usize, widths: Widths) -> Self {
         let Widths { observation, action, parts } = widths;
         Self { place, steps, observation, action, parts }
@@ -56,7 +56,7 @@ impl Block {
         self.reward(self.steps)
     }
 
-    /// Returns the place of the times spent on actions and on all of the fragment, s.
+    /// Returns the place of two times: spent on actions, and on the whole fragment, s.
     pub(super) fn times(&self) -> usize {
         self.next() + self.observation
     }

@@ -37,13 +37,13 @@ pub struct FragmentCollector {
     scale: RewardScale,
     seed: u64,
     correlation: f32,
-    /// Whether the second environment of every pair has the noise of the first one, negated.
+    /// Whether the second environment of every pair gets the first one's noise, negated.
     mirrored: bool,
     travel_cost: f32,
     memory: SharedMemory,
-    /// Place of the parameters and how many there is room for.
+    /// Place of the parameters, and their maximum number.
     parameters: (usize, usize),
-    /// Place of the blocks and the steps that each has room for.
+    /// Place of the blocks, and the maximum number of steps in each.
     blocks: (usize, usize),
     /// Rollouts collected so far.
     rollouts: u64,
@@ -107,8 +107,8 @@ impl FragmentCollector {
         })
     }
 
-    /// Gives the environments 0 and 1, 2 and 3, and so on opposite exploration noise. They have the same episodes. Called before the first
-    /// rollout.
+    /// Gives the environments 0 and 1, 2 and 3, and so on, opposite exploration noise. Both of a pair must have the
+    /// same episodes. Called before the first rollout.
     #[must_use]
     pub fn with_mirrored_noise(mut self) -> Self {
         self.mirrored = true;
@@ -125,14 +125,14 @@ impl FragmentCollector {
         self.travel_cost = travel_cost;
     }
 
-    /// Makes room for buildings of these widths, for a graph network whose later episodes may be in larger ones than the first.
-    /// Called before the first rollout.
+    /// Makes room for buildings of these widths, because a graph network's later episodes may be in larger buildings
+    /// than the first. Called before the first rollout.
     pub fn make_room(&mut self, widths: Widths) {
         self.widths = self.widths.covering(widths);
     }
 
-    /// Returns the state, from which [`FragmentCollector::restore`] continues: of every environment the number of its episode,
-    /// and the actions in it.
+    /// Returns the state from which [`FragmentCollector::restore`] continues: each environment's episode number and the
+    /// actions taken in that episode.
     pub fn state(&self) -> State {
         let mut state = State::default();
         // Between two episodes, an environment has the state of the next one.
@@ -149,7 +149,7 @@ impl FragmentCollector {
     /// Continues from a state: every environment begins its episode again and replays its actions.
     ///
     /// # Errors
-    /// When the state is of another number of environments, and when an environment cannot begin its episode.
+    /// When the state has another number of environments, and when an environment cannot begin its episode.
     pub fn restore(&mut self, state: &State, actor: &Actor) -> Result<()> {
         [self.rollouts, self.ended, self.lost] = state.read_u64("counts")?;
         let episodes = state.values_u64("episodes", self.progress.len())?;
@@ -175,7 +175,7 @@ impl FragmentCollector {
         self.share(actor, REPLAYED)?;
         for first in (0..longest).step_by(REPLAYED) {
             self.begin_rollout();
-            // None of an environment whose episode was lost.
+            // An environment whose episode was lost has none left.
             let left = |progress: &Progress| rows(progress).saturating_sub(first).min(REPLAYED);
             let mut steps: Vec<usize> = self.progress.iter().map(left).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
@@ -264,7 +264,7 @@ impl FragmentCollector {
     /// Requests the remaining steps of an environment, if it is ready.
     fn send(&mut self, environment: usize, actor: &Actor, purpose: Purpose, steps: usize) -> Result<()> {
         let block = self.block(environment);
-        // The environment that has the noise first.
+        // The environment whose noise this one shares.
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
@@ -285,7 +285,7 @@ impl FragmentCollector {
             random: (self.seed, stream(self.rollouts, source, progress.fragments)),
             correlation: self.correlation,
             mirrored: source != environment,
-            // The scale comes after.
+            // Rewards are scaled afterwards.
             travel_cost: self.travel_cost / progress.scale,
         };
         self.environments.send_fragment(environment, LEARNER, &order, order.steps)?;
@@ -360,8 +360,8 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Drops the fragment that was lost and begins another episode. What the rollout has of earlier fragments has ended: a fragment has all
-    /// steps that a rollout lacks, or ends with its episode.
+    /// Drops the lost fragment and begins another episode. Earlier fragments in the rollout end with their episodes,
+    /// because a fragment makes all steps that the rollout still needs unless its episode ends first.
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
         let progress = &mut self.progress[environment];

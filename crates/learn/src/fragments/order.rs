@@ -16,8 +16,9 @@ pub enum Purpose {
     Replay,
 }
 
-/// Returns the number of the random stream of exploration of a fragment: steps of one environment and episode in a rollout,
-/// counted from 0 in each rollout. No two fragments of a run have the same, apart from those with mirrored noise.
+/// Returns the number of a fragment's random stream of exploration. A fragment is the steps of one environment and
+/// episode in a rollout; fragments count from 0 in each rollout. No two fragments of a run share a stream, unless their
+/// noise is mirrored.
 pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
     (fragment >> 8) << 56 | rollout << 24 | (environment as u64) << 8 | fragment & 0xff
 }
@@ -29,7 +30,7 @@ pub struct Order {
     pub interface: Interface,
     /// The building, for a graph network.
     pub plan: Option<NodePlan>,
-    /// Attributes of the building that it observes: see [`b2b_agent::attributes`].
+    /// Attributes of the building that the agent observes: see [`b2b_agent::attributes`].
     pub attributes: Vec<f64>,
     /// Shape of its network.
     pub shape: Shape,
@@ -45,7 +46,7 @@ pub struct Order {
     pub steps: usize,
     /// Block of shared memory to write to.
     pub block: Block,
-    /// Steps of the block that were made before.
+    /// Steps already in the block.
     pub done: usize,
     /// Random seed and stream of exploration.
     pub random: (u64, u64),
@@ -58,7 +59,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Returns the numbers that a worker needs of an actor.
+    /// Returns the numbers of an actor that a worker needs.
     pub fn numbers(actor: &Actor) -> Vec<f32> {
         let mut numbers = actor.parameters.clone();
         if let Distribution::Gaussian { log_std } = &actor.distribution {

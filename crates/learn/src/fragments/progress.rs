@@ -9,7 +9,7 @@ use crate::rollout::{End, Scene};
 #[derive(Clone, Debug)]
 pub(super) struct Progress {
     pub(super) phase: Phase,
-    /// Steps of the rollout.
+    /// Steps of the rollout so far.
     pub(super) done: usize,
     /// This environment's fragments in the rollout.
     pub(super) fragments: u64,
@@ -17,12 +17,12 @@ pub(super) struct Progress {
     pub(super) scale: f32,
     /// Attributes that the agent observes of its building.
     pub(super) attributes: Vec<f64>,
-    /// Factors of the rewards of the rollout, each from a step on.
+    /// Reward factors in the rollout, each with the step from which it applies.
     pub(super) scales: Vec<(usize, f32)>,
     pub(super) ends: Vec<End>,
     /// Building of the episode in progress, for a graph network.
     pub(super) building: Option<GraphBuilding>,
-    /// Buildings of the rollout, each from a step on.
+    /// Buildings in the rollout, each with the step from which it applies.
     pub(super) scenes: Vec<Scene>,
     /// Episodes begun since the first reset.
     pub(super) episodes: u64,
@@ -74,7 +74,7 @@ impl Progress {
         self.begin_scene(environment);
     }
 
-    /// Notes scale and building from this step on.
+    /// Records the scale and building from this step on.
     pub(super) fn begin_scene(&mut self, environment: usize) {
         self.scales.push((self.done, self.scale));
         if let Some(GraphBuilding { graph, credit, .. }) = &self.building {
@@ -84,7 +84,8 @@ impl Progress {
         }
     }
 
-    /// Returns the number of the episode in progress, or the next one if it is over, and how many numbers its actions have so far.
+    /// Returns the number of the episode in progress, or of the next one if it is over, and the length of its actions
+    /// so far.
     pub(super) fn place(&self) -> (u64, usize) {
         match self.phase {
             Phase::Starting => (self.episodes + 1, 0),
@@ -92,15 +93,15 @@ impl Progress {
         }
     }
 
-    /// Returns the number of first steps of the rollout in which another environment with the same episodes is certain to be at the same
-    /// step of the same episode.
+    /// Returns for how many first steps of the rollout this environment and another with the same episodes are certain
+    /// to be at the same step of the same episode.
     pub(super) fn in_step_with(&self, other: &Self, steps: usize) -> usize {
         let ends = |progress: &Self| -> Vec<usize> { progress.ends.iter().map(|end| end.step + 1).collect() };
         let (own, others) = (ends(self), ends(other));
         if self.began == other.began && self.place() == other.place() && own == others {
             return steps;
         }
-        // One was lost, in the rollout or before. Both are in step up to the last end that they share.
+        // An episode was lost, in this rollout or before. Both are in step up to the last end they share.
         let shared = own.iter().zip(&others).take_while(|(own, other)| own == other).last();
         shared.filter(|_| self.began == other.began).map_or(0, |(step, _)| *step)
     }

@@ -59,7 +59,7 @@ struct FragmentRunner {
     action: Vec<f32>,
     /// Parts of the reward of a step.
     rewards: Vec<f32>,
-    /// Places of the controlled zones and of energy among the parts.
+    /// Indices of the controlled zones and of energy among the parts.
     places: Vec<usize>,
     travel: TravelCost,
 }

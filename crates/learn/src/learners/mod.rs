@@ -47,7 +47,7 @@ impl Kind {
         kinds().into_iter().find(|kind| kind.name == name).ok_or_else(unknown)
     }
 
-    /// Returns a learner of this kind with options of a table.
+    /// Reads a learner of this kind with the options in a table.
     pub(crate) fn read(self, table: Table) -> std::result::Result<LearnerChoice, toml::de::Error> {
         Ok(LearnerChoice { kind: self, options: (self.read)(table)? })
     }

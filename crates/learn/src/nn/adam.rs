@@ -30,7 +30,7 @@ impl Adam {
         self.step_parts(parameters, gradients, [(0..parameters.len(), learning_rate)]);
     }
 
-    /// As [`Adam::step`], with one learning rate per part of the parameters.
+    /// Like [`Adam::step`], with one learning rate per part of the parameters.
     pub fn step_parts<const PARTS: usize>(
         &mut self,
         parameters: &mut [f32],
@@ -62,7 +62,7 @@ impl Adam {
     /// Restores the moments and the number of steps from a state.
     ///
     /// # Errors
-    /// When the state does not have it.
+    /// When the state does not contain them.
     pub fn restore(&mut self, name: &str, state: &State) -> Result<()> {
         state.read_f32(&format!("{name}.means"), &mut self.means)?;
         state.read_f32(&format!("{name}.squares"), &mut self.squares)?;

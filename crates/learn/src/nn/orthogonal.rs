@@ -45,7 +45,7 @@ fn orthonormal(count: usize, length: usize, random: &mut Random) -> Vec<Vec<f64>
             vector.iter_mut().zip(other).for_each(|(value, other)| *value -= shared * other);
         }
         let norm = dot(&vector, &vector).sqrt();
-        // A vector that is nearly a combination of the others is drawn again.
+        // A vector that nearly depends on the others is drawn again.
         if norm > 1e-6 {
             vector.iter_mut().for_each(|value| *value /= norm);
             vectors.push(vector);

@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_are_those_of_finite_differences() {
+    fn gradients_match_finite_differences() {
         for activation in [Activation::Tanh, Activation::Relu] {
             let (shape, parameters, inputs, mut random) = network(activation);
             let mut weights = vec![0.0; 7 * 3];

@@ -51,13 +51,13 @@ pub struct Cloned {
     pub info: AgentInfo,
     /// Its network.
     pub actor: Actor,
-    /// Root mean square of the error of an action, as a share of the half of its range: of the steps learned from, and of the
+    /// Root mean square error of the actions, as a share of half their range: over the training steps, and over the
     /// last tenth of every episode, which is held out.
     pub errors: [f64; 2],
 }
 
-/// Learns the actions of a dataset. `spaces` finds the spaces of an episode, of a building with its model; `progress` is told the
-/// number of updates made, and returns `false` to stop.
+/// Learns the actions of a dataset. `spaces` finds the spaces of an episode, of a building with its model; `progress`
+/// is called with the number of updates so far, and returns `false` to stop.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` returns `false`;
@@ -150,7 +150,7 @@ fn check(file: &EpisodeFile, spaces: &Spaces, episode: &EpisodeMetadata) -> Resu
     )))
 }
 
-/// Adds the steps of an episode: to learn from, and its end to the held out ones.
+/// Adds the steps of an episode to the training samples, and its end to the held-out ones.
 fn add(
     file: EpisodeFile,
     mut pilot: Pilot,

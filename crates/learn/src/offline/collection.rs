@@ -64,7 +64,7 @@ pub fn collect(
 }
 
 impl Collection<'_> {
-    /// Returns whether actions are written from -1 to 1: the bounds of buildings differ.
+    /// Returns whether actions are written from -1 to 1, because the bounds of buildings differ.
     fn is_rescaled(&self) -> bool {
         self.buildings() > 1
     }

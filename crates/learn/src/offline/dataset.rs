@@ -1,7 +1,7 @@
 //! The files of a dataset.
 //!
-//! `data/metadata.json` describes all, `data/N/metadata.json` the episode N, and `data/N/part-0.parquet` has its steps: as Minari's
-//! storage of the format `parquet` has them. `SHA256SUMS` has their digests.
+//! The layout is Minari's `parquet` storage: `data/metadata.json` describes the dataset, `data/N/metadata.json` the
+//! episode N, and `data/N/part-0.parquet` has its steps. `SHA256SUMS` has the digests of all files.
 
 use std::path::{Path, PathBuf};
 
@@ -68,7 +68,7 @@ pub struct Dataset {
     pub contents: Contents,
     /// Its episodes, in order.
     pub episodes: Vec<EpisodeMetadata>,
-    /// Digests of its files; `None` in one of an earlier version.
+    /// Digests of its files; `None` in a dataset from an earlier version.
     digests: Option<DigestList>,
 }
 
@@ -117,7 +117,7 @@ impl Dataset {
     }
 }
 
-/// A dataset that is being written: aside, and in its place once it is whole.
+/// A dataset that is being written to a temporary folder and is moved into place once complete.
 #[derive(Debug)]
 pub(super) struct NewDataset {
     destination: PathBuf,
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dataset_reads_back_as_it_was_written_and_is_never_half_there() {
+    fn a_dataset_reads_back_unchanged_and_is_never_half_written() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("b2b/small-v0");
         let episode = EpisodeFile {
@@ -309,7 +309,7 @@ mod tests {
             }
             std::fs::write(&file, whole).unwrap();
         }
-        // One of an earlier version has no digests.
+        // A dataset from an earlier version has no digests.
         let digests = path.join(b2b_base::digest_list::DIGESTS);
         let text = std::fs::read(&digests).unwrap();
         std::fs::remove_file(&digests).unwrap();

@@ -7,10 +7,11 @@ use crate::fragments::FragmentCollector;
 use crate::learner::Learner;
 use crate::rollout::Rollout;
 
-/// Logarithms of the standard deviations to choose from, in descending order, and one of hardly any noise.
+/// Logarithms of the standard deviations to choose from, in descending order, and one with almost no noise.
 const LOG_STDS: [f32; 8] = [-0.5, -1.0, -1.5, -2.0, -2.5, -3.0, -3.5, -4.0];
 const SILENT: f32 = -7.0;
-/// Share of the penalty that noise may always cost: where energy is nearly all of it, comfort alone would allow hardly any noise.
+/// Share of the penalty that noise may always cost, because comfort alone would allow almost no noise where energy
+/// dominates the penalty.
 const SMALLEST_COST: f64 = 0.1;
 
 /// The mean penalty of a step.

@@ -1,4 +1,4 @@
-//! Checkpoints: all that a run needs to continue bit for bit, in one file.
+//! Checkpoints: everything a run needs to continue bit for bit, in one file.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub(super) struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint of a run's folder in place of the one before.
+    /// Writes the checkpoint of a run's folder, replacing the previous one.
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
         let mut all = State::default();
         all.put_u64("steps", &[self.steps]);

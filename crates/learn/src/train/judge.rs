@@ -19,7 +19,7 @@ pub(super) struct Judge<'a> {
     travel_limits: OnceCell<Vec<f64>>,
 }
 
-/// What an agent is judged by.
+/// The measures by which an agent is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measures {
     /// Score against the baseline: below 1 beats it.
@@ -28,11 +28,11 @@ pub struct Measures {
     pub resolved_score: f64,
     /// Root mean square deviation from target, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy over the baseline's.
+    /// HVAC energy divided by the baseline's.
     pub energy_ratio: f64,
     /// Actuator travel, full strokes/day.
     pub travel_per_day: f64,
-    /// Actuator travel over its limit: 5 strokes/day, or the baseline's where it is higher. Above 1, actuators
+    /// Actuator travel divided by its limit: 5 strokes/day, or the baseline's travel if higher. Above 1, actuators
     /// hunt. The worst building counts, not the mean.
     pub relative_travel: f64,
     /// Share of zone-steps in sustained oscillation: see [`b2b_env::Metrics::oscillating_share`].
@@ -44,7 +44,7 @@ pub struct Measures {
 pub(super) struct Rating {
     /// Score: infinite if there is no agent yet.
     pub(super) score: f64,
-    /// Actuator travel over its limit.
+    /// Actuator travel divided by its limit.
     pub(super) relative_travel: f64,
 }
 
@@ -72,7 +72,7 @@ pub struct BuildingScores {
 }
 
 impl<'a> Judge<'a> {
-    /// Returns the judge of episodes with what they are scored against.
+    /// Returns a judge of these episodes with their baselines.
     pub(super) fn new(evaluation: &'a Evaluation<'a>, episodes: Vec<(Episode, Baseline)>) -> Self {
         Self { evaluation, episodes, travel_limits: OnceCell::new() }
     }
@@ -90,7 +90,7 @@ impl<'a> Judge<'a> {
         Ok(Scores::of(scores.collect()))
     }
 
-    /// Returns the limits of actuator travel. The baselines run for them once: travel is not part of what is known of one.
+    /// Returns the limits of actuator travel. Runs the baselines once, because stored baselines do not include travel.
     fn travel_limits(&self) -> Result<&[f64]> {
         if let Some(limits) = self.travel_limits.get() {
             return Ok(limits);

@@ -8,14 +8,14 @@ use b2b_base::folder_lock::FolderLock;
 use super::run::LAST;
 use crate::error::{Error, Result, at};
 
-/// Time for which a run waits for another one in its folder, which may be ending: a training whose experiment was killed
-/// stops after its update.
+/// How long to wait for another run in the folder, which may be about to end: after its experiment is killed, a
+/// training still completes its update.
 pub(super) const PATIENCE: Duration = Duration::from_secs(20);
 /// Interval at which the lock is tried.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Creates the folder if there is none, and locks it, within `patience` or until an interrupt. Errors if its last agent is a
-/// link to a folder of somebody else.
+/// Creates the folder if there is none, and locks it, within `patience` or until an interrupt. Errors if its last agent
+/// is a link, which may lead to somebody else's folder.
 pub(super) fn acquire(folder: &Path, patience: Duration, interrupted: fn() -> bool) -> Result<FolderLock> {
     let last = folder.join(LAST);
     if last.is_symlink() {

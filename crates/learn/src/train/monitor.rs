@@ -1,4 +1,4 @@
-//! Reports of a run under way.
+//! Reports on a run in progress.
 
 use super::progress::Row;
 

@@ -1,4 +1,4 @@
-//! Benchmark problems as training runs use them. The rest of the crate knows only their [`TrainingSide`].
+//! Benchmark problems in training runs. The rest of the crate sees only their [`TrainingSide`].
 
 use std::path::Path;
 
@@ -76,7 +76,7 @@ mod tests {
         goals.check().unwrap();
         let paper = TrainConfig::preset("paper").unwrap().with_problem("dynamics-house").unwrap();
         assert_eq!(paper.agent.observation.form, ObservationForm::Roles);
-        // A file that says all of it reads back as it is, and may lower the budget.
+        // A complete file reads back unchanged, and may lower the budget.
         let mut file = goals;
         file.budget.steps = 1000;
         assert_eq!(TrainConfig::default().with_changes(&file.to_toml()).unwrap(), file);
@@ -112,7 +112,7 @@ mod tests {
             assert!(said.contains(problem) && said.contains(why), "{said}");
         }
         let graph = TrainConfig::preset("graph").unwrap().with_problem("four-types").unwrap();
-        // A run reads it from its folder, and users may write it without a preset.
+        // A run reads it from its folder; users may write it without a preset.
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("config.toml"), graph.to_toml()).unwrap();
         assert_eq!(TrainConfig::of_run(folder.path()).unwrap(), graph);

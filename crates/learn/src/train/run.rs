@@ -50,7 +50,7 @@ pub struct RunOptions<'a> {
     pub monitor: &'a mut (dyn Monitor + Send),
 }
 
-/// Begins a run in a folder that has none, or continues the one that it has from its last checkpoint. Returns its result.
+/// Begins a run in a folder, or continues the folder's run from its last checkpoint. Returns its result.
 ///
 /// # Errors
 /// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
@@ -96,7 +96,7 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     let path = out.join(CONFIG);
     if path.exists() {
         let before = TrainConfig::of_run(out)?;
-        // More steps continue a run; what its models may do is in no file.
+        // More steps continue a run. Permissions of models are in no file.
         let budget = Budget { steps: config.budget.steps, ..before.budget.clone() };
         let allow_external = config.training_set.allow_external;
         let training_set = TrainingSet { allow_external, ..before.training_set.clone() };
@@ -108,14 +108,14 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     write_whole(&path, config.to_toml().as_bytes()).map_err(at(&path))
 }
 
-/// A run under way.
+/// A run in progress.
 struct Run<'a> {
     config: &'a TrainConfig,
     out: &'a Path,
     collector: FragmentCollector,
     learner: Box<dyn Learner>,
     monitor: &'a mut dyn Monitor,
-    /// What could not be saved when it was last tried.
+    /// Names of what could not be saved at the last attempt.
     unsaved: Vec<&'static str>,
     /// Description of its agents.
     info: AgentInfo,
@@ -183,7 +183,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Collects and learns until the run has its steps.
+    /// Collects and learns until the run has made its steps.
     fn learn(&mut self, judge: Option<&Judge<'_>>, interrupted: fn() -> bool) -> Result<()> {
         if self.steps == 0 && self.config.noise.noise_cost > 0.0 {
             self.monitor.stage("calibrating exploration noise");
@@ -218,7 +218,7 @@ impl<'a> Run<'a> {
             }
             let written = progress.write(&row);
             self.warn_of(written, "the progress of this update");
-            // Whoever is told of an evaluation can resume from it.
+            // After every reported evaluation, the run can be resumed.
             let is_saved = is_last || judge.is_some() || due(self.config.checkpoints.checkpoint_every);
             if is_saved {
                 self.save_or_warn();
@@ -234,7 +234,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Lowers the exploration noise by the share of the run that is done.
+    /// Lowers the exploration noise according to the share of the run that is done.
     fn anneal_noise(&mut self) {
         if self.config.noise.final_noise < 1.0 {
             let done = self.steps as f64 / self.config.budget.steps as f64;
@@ -373,7 +373,7 @@ impl<'a> Run<'a> {
         error
     }
 
-    /// Warns of what cannot be saved, until it can be saved again.
+    /// Warns about something that cannot be saved, once until it can be saved again.
     fn warn_of(&mut self, written: Result<()>, what: &'static str) {
         let known = self.unsaved.iter().position(|each| *each == what);
         match (written, known) {

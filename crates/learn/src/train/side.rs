@@ -81,7 +81,7 @@ impl TrainingSide {
     /// Checks that a run does not go beyond this side.
     ///
     /// # Errors
-    /// [`Error::Invalid`] or [`Error::Evaluation`] with what is allowed.
+    /// [`Error::Invalid`] or [`Error::Evaluation`], with the allowed values.
     pub(super) fn check(&self, set: &TrainingSet, agent: &AgentConfig, budget: &Budget) -> Result<()> {
         self.check_buildings(set)?;
         if let Some(task) = set.task.as_slice().iter().find(|task| !self.tasks.contains(task)) {

@@ -36,7 +36,7 @@ const RESIDUAL: Interface = Interface {
 /// Graph networks of houses and offices.
 const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
 
-/// Returns environments of a house on a winter's day; for graph networks, the second of a small office.
+/// Returns environments of a house on a winter day; for graph networks, the second is a small office.
 fn environments(interface: Interface) -> VecEnv {
     let catalog = Catalog::open(&mut Quiet).unwrap();
     let setting = |building_type| {
@@ -81,7 +81,7 @@ fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
         .unwrap()
 }
 
-/// Returns an actor that is another for every seed.
+/// Returns an actor that differs for every seed.
 fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
     let config = PpoConfig { actor_hidden: vec![16], critic_hidden: vec![16], ..PpoConfig::default() };
     if interface.nodes.is_none() {
@@ -99,7 +99,7 @@ fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
     Ppo::of_graphs(&network, widths, config, true, seed).unwrap().actor()
 }
 
-/// Collects the rollouts of these numbers, each with an actor of its own.
+/// Collects the rollouts with these numbers, each with its own actor.
 fn rollouts(
     collector: &mut dyn Collector,
     interface: Interface,
@@ -118,7 +118,7 @@ fn rollouts(
 
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
-    // Of 100 steps, the episode ends within the third rollout; of 96 steps, with its last step.
+    // With 100 steps, the episode ends within the third rollout; with 96 steps, on its last step.
     for (interface, correlation, steps) in
         [(DIRECT, 0.0, 100), (DIRECT, 0.4, 96), (RESIDUAL, 0.4, 100), (GRAPH, 0.4, 100)]
     {
@@ -134,7 +134,8 @@ fn fragments_and_lockstep_collect_the_same_bits() {
     }
 }
 
-/// Asserts that a rollout of graph networks has the buildings of its environments, and zeros behind the smaller ones.
+/// Asserts that a rollout of graph networks has the buildings of its environments, with the smaller ones padded with
+/// zeros.
 fn assert_scenes(rollout: &Rollout, interface: Interface) {
     let widths: Vec<usize> = rollout.scenes.iter().map(|scene| scene.graph.width()).collect();
     if interface.nodes.is_none() {
@@ -153,7 +154,7 @@ fn assert_scenes(rollout: &Rollout, interface: Interface) {
 }
 
 #[test]
-fn a_full_stroke_of_all_actuators_costs_what_it_is_said_to() {
+fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
     const COST: f32 = 0.7;
     for by_zone in [false, true] {
         let free = rollouts(&mut fragments_with(DIRECT, by_zone, 0.0, 0.0), DIRECT, 1..=4, 100);
@@ -164,7 +165,7 @@ fn a_full_stroke_of_all_actuators_costs_what_it_is_said_to() {
         let mut expected = Vec::new();
         for (free, costly) in free.iter().zip(&costly) {
             assert!(free.actions == costly.actions, "the cost changes nothing but the reward");
-            // Of the first environment; a stroke is from -1 to 1.
+            // In the first environment; a stroke is from -1 to 1.
             let rows = |rewards: &[f32]| {
                 rewards.chunks_exact(parts).map(|row| row.iter().sum()).collect::<Vec<f32>>()
             };
@@ -179,7 +180,7 @@ fn a_full_stroke_of_all_actuators_costs_what_it_is_said_to() {
             let cost = COST * strokes / action as f32;
             assert!((costs[step] - cost).abs() < 1e-4, "step {step}: {} instead of {cost}", costs[step]);
         }
-        // A collection that is restored charges the first step as the one that was not interrupted.
+        // A restored collection charges the first step like an uninterrupted one.
         let state = {
             let mut first = fragments_with(DIRECT, by_zone, 0.0, COST);
             rollouts(&mut first, DIRECT, 1..=1, 100);
@@ -253,7 +254,7 @@ fn mirrored_noise_is_opposite_in_the_environments_of_a_pair() {
         assert!((one[index] + other[index] - 2.0 * mean).abs() < 1e-5 && one[index] != *mean);
     }
     assert_ne!(one, alone);
-    // A pair of which one was lost is a pair no longer.
+    // A pair is no longer a pair once one of its episodes is lost.
     let process = collector.environments().process(1).unwrap();
     assert!(with_a_kill(&mut collector, process).pairs[0] < 100);
 }

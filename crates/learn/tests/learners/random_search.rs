@@ -165,7 +165,7 @@ const OPTIONS: &str = "
     evaluation = { every = 0, whole_period = false }
     random_search = { n_steps = 144 }";
 
-/// Trains in a folder, or resumes the run that it has.
+/// Trains in a folder, or resumes its run.
 fn run(config: &TrainConfig, folder: &Path) {
     let options = RunOptions {
         out: folder.to_owned(),

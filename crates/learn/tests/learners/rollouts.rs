@@ -44,7 +44,7 @@ fn there(episode: &mut Episode, description: &Value) -> (Metrics, Trajectory) {
 }
 
 #[test]
-fn reactive_control_in_the_worker_is_that_of_the_owner_bit_for_bit() {
+fn reactive_control_in_the_worker_matches_the_owner_bit_for_bit() {
     for building_type in [BuildingType::SingleFamilyHouse, BuildingType::OfficeMedium] {
         let mut episode = episode(building_type);
         let spaces = Arc::clone(episode.spaces());
@@ -65,7 +65,7 @@ fn reactive_control_in_the_worker_is_that_of_the_owner_bit_for_bit() {
 }
 
 #[test]
-fn an_agent_in_the_worker_is_that_of_the_owner_bit_for_bit() {
+fn an_agent_in_the_worker_matches_the_owner_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut episode = episode(BuildingType::OfficeSmall);
     let spaces = Arc::clone(episode.spaces());

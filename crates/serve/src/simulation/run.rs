@@ -173,7 +173,7 @@ impl Run {
     /// Returns the values of points between two times.
     ///
     /// # Errors
-    /// As [`History::between`].
+    /// Same as [`History::between`].
     pub fn results(&self, points: &[String], from: f64, to: f64) -> Result<Value, Refusal> {
         self.history.between(points, from, to)
     }

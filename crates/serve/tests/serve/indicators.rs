@@ -55,7 +55,7 @@ fn assert_same(indicators: &Value, metrics: &Metrics) {
 }
 
 #[test]
-fn the_indicators_of_a_day_equal_those_of_an_episode_under_the_same_actions() {
+fn the_indicators_of_a_day_equal_an_episodes_under_the_same_actions() {
     let office = Office::new();
     let mut server = office.serve(1);
     let client = server.client();

@@ -204,7 +204,7 @@ fn emissions_follow_season_and_hour_and_their_annual_means() {
 }
 
 #[test]
-fn emissions_of_fuels_are_those_of_tasks_without_a_profile() {
+fn emissions_of_fuels_match_tasks_without_a_profile() {
     let us = Emissions::named("us").unwrap();
     let at = |fuel| us.at(fuel, Moment { day: 1, hour: 0.0 });
     assert_eq!(

@@ -282,7 +282,7 @@ impl Pool {
     /// Reserves the template of a setting for a future episode; queues one if there is none.
     ///
     /// # Errors
-    /// As [`Pool::template_of`].
+    /// Same as [`Pool::template_of`].
     pub(super) fn reserve(&mut self, setting: &Setting) -> Result<TemplateId> {
         let id = self.template_of(setting)?;
         self.template_mut(id)?.users += 1;

@@ -187,7 +187,7 @@ impl Pool {
         self.start_queued();
     }
 
-    /// Stores the reason why a template cannot be made, and reports it to the waiting slots.
+    /// Stores why a template cannot be prepared, and reports it to the waiting slots.
     fn give_up(&mut self, id: TemplateId, error: Error) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         for Request { slot, .. } in template.waiting.drain(..) {

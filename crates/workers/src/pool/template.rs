@@ -20,7 +20,7 @@ pub(super) struct Template {
     /// `None` until its preparation starts, and once it has failed.
     pub(super) process: Option<TemplateProcess>,
     pub(super) phase: Phase,
-    /// The reason why it cannot be prepared, until read.
+    /// Why it cannot be prepared, until read.
     pub(super) failure: Option<Error>,
     pub(super) spaces: Option<Arc<Spaces>>,
     /// Preparations tried in a row.

@@ -21,7 +21,7 @@ use b2b_env::Spaces;
 use b2b_env::{Amounts, Reward};
 use b2b_env::{Error, Result};
 
-/// The moment at which an environment begins its next episode, as Gymnasium's `AutoresetMode`.
+/// When an environment begins its next episode, like Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Autoreset {
     /// With the step after the last one: that step's action is ignored, its reward is 0.
@@ -170,7 +170,7 @@ impl VecEnv {
     /// Prepares settings before the first reset and returns their spaces.
     ///
     /// # Errors
-    /// [`Error::Template`] for a building that cannot be made an environment; [`Error::Pool`]; [`Error::Interrupted`].
+    /// [`Error::Template`] for a building that cannot become an environment; [`Error::Pool`]; [`Error::Interrupted`].
     pub fn prepare(&mut self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
         self.workers.prepare_all(settings)
     }
@@ -178,8 +178,8 @@ impl VecEnv {
     /// Begins an episode in every environment, ending those in progress.
     ///
     /// # Errors
-    /// [`Error::Template`] when the building of the first episode of one cannot be made an environment;
-    /// [`Error::Lost`] when one is lost; [`Error::Interrupted`].
+    /// [`Error::Template`] when the building of a first episode cannot become an environment; [`Error::Lost`] when an
+    /// episode is lost; [`Error::Interrupted`].
     pub fn reset(&mut self, seed: u64) -> Result<()> {
         self.reset_after(seed, &[])
     }
@@ -187,7 +187,7 @@ impl VecEnv {
     /// Like [`VecEnv::reset`], but every environment draws and skips its first `skipped` episodes.
     ///
     /// # Errors
-    /// As [`VecEnv::reset`].
+    /// Same as [`VecEnv::reset`].
     pub fn reset_after(&mut self, seed: u64, skipped: &[u64]) -> Result<()> {
         self.sampler.restart();
         for index in 0..self.len() {
@@ -252,9 +252,9 @@ impl VecEnv {
         self.act(environment, action)
     }
 
-    /// Requests a fragment of about `steps` steps from the runner of a kind in an environment: see [`Runner`](super::Runner). It
-    /// is busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] then returns how many steps were made, fewer
-    /// than requested if the episode is over.
+    /// Requests a fragment of about `steps` steps from an environment's runner of this kind: see
+    /// [`Runner`](super::Runner). It is busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] then returns
+    /// how many steps were made, fewer than requested if the episode is over.
     ///
     /// # Errors
     /// The errors of [`Episode::send_fragment`].
@@ -327,7 +327,7 @@ impl VecEnv {
         self.environments[environment].spaces.as_deref()
     }
 
-    /// As [`VecEnv::spaces`], to be shared.
+    /// Like [`VecEnv::spaces`], but shared.
     pub fn shared_spaces(&self, environment: usize) -> Option<&Arc<Spaces>> {
         self.environments[environment].spaces.as_ref()
     }
@@ -364,7 +364,7 @@ impl VecEnv {
         self.environments[environment].state == State::Over
     }
 
-    /// The reason why the last episode of an environment was lost, if it was.
+    /// Why the last episode of an environment was lost, if it was.
     pub fn lost(&self, environment: usize) -> Option<&str> {
         self.environments[environment].lost.as_deref()
     }

@@ -32,7 +32,7 @@ fn write(name: &str, text: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
 }
 
 #[test]
-fn a_model_that_a_job_read_and_sized_is_that_of_this_process() {
+fn a_job_reads_and_sizes_a_model_like_this_process() {
     let case = Case::at_home(BuildingType::Warehouse);
     let prepared = |library: &Library| {
         let model = import::read(&warehouse(), library, false).unwrap();
@@ -45,7 +45,7 @@ fn a_model_that_a_job_read_and_sized_is_that_of_this_process() {
 }
 
 #[test]
-fn a_model_that_the_engine_refuses_is_named_as_the_caller_did_with_its_messages() {
+fn the_error_for_a_refused_model_has_the_callers_path_and_the_engines_messages() {
     let case = Case::at_home(BuildingType::Warehouse);
     let (_folder, path) = write("bad.idf", "Version,25.2;\nDance,A;\n");
     let error = hosted(options(&case)).convert_idf(&path).unwrap_err();

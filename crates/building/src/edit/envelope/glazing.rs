@@ -84,7 +84,7 @@ pub fn glaze(model: &mut Model, u: Option<Amount>, shgc: Option<f64>) -> Result<
 /// Returns the number of windows and glass doors in walls.
 ///
 /// # Errors
-/// As [`zone::surfaces`].
+/// Same as [`zone::surfaces`].
 pub(in crate::edit) fn count(model: &Model) -> Result<usize> {
     Ok(glass(model)?.iter().filter(|glass| glass.is_in_wall).count())
 }

@@ -164,7 +164,7 @@ impl HouseSample {
     /// [`HouseSample::from_unit`] with given properties; dependent ones are drawn accordingly.
     ///
     /// # Errors
-    /// As [`HouseSample::from_unit`].
+    /// Same as [`HouseSample::from_unit`].
     pub fn from_unit_with(point: &[f64; DIMENSIONS], given: &FixedProperties) -> Result<Self> {
         check(point)?;
         #[rustfmt::skip]

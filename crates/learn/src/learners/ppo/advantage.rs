@@ -15,8 +15,8 @@ pub struct Values {
 
 /// Writes the advantages, environments × steps × parts.
 ///
-/// Every end is a truncation: the value of its final observation stands for the rest of the return, and advantages of the next
-/// episode do not count before it.
+/// Every end is a truncation: the value of the final observation replaces the rest of the return, and the advantages of
+/// the next episode do not flow back into it.
 pub fn advantages(rollout: &Rollout, values: &Values, gamma: f32, lambda: f32, advantages: &mut [f32]) {
     let parts = values.next.len() / rollout.environments.max(1);
     let mut ends = rollout.ends.len();
@@ -43,9 +43,9 @@ pub fn advantages(rollout: &Rollout, values: &Values, gamma: f32, lambda: f32, a
     }
 }
 
-/// Subtracts from the advantages of environments with opposite noise the means of the pairs, where both are at the same step of the
-/// same episode. What is left is what the noise causes: the errors of values are nearly the same in both, as are the costs of noise of
-/// either sign.
+/// Centers the advantages of each pair of environments with opposite noise on the pair's mean, wherever both are at the
+/// same step of the same episode. This leaves the effect of the noise, because value errors and the cost of noise of
+/// either sign are nearly the same in both.
 pub fn center_pairs(rollout: &Rollout, parts: usize, advantages: &mut [f32]) {
     let width = rollout.steps * parts;
     for (pair, steps) in advantages.chunks_exact_mut(2 * width).zip(&rollout.pairs) {

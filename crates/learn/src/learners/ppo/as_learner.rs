@@ -36,8 +36,8 @@ impl Learner for Ppo {
         self.networks.actor(&self.parameters)
     }
 
-    /// Returns the actor with the average of the parameters over the last updates: what it has learned, with less of what each
-    /// rollout had by chance (Polyak and Juditsky 1992).
+    /// Returns the actor with its parameters averaged over the last updates, which reduces the randomness of single
+    /// rollouts (Polyak and Juditsky 1992).
     fn averaged_actor(&self) -> Actor {
         self.networks.actor(&self.average)
     }

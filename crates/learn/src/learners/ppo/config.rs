@@ -50,9 +50,10 @@ pub struct PpoConfig {
     pub max_grad_norm: f32,
     /// Target KL divergence in nats: an update stops before a minibatch where it exceeds 1.5 times this. Default none.
     pub target_kl: Option<f32>,
-    /// Divergence of the policy in an update, in nats, that the learning rate of the actor is adapted to: it is divided by 1.5
-    /// after an update with more than twice as much, and multiplied by 1.5 after one with less than half, as in rsl_rl (Rudin
-    /// et al. 2022). The schedule's factor lowers it, squared. Default none.
+    /// Desired divergence of the policy per update, in nats, to which the actor's learning rate adapts: the rate is
+    /// divided by 1.5 after an update with more than twice this divergence, and multiplied by 1.5 after an update with
+    /// less than half of it, as in rsl_rl (Rudin et al. 2022). The square of the schedule's factor lowers it. Default
+    /// none.
     pub desired_kl: Option<f32>,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,
@@ -74,8 +75,8 @@ pub struct PpoConfig {
     pub normalize_values: bool,
     /// Weight of the returns of the newest update in their running mean and deviation. Default 0.1.
     pub value_rate: f64,
-    /// Weight of the newest parameters in the running average that agents are written and evaluated with; rollouts use the newest
-    /// ones. The first updates have equal weights. Default 1: no average.
+    /// Weight of the newest parameters in the running average, with which agents are saved and evaluated; rollouts use
+    /// the newest parameters. The first updates have equal weights. Default 1: no average.
     pub average_rate: f32,
     /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: all actions
     /// share the advantage of the summed parts.

@@ -82,7 +82,7 @@ impl FeatureScale {
     /// Restores the statistics from a state.
     ///
     /// # Errors
-    /// When the state does not have it.
+    /// When the state does not contain them.
     pub fn restore(&mut self, state: &State) -> Result<()> {
         for (index, moments) in self.types.iter_mut().enumerate() {
             let mut numbers = moments.numbers();

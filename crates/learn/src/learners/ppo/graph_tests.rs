@@ -17,7 +17,7 @@ use crate::widths::Widths;
 
 /// The largest building has three zones of two features and one action, and a node of one feature without actions.
 const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1 };
-/// With a part of the reward for each node.
+/// With a reward part for each node.
 const BY_NODE: Widths = Widths { parts: 4, ..WIDTHS };
 
 fn network() -> GraphNetwork {
@@ -66,7 +66,8 @@ fn rollout(steps: usize, seed: u64) -> Rollout {
     rollout_of(WIDTHS, steps, seed)
 }
 
-/// Returns the steps with rewards of these widths. By node, zones have one, and so has the last node, which counts for all actions.
+/// Returns steps with rewards of these widths. With parts by node, each zone has a reward, and so does the last node,
+/// which counts for all actions.
 fn rollout_of(widths: Widths, steps: usize, seed: u64) -> Rollout {
     let mut random = Random::new(seed, 1);
     let mut draw = |count: usize| {
@@ -189,7 +190,7 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
 }
 
 #[test]
-fn gradients_of_all_parameters_are_those_of_finite_differences() {
+fn gradients_of_all_parameters_match_finite_differences() {
     let cases = [(LogStd::Free, WIDTHS), (LogStd::OfState, WIDTHS), (LogStd::Free, BY_NODE)];
     for (log_std, widths) in cases {
         let mut ppo = Ppo::of_graphs(&network(), widths, config(log_std), true, 3).unwrap();
@@ -254,7 +255,7 @@ fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
     ppo.prepare(&shifted);
     let values = |ppo: &mut Ppo, rollout: &Rollout| -> Vec<f32> {
         let values = ppo.evaluate(rollout).steps;
-        // Of a building of one zone, two parts are padding.
+        // In a building with one zone, two parts are padding.
         assert!(values[..20 * 4].chunks(4).all(|row| row[2..] == [0.0; 2]));
         values
     };

@@ -22,7 +22,7 @@ pub struct Ppo {
     pub(super) config: PpoConfig,
     pub(super) widths: Widths,
     pub(super) networks: Networks,
-    /// Credit of the buildings of the rollout: for flat networks one, for graph networks one for each of its scenes.
+    /// Credit of the rollout's buildings: one for flat networks, one per scene for graph networks.
     pub(super) credits: Vec<Arc<Credit>>,
     /// Number of groups of actions of the largest building.
     pub(super) groups: usize,
@@ -37,7 +37,7 @@ pub struct Ppo {
     pub(super) random: Random,
     /// Number of updates.
     pub(super) updates: u64,
-    /// Number of the last updates in a row with steps that were skipped.
+    /// Number of consecutive updates, up to the last, that skipped steps.
     pub(super) failures: u64,
     pub(super) threads: usize,
     /// Steps of the rollout and of the minibatch.
@@ -64,7 +64,7 @@ impl Ppo {
     /// over all nodes of a type.
     ///
     /// # Errors
-    /// As [`Ppo::new`]; when there is a credit matrix.
+    /// Same as [`Ppo::new`], and when there is a credit matrix.
     pub fn of_graphs(
         network: &GraphNetwork,
         widths: Widths,

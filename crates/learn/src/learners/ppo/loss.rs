@@ -12,8 +12,8 @@ pub struct Losses {
     pub value: f64,
     /// Entropy of the policy.
     pub entropy: f64,
-    /// Divergence of the policy from the one that made the steps: mean of ratio - 1 - ln ratio, as in Stable-Baselines3; over
-    /// the groups of actions too.
+    /// Divergence of the policy from the one that made the steps: mean of ratio - 1 - ln ratio, as in
+    /// Stable-Baselines3, averaged over the groups of actions too.
     pub kl: f64,
     /// Share of clipped ratios.
     pub clipped: f64,
@@ -115,8 +115,8 @@ pub fn group_log_density(
     credit.actions(group, action.len()).map(|each| log_density(action[each], mean[each], log_std[each])).sum()
 }
 
-/// Writes the gradients of `coefficient` × mean squared error of the values of a step, over a minibatch of this number of rows, and
-/// returns the share of these values in the mean squared error. Parts without rewards do not count.
+/// Writes the gradients of `coefficient` × mean squared error of a step's values, as a mean over a minibatch of `rows`
+/// rows, and returns the step's share of the mean squared error. Parts without rewards do not count.
 pub fn value_loss(
     values: &[f32],
     returns: &[f32],
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_of_the_policy_are_those_of_finite_differences() {
+    fn gradients_of_the_policy_match_finite_differences() {
         let widths = Widths { observation: 1, action: ACTIONS, parts: 2 };
         assert_policy_gradients(&Credit::new(None, widths).unwrap());
         let matrix = [vec![1.0, 0.0], vec![0.0, 1.0], vec![1.0, 1.0]];
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_of_values_are_those_of_finite_differences() {
+    fn gradients_of_values_match_finite_differences() {
         let (values, returns) = ([0.5, -1.0, 2.0, 0.3], [0.0, 1.0, 2.5, -0.1]);
         let mut gradients = [0.0; 4];
         let credit = Credit::joint(Widths { observation: 1, action: ACTIONS, parts: 4 });

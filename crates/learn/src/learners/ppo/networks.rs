@@ -17,13 +17,13 @@ use crate::rollout::Widths;
 pub(super) struct Networks {
     /// Shape of the actor: outputs are means and, if they depend on the observation, logarithms of standard deviations.
     pub actor: Shape,
-    /// Shape of the critic: a value per part of the reward; of a graph network one of each node, whose mean is the value if the
-    /// reward is not in parts.
+    /// Shape of the critic: a value per part of the reward. A graph network has a value per node; if the reward is not
+    /// in parts, their mean is the value.
     pub critic: Shape,
     pub widths: Widths,
     /// Whether standard deviations depend on the observation.
     of_state: bool,
-    /// Where the parameters of the actor, the free logarithms of standard deviations, and the parameters of the critic end.
+    /// Ends of the actor's parameters, the free logarithms of standard deviations, and the critic's parameters.
     ends: [usize; 3],
     /// Lower bound of the logarithm of the standard deviation.
     minimum: f32,
@@ -103,23 +103,24 @@ impl Networks {
         of(&self.actor, 0).into_iter().zip(critic).map(|(actor, critic)| [actor, critic]).collect()
     }
 
-    /// Returns the place of the parameters of the actor.
+    /// Returns the range of the actor's parameters.
     pub fn actors(&self) -> Range<usize> {
         0..self.ends[0]
     }
 
-    /// Returns the place of the free logarithms of standard deviations: of a graph network one for every action of a node type.
+    /// Returns the range of the free logarithms of standard deviations. A graph network has one for every action of a
+    /// node type.
     pub fn log_stds(&self) -> Range<usize> {
         self.ends[0]..self.ends[1]
     }
 
-    /// Returns the place of the parameters of the critic.
+    /// Returns the range of the critic's parameters.
     pub fn critics(&self) -> Range<usize> {
         self.ends[1]..self.ends[2]
     }
 
-    /// Returns the last layers of the critic and their outputs that have the values of a kind of parts. Their places are those
-    /// within the parameters of the critic.
+    /// Returns the critic's last layers and their outputs that hold the values of a kind of part. Places are relative
+    /// to the critic's parameters.
     pub fn value_outputs(&self, kind: usize) -> Vec<(Layer, usize)> {
         match &self.critic {
             Shape::Mlp(mlp) => mlp.layers().last().map(|layer| (layer.clone(), kind)).into_iter().collect(),

@@ -45,8 +45,8 @@ impl Samples {
         gather(&mut self.returns, &all.returns, rows, widths.parts);
     }
 
-    /// Brings the advantages of each kind of group to mean 0 and deviation 1, as Stable-Baselines3 does. One of a kind stays as it
-    /// is. `groups` is the width of a row.
+    /// Normalizes the advantages of each kind of group to mean 0 and deviation 1, as Stable-Baselines3 does. A kind
+    /// with only one advantage is left unchanged. `groups` is the width of a row.
     pub fn normalize_advantages(&mut self, groups: usize, credits: &[Arc<Credit>]) {
         let kinds = 1 + credits.iter().flat_map(|credit| credit.kinds()).max().copied().unwrap_or_default();
         let Self { advantages, scenes, .. } = self;

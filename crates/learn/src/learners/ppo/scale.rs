@@ -33,18 +33,18 @@ impl ValueScale {
         (self.means[kind], variance.max(0.0).sqrt().max(SMALLEST))
     }
 
-    /// Brings outputs of the critic, rows × parts, to the scale of returns.
+    /// Converts outputs of the critic, rows × parts, to the scale of returns.
     pub fn denormalize(&self, rows: Rows<'_>, values: &mut [f32]) {
         self.map(rows, values, |value, mean, deviation| value * deviation + mean);
     }
 
-    /// Brings returns, rows × parts, to the scale of the critic.
+    /// Converts returns, rows × parts, to the scale of the critic.
     pub fn normalize(&self, rows: Rows<'_>, returns: &mut [f32]) {
         self.map(rows, returns, |value, mean, deviation| (value - mean) / deviation);
     }
 
-    /// Adds the returns of an update, rows × parts, to the running statistics, and changes the outputs of the critic that have
-    /// values of each kind so that these stay as they are. If a return is not finite, nothing changes.
+    /// Adds the returns of an update, rows × parts, to the running statistics, and rescales the critic's outputs so
+    /// that values stay the same. Does nothing if a return is not finite.
     pub fn update(
         &mut self,
         rows: Rows<'_>,
@@ -77,7 +77,7 @@ impl ValueScale {
     /// Restores the statistics from a state.
     ///
     /// # Errors
-    /// When the state does not have it.
+    /// When the state does not contain them.
     pub fn restore(&mut self, state: &State) -> Result<()> {
         state.read_f64("values.means", &mut self.means)?;
         state.read_f64("values.squares", &mut self.squares)?;
@@ -115,7 +115,7 @@ impl<'a> Rows<'a> {
         rows.zip(self.scenes.iter().map(move |scene| &*self.credits[*scene]))
     }
 
-    /// Returns the mean and the mean of squares of each kind; `None` of one that no row has.
+    /// Returns the mean and the mean of squares of each kind; `None` for a kind that no row has.
     fn moments(self, values: &[f32], kinds: usize) -> Vec<Option<(f64, f64)>> {
         let mut sums = vec![(0usize, 0.0, 0.0); kinds];
         for (row, credit) in self.of(values.chunks_exact(self.parts)) {
@@ -133,7 +133,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Changes the weights and the bias of an output so that output × deviation + mean stays as it is (PopArt, eq. 8 and 9).
+/// Changes the weights and the bias of an output so that output × deviation + mean stays the same (PopArt, eq. 8 and
+/// 9).
 fn preserve(layer: &Layer, critic: &mut [f32], output: usize, before: (f64, f64), after: (f64, f64)) {
     let factor = before.1 / after.1;
     for weight in critic[layer.weights.clone()].iter_mut().skip(output).step_by(layer.outputs) {

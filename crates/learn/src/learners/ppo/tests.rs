@@ -174,7 +174,7 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
 }
 
 #[test]
-fn gradients_of_all_parameters_are_those_of_finite_differences() {
+fn gradients_of_all_parameters_match_finite_differences() {
     for (log_std, activation) in [(LogStd::Free, Activation::Tanh), (LogStd::OfState, Activation::Relu)] {
         let config = PpoConfig { activation, ..config(log_std) };
         let mut ppo = Ppo::new(WIDTHS, config, 3).unwrap();

@@ -16,11 +16,11 @@ use crate::rollout::Rollout;
 
 /// Rows of a pass through the networks before the epochs.
 const BLOCK: usize = 256;
-/// Number of consecutive updates with skipped steps that is an error.
+/// Number of consecutive updates with skipped steps after which learning fails.
 const FAILURES: u64 = 3;
 /// Multiple of the target divergence at which an update stops, as in Stable-Baselines3.
 const KL_FACTOR: f64 = 1.5;
-/// Factor of an adaptation of the learning rate, and its limits as shares of the rate of the configuration.
+/// Factor by which the learning rate adapts, and its limits as shares of the configured rate.
 const RATE_FACTOR: f64 = 1.5;
 const RATES: std::ops::RangeInclusive<f64> = 0.01..=3.0;
 
@@ -33,13 +33,13 @@ pub struct Update {
     pub value_loss: f64,
     /// Entropy of the policy in nats.
     pub entropy: f64,
-    /// Divergence of the policy from the one that made the steps, in nats; a mean over the groups of actions with one ratio each.
+    /// Divergence of the policy from the one that made the steps, in nats, averaged over the groups of actions.
     pub approx_kl: f64,
     /// Divergence at which the update stopped, if it did: see [`PpoConfig::target_kl`](super::PpoConfig::target_kl).
     pub stopped_kl: Option<f64>,
     /// Share of clipped ratios.
     pub clip_fraction: f64,
-    /// 1 - variance of return minus value / variance of return, before the update. 0 if returns do not vary.
+    /// 1 - variance of (return - value) / variance of returns, before the update; 0 if returns do not vary.
     pub explained_variance: f64,
     /// Norm of the gradient before its clip.
     pub gradient_norm: f64,
@@ -99,9 +99,10 @@ impl Ppo {
 
     fn adapt_rate(&mut self, update: &Update) {
         let Some(desired) = self.config.desired_kl.map(f64::from) else { return };
-        // A divergence goes with the square of the rate.
+        // Divergence grows with the square of the rate.
         let desired = desired * self.config.schedule.factor(self.updates).powi(2);
-        // The mean over the minibatches before a stop says little of what it was for.
+        // If the update stopped early, the divergence at the stop says more than the mean over the minibatches before
+        // it.
         let kl = update.stopped_kl.unwrap_or(update.approx_kl);
         if kl > 2.0 * desired {
             self.rate /= RATE_FACTOR;
@@ -271,7 +272,7 @@ impl Ppo {
 }
 
 impl Update {
-    /// Returns the numbers that the progress of a run has, by name.
+    /// Returns the numbers to report in a run's progress, by name.
     pub(super) fn named(&self) -> [(&'static str, f64); 10] {
         [
             ("policy_loss", self.policy_loss),

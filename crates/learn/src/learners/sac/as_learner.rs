@@ -27,7 +27,7 @@ impl Learner for Sac {
         Ok(self.update(rollout)?.named().to_vec())
     }
 
-    // It has the replay buffer.
+    // Includes the replay buffer.
     fn state(&self) -> State {
         let mut state = State::default();
         self.parameters.save(&mut state);

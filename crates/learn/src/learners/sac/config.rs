@@ -33,7 +33,7 @@ pub struct SacConfig {
     pub gamma: f32,
     /// Steps of a return before the value of the target critics. Default 1.
     pub return_steps: usize,
-    /// Share of the critics that the target critics take per minibatch. Default 0.005.
+    /// τ: share by which the target critics move toward the critics per minibatch. Default 0.005.
     pub tau: f32,
     /// Target entropy of the policy, in units of minus the number of actions. Default 1.
     pub target_entropy_factor: f32,

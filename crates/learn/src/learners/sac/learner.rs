@@ -20,11 +20,11 @@ pub struct Sac {
     pub(super) adams: [Adam; 3],
     pub(super) replay: Replay,
     pub(super) random: Random,
-    /// Minibatches that collected steps are worth, and that are not done.
+    /// Minibatches still to do for the steps collected so far.
     pub(super) owed: f64,
     /// Number of updates.
     pub(super) updates: u64,
-    /// Number of the last updates in a row with steps that were skipped.
+    /// Number of consecutive updates, up to the last, that skipped steps.
     pub(super) failures: u64,
     pub(super) threads: usize,
     pub(super) batch: Batch,
@@ -34,7 +34,7 @@ pub struct Sac {
 }
 
 impl Sac {
-    /// Returns a learner with initial parameters of this seed, for rollouts of this number of environments.
+    /// Returns a learner with initial parameters drawn from this seed, for rollouts of this number of environments.
     ///
     /// # Errors
     /// When a value of the configuration is outside its range.

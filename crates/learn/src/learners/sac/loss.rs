@@ -52,8 +52,8 @@ pub fn target(sum: f32, discount: f32, values: [f32; 2], temperature: f32, log_d
     sum + discount * (values[0].min(values[1]) - temperature * log_density)
 }
 
-/// Writes the gradients of half the mean squared error of the values of a critic over a minibatch of `rows`, and returns the
-/// share of these values in it.
+/// Writes the gradients of half the mean squared error of a critic's values over a minibatch of `rows`, and returns the
+/// share of these values in the error.
 pub fn critic_loss(values: &[f32], targets: &[f32], rows: usize, gradients: &mut [f32]) -> f64 {
     let mut squares = 0.0;
     for ((value, target), gradient) in values.iter().zip(targets).zip(gradients) {

@@ -108,7 +108,7 @@ impl Replay {
             }
         }
         for end in &rollout.ends {
-            // An end that the same rollout has overwritten since is gone.
+            // Skips ends that the same rollout has already overwritten.
             if end.step + self.capacity >= rollout.steps {
                 let place = self.place(end.environment, self.added + end.step);
                 self.ends[place] = 1.0;
@@ -164,7 +164,7 @@ impl Replay {
     /// Restores the steps from a state.
     ///
     /// # Errors
-    /// When the state does not have it.
+    /// When the state does not contain them.
     pub fn restore(&mut self, state: &State) -> Result<()> {
         let [added, filled] = state.read_u64("replay.added")?;
         self.added = added as usize;

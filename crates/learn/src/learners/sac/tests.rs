@@ -82,7 +82,7 @@ fn a_restored_learner_continues_bit_for_bit() {
 fn minibatches_are_a_share_of_collected_steps() {
     let mut sac = Sac::new(WIDTHS, 2, config(), 3).unwrap();
     let steps: Vec<usize> = (0..4).map(|seed| sac.update(&rollout(13, seed)).unwrap().steps).collect();
-    // 26 steps are worth 2.6 minibatches, from the second rollout on.
+    // 26 steps earn 2.6 minibatches, from the second rollout on.
     assert_eq!(steps, [0, 2, 3, 2]);
 }
 
@@ -170,7 +170,7 @@ fn actor_loss(minibatch: &Minibatch<'_>, actor: &[f64]) -> (f64, f64) {
 }
 
 #[test]
-fn gradients_are_those_of_finite_differences() {
+fn gradients_match_finite_differences() {
     for activation in [Activation::Tanh, Activation::Relu] {
         let mut sac = Sac::new(WIDTHS, 2, SacConfig { activation, ..config() }, 3).unwrap();
         sac.replay.add(&rollout(30, 0));
@@ -193,7 +193,7 @@ fn gradients_are_those_of_finite_differences() {
 }
 
 #[test]
-fn the_gradient_of_the_temperature_is_that_of_finite_differences() {
+fn the_gradient_of_the_temperature_matches_finite_differences() {
     let (log_density, target) = (1.7, -2.0);
     let gradient = temperature_gradient(log_density, target) as f32;
     assert_gradients(&[-0.4], &[gradient], |log_temperature| -log_temperature[0] * (log_density + target));

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
 
-/// Number of consecutive updates with skipped steps that is an error.
+/// Number of consecutive updates with skipped steps after which learning fails.
 const FAILURES: u64 = 3;
 
 /// Results of an update. Losses, entropy, value and norms are means over its minibatches.
@@ -31,8 +31,8 @@ pub struct Update {
     pub learning_rate: f64,
     /// Minibatches.
     pub steps: usize,
-    /// Minibatches whose loss or gradient was not finite, and rollouts with values that are not finite. The optimizers make no step
-    /// with them, and such a rollout does not go to the replay buffer.
+    /// Minibatches with a non-finite loss or gradient, for which the optimizers make no step, and rollouts with
+    /// non-finite values, which do not enter the replay buffer.
     pub skipped: usize,
 }
 
@@ -170,7 +170,7 @@ impl Sac {
 }
 
 impl Update {
-    /// Returns the numbers that the progress of a run has, by name.
+    /// Returns the numbers to report in a run's progress, by name.
     pub(super) fn named(&self) -> [(&'static str, f64); 10] {
         [
             ("critic_loss", self.critic_loss),

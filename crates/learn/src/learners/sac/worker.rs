@@ -187,7 +187,7 @@ impl Worker {
     }
 }
 
-/// Returns the place of rows of this width.
+/// Returns the range of rows of this width.
 fn times(rows: &Range<usize>, width: usize) -> Range<usize> {
     rows.start * width..rows.end * width
 }

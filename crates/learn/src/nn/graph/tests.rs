@@ -99,7 +99,7 @@ const ACTIONS: Readout = Readout::Actions { actions: 12, of_state: false };
 const NODES: Readout = Readout::Nodes { nodes: 9 };
 
 #[test]
-fn outputs_and_gradients_are_those_of_the_definition() {
+fn outputs_and_gradients_match_the_definition() {
     for edges in ALL {
         for (readout, outputs) in
             [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1), (NODES, |_| 1)]

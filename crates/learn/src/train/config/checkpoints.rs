@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which agent a run's folder has in the end.
+/// Which agent a run keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Keep {
@@ -17,7 +17,7 @@ pub enum Keep {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CheckpointConfig {
-    /// Agent that the run's folder has in the end.
+    /// Which agent the run's folder keeps.
     pub keep: Keep,
     /// Steps between checkpoints; 0 for none but at the end.
     pub checkpoint_every: u64,

@@ -14,7 +14,7 @@ use crate::learners::{Kind, LearnerChoice, kinds};
 /// Name of the configuration in a run's folder.
 pub const CONFIG: &str = "config.toml";
 
-/// The presets by name: TOML files of what differs from the defaults.
+/// The presets by name: TOML files with the options that differ from the defaults.
 const PRESETS: [(&str, &str); 3] = [
     ("graph", include_str!("../../../data/graph.toml")),
     ("paper", include_str!("../../../data/paper.toml")),
@@ -29,7 +29,7 @@ const EVALUATION: &str = "evaluation";
 /// The option that only the caller may set.
 const PERMISSION: &str = "allow_external";
 
-/// A value read from a table, or what is wrong with the table.
+/// A value read from a table, or why the table is invalid.
 type Read<T> = std::result::Result<T, String>;
 
 impl TrainConfig {
@@ -52,19 +52,20 @@ impl TrainConfig {
         Self::default().with_changes(text).map_err(Error::Invalid)
     }
 
-    /// Returns the configuration with the changes of a TOML text. A text may name a preset of its own first, with
+    /// Returns the configuration with the changes of a TOML text. The text may start from a preset, with
     /// `preset = "paper"`.
     ///
     /// # Errors
-    /// What is wrong with the text: a value of the wrong type, or an unknown key with a suggestion.
+    /// Why the text is invalid: a value of the wrong type, or an unknown key with a suggestion.
     pub fn with_changes(&self, text: &str) -> Read<Self> {
         self.with_untrusted(toml::from_str(text).map_err(|error| error.to_string())?)
     }
 
-    /// As [`TrainConfig::with_changes`], of a JSON object with the arguments of the caller, who may set `allow_external`.
+    /// Like [`TrainConfig::with_changes`], for a JSON object with the caller's arguments, which may include
+    /// `allow_external`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with what is wrong.
+    /// [`Error::Invalid`] with the reason.
     pub fn with_json(&self, text: &str) -> Result<Self> {
         let mut changes: Table =
             serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
@@ -96,7 +97,7 @@ impl TrainConfig {
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
     pub fn of_run(folder: &Path) -> Result<Self> {
-        // It has every option, also those that its problem set.
+        // It has every option, including the ones its problem set.
         read_table(&folder.join(CONFIG), |mut table| {
             table.remove(PERMISSION);
             Self::from_table(table)
@@ -109,7 +110,7 @@ impl TrainConfig {
         format!("{ALGORITHM} = {:?}\n{parts}\n{}", self.learner.name(), self.learner.to_toml())
     }
 
-    /// As [`TrainConfig::with_table`], of a file, which cannot permit anything.
+    /// Like [`TrainConfig::with_table`], for a file, which cannot grant permissions.
     fn with_untrusted(&self, mut changes: Table) -> Read<Self> {
         match changes.remove(PERMISSION) {
             None | Some(Value::Boolean(false)) => self.with_table(changes),
@@ -123,7 +124,7 @@ impl TrainConfig {
     fn with_table(&self, mut changes: Table) -> Read<Self> {
         let said = |error: Error| error.to_string();
         let (mut base, problem) = match changes.remove("preset") {
-            // A preset is for no problem.
+            // A preset is not for a problem.
             Some(Value::String(name)) => {
                 (Self::preset(&name).map_err(said)?, self.training_set.problem.clone())
             }
@@ -226,7 +227,7 @@ impl Options {
     }
 }
 
-/// Returns what is wrong with an option.
+/// Returns why an option is invalid.
 fn explained(key: &str, error: &toml::de::Error) -> String {
     format!("`{key}`: {}", with_suggestion(error.message()))
 }

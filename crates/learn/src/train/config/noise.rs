@@ -14,13 +14,13 @@ pub struct NoiseConfig {
     /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of a pair are
     /// half its differences. Of an odd number of environments, the last one is alone.
     pub mirrored_noise: bool,
-    /// Comfort penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most
-    /// noise that adds no more than the difference, or than a tenth of the penalty, to the penalty of a day in every environment.
-    /// Without `credit_by_zone` all of the penalty counts as comfort. 0: the learner's own initial noise, such as
-    /// `ppo.initial_log_std`.
+    /// Ratio of the comfort penalty with exploration noise to the penalty without it, from which the initial noise is
+    /// chosen: the most noise that, in every environment, adds no more than this to the comfort penalty of a day, or no
+    /// more than a tenth to the whole penalty. Without `credit_by_zone`, the whole penalty counts as comfort. 0: the
+    /// learner's own initial noise, such as `ppo.initial_log_std`.
     pub noise_cost: f64,
-    /// Exploration noise at the end of the run, as a share of that at its beginning: it falls exponentially in between, so that
-    /// the agent ends at what is good without noise. 1: it is learned with the rest instead.
+    /// Exploration noise at the end of the run, as a share of the initial noise. It falls exponentially in between, so
+    /// that the agent ends up good without noise. 1: the noise is learned like the other parameters.
     pub final_noise: f64,
 }
 

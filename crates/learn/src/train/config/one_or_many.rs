@@ -1,4 +1,4 @@
-//! Lists of names in a configuration, of which one may stand alone.
+//! Lists of names in a configuration. A single name needs no brackets.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,19 +1,19 @@
-//! The rewards that are learned from.
+//! Training rewards.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 use crate::limits::require;
 
-/// The rewards that are learned from. Scores do not depend on them.
+/// Training rewards. Scores do not depend on them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RewardConfig {
     /// Whether rewards are divided by the mean penalty of the reactive controllers in the building, so that a mean reward of -1
     /// is the baseline's.
     pub scale_rewards: bool,
-    /// What a full stroke costs, averaged over the actuators, in the unit of the rewards that are learned from: with
-    /// `scale_rewards`, the mean penalty per step of the reactive controllers. 0: travel is free.
+    /// Cost of a full stroke, averaged over the actuators, in the unit of the training rewards: with `scale_rewards`,
+    /// the reactive controllers' mean penalty per step. 0: travel is free.
     pub travel_cost: f32,
     /// Factor by which `travel_cost` grows after every evaluation in which actuators hunt: their travel is above its limit. 1: it does
     /// not grow.

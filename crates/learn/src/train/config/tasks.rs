@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The tasks of a training run, of which there is at least one.
+/// The tasks of a training run, at least one.
 ///
 /// In a configuration, they are a text of one or several short forms separated by commas, the path of a JSON file, a table with
 /// the options of a task, or a list of these. A file is read when the configuration is, so that the configuration of a run has

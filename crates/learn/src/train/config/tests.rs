@@ -150,7 +150,7 @@ fn a_preset_with_sac_leaves_out_what_is_for_ppo() {
     assert!(error.to_string().contains("noise_cost"), "{error}");
 }
 
-/// The files that runs wrote before had the options of both learners, in another order.
+/// Earlier runs wrote the options of both learners, in another order.
 #[test]
 fn a_configuration_of_an_earlier_run_is_read() {
     let config = TrainConfig::preset("residual").unwrap();

@@ -29,7 +29,7 @@ pub struct TrainConfig {
     /// Steps, environments and random seed.
     #[serde(flatten)]
     pub budget: Budget,
-    /// Rewards that are learned from.
+    /// Training rewards.
     #[serde(flatten)]
     pub rewards: RewardConfig,
     /// Exploration noise.
@@ -69,8 +69,9 @@ impl TrainConfig {
     /// period, steps per hour, training budget and attributes.
     ///
     /// # Errors
-    /// [`Error::Evaluation`](crate::Error::Evaluation) for an unknown problem; [`Error::Invalid`](crate::Error::Invalid) for one that
-    /// an agent cannot be trained for, because its buildings differ in what they observe or control.
+    /// [`Error::Evaluation`](crate::Error::Evaluation) for an unknown problem;
+    /// [`Error::Invalid`](crate::Error::Invalid) for a problem that no agent can be trained for, because its buildings
+    /// differ in what they observe or control.
     pub fn with_problem(mut self, name: &str) -> Result<Self> {
         training_side(name)?.apply(&mut self.training_set, &mut self.agent, &mut self.budget)?;
         self.training_set.problem = name.to_owned();
@@ -139,7 +140,7 @@ impl TrainConfig {
         })
     }
 
-    /// Returns the number of environments that have episodes of their own: with mirrored noise, pairs share theirs.
+    /// Returns the number of environments with different episodes: with mirrored noise, pairs share theirs.
     pub(crate) fn distinct_environments(&self) -> usize {
         let environments = self.budget.environments;
         if self.noise.mirrored_noise { environments.div_ceil(2) } else { environments }

@@ -23,21 +23,22 @@ pub struct TrainingSet {
     pub place: String,
     /// Weather file (EPW) for `buildings`, instead of a place. Empty: the place's weather.
     pub weather: PathBuf,
-    /// Whether a model file may run code and open files outside its folder. Only the caller sets it: no file may, and none has it.
+    /// Whether a model file may run code and open files outside its folder. Only the caller can set it. Configuration
+    /// files cannot, and saved ones leave it out.
     #[serde(skip)]
     pub allow_external: bool,
-    /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
-    /// environments. Empty: `buildings`.
+    /// Building type from whose training split every episode's building is drawn, or a list of types, which take turns
+    /// over the environments. Empty: `buildings`.
     #[serde(with = "one_or_many")]
     pub building_type: Vec<String>,
     /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
     pub excluded_climate_zones: Vec<String>,
-    /// Episodes that an environment stays in a building that was drawn.
+    /// Number of episodes that an environment spends in a drawn building.
     pub building_episodes: u32,
     /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
     /// steps and attributes, and none of them may go beyond its training side. Empty: none.
     pub problem: String,
-    /// Task, such as `occupancy+energy0.5`, or several: every episode has another one. See [`Tasks`].
+    /// Task, such as `occupancy+energy0.5`, or several, of which every episode draws one. See [`Tasks`].
     pub task: Tasks,
     /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     pub period: String,
@@ -97,7 +98,7 @@ impl TrainingSet {
         self.building_type.iter().map(parsed).collect()
     }
 
-    /// Returns the buildings of a type that are drawn: its training split but for the climate zones that are excluded.
+    /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones.
     pub(crate) fn drawn(&self, building_type: BuildingType) -> impl Iterator<Item = BuildingId> {
         let is_excluded =
             |row: &Row| self.excluded_climate_zones.iter().any(|zone| row.is_in_climate_zone(zone));
@@ -116,7 +117,7 @@ impl TrainingSet {
         Ok(Placement { place, weather, allow_external: self.allow_external })
     }
 
-    /// Returns the training buildings as a reader names them.
+    /// Returns the training buildings as text for readers.
     pub fn buildings_text(&self) -> String {
         if !self.building_type.is_empty() {
             let types = self.building_type.join(", ");
@@ -131,7 +132,7 @@ impl TrainingSet {
             None if self.place.is_empty() => String::new(),
             None => format!(" in {}", self.place),
         };
-        // A model is named by its file, not by its path.
+        // A model is named by its file name, not its path.
         let name = |text: &String| text.parse().map_or(text.clone(), |name: BuildingName| name.to_string());
         format!("{}{site}", self.buildings.iter().map(name).collect::<Vec<_>>().join(", "))
     }

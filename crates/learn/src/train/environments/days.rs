@@ -1,4 +1,4 @@
-//! The days of the run period that episodes are in: of training, and of evaluations during it.
+//! The days of the run period used for training episodes and for evaluations during training.
 
 use b2b_building::RunPeriod;
 
@@ -11,8 +11,8 @@ pub(crate) fn evaluated(config: &TrainConfig) -> Result<RunPeriod> {
     Ok(period.part(first_evaluated(config)?, days.min(period.days())))
 }
 
-/// Returns the parts of the run period that training episodes are in: those before and after the window of evaluations that have
-/// room for an episode, or all of it if the window is not held out or neither has room.
+/// Returns the parts of the run period for training episodes: before and after the evaluation window, where there is
+/// room for an episode; all of it if the window is not held out or neither part has room.
 pub(crate) fn trained(config: &TrainConfig) -> Result<Vec<RunPeriod>> {
     let period = config.training_set.run_period()?;
     let (before, days) = (first_evaluated(config)?, config.evaluation.days);
@@ -65,7 +65,7 @@ mod tests {
         // Neither side has fourteen days.
         assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
         assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");
-        // A whole run period has no room beside it.
+        // An episode of the whole run period leaves no room beside it.
         assert_eq!(of("winter", 0).1, ["winter"]);
         let seen = EvaluationConfig { held_out: false, ..EvaluationConfig::default() };
         assert_eq!(days("winter", 14, seen).1, ["winter"]);

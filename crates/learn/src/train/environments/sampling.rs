@@ -120,7 +120,8 @@ impl<'a> Environments<'a> {
         })
     }
 
-    /// Returns the sampler for a number of environments: in each part of the run period that episodes may be in, windows of some days.
+    /// Returns the sampler for a number of environments: windows of some days in each part of the run period that is
+    /// used for training.
     fn sampler_for(&self, environments: usize) -> Result<Box<dyn Sampler>> {
         let (parts, settings) = (days::trained(self.config)?, self.settings()?);
         let all: u32 = parts.iter().map(|part| part.days()).sum();
@@ -195,7 +196,7 @@ impl<'a> Environments<'a> {
         self.config.training_set.named()?.iter().map(setting).collect()
     }
 
-    /// Returns what the agent is evaluated on during training: training buildings, evenly spread, each with every task.
+    /// Returns the evaluations during training: evenly spread training buildings, each with every task.
     pub(crate) fn evaluated(&self) -> Result<Vec<(BuildingName, Task)>> {
         let all: Vec<BuildingName> = match &self.config.training_set.building_types()?[..] {
             [] => self.config.training_set.named()?,

@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::fragments::RewardScale;
 use crate::train::config::TrainConfig;
 
-/// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
+/// Smallest mean penalty by which rewards are divided, K²: a deviation of 0.02 K.
 const SMALLEST_PENALTY: f64 = 4e-4;
 
 impl Environments<'_> {
@@ -68,7 +68,7 @@ impl Environments<'_> {
         Ok(1.0 / mean.max(SMALLEST_PENALTY))
     }
 
-    /// Returns the episode of a building over a period, and what it is scored against, which is computed if it is unknown.
+    /// Returns the episode of a building over a period, and its baseline, which is computed if unknown.
     pub(crate) fn scored(
         &self,
         name: &BuildingName,
@@ -88,7 +88,7 @@ impl Environments<'_> {
 }
 
 /// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the reactive controllers in the building, over
-/// the days of an evaluation. An episode of them runs when a building is first drawn, and is kept in the cache of baselines.
+/// the days of an evaluation. The baseline runs when a building is first drawn, and is then cached.
 struct DrawnScale {
     config: TrainConfig,
     catalog: Arc<Catalog>,
@@ -108,7 +108,7 @@ impl DrawnScale {
     }
 }
 
-/// Returns the median scale, of an even number the upper one of the two in the middle.
+/// Returns the median scale; of an even number, the upper of the two middle ones.
 fn median(scales: &HashMap<String, f64>) -> f64 {
     let mut sorted: Vec<f64> = scales.values().copied().collect();
     sorted.sort_by(f64::total_cmp);

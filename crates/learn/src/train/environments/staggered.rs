@@ -3,9 +3,9 @@
 use b2b_workers::{Draw, Sampler};
 use rand_chacha::ChaCha8Rng;
 
-/// The draws of another sampler, of which the first window of each environment is cut short, so that environments are at different hours of the day
-/// and their episodes end at different times. Otherwise a rollout of half a day is a day for all or a night for all, and the
-/// critic learns days and nights in turn.
+/// The draws of another sampler, with the first window of each environment cut short, so that environments are at
+/// different hours of the day and their episodes end at different times. Otherwise a rollout of half a day would be
+/// daytime for all or nighttime for all, and the critic would learn days and nights in turn.
 pub(super) struct Staggered<S> {
     of: S,
     environments: usize,

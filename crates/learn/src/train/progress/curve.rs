@@ -55,7 +55,7 @@ impl Panel {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let (low, high) = (finite().fold(self.shown[0], f64::min), finite().fold(self.shown[1], f64::max));
         let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
-        // An axis that begins at 0 begins there.
+        // An axis from 0 has no margin below.
         [if low == 0.0 { 0.0 } else { low - margin }, high + margin]
     }
 

@@ -1,4 +1,4 @@
-//! Files that grow by whole entries.
+//! Append-only files of whole entries.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -8,7 +8,8 @@ use b2b_base::aside::append;
 
 use crate::error::{Result, at};
 
-/// A file that grows by whole entries: one that cannot be written, as on a full disk, leaves nothing of it behind.
+/// An append-only file of whole entries. An entry that cannot be written completely, for example on a full disk, is
+/// removed.
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
@@ -28,7 +29,7 @@ impl Journal {
         let written = self.file.write_all(entry);
         match written {
             Ok(()) => self.length += entry.len() as u64,
-            // What of it was written is removed; should that fail too, there is nothing else to be done.
+            // Removes what was written of it; if that fails too, nothing else can be done.
             Err(_) => drop(self.file.set_len(self.length)),
         }
         written.map_err(at(&self.path))

@@ -15,7 +15,8 @@ const EVENTS: &str = "tensorboard";
 /// The first column.
 const STEPS: &str = "steps";
 
-/// An update: named numbers, the same names in every row of a run. What is not known is NaN, and empty in the table.
+/// An update as named numbers, with the same names in every row of a run. Unknown numbers are NaN, and empty cells in
+/// the table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Environment steps so far.
@@ -25,7 +26,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Returns the number of a name.
+    /// Returns the number with a name.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|(each, value)| *each == name && value.is_finite()).map(|(_, value)| *value)
     }
@@ -39,8 +40,8 @@ pub(crate) struct ProgressFiles {
 }
 
 impl ProgressFiles {
-    /// Opens the files in a run's folder. Of an earlier part of the run, rows after `steps` are dropped. The second value says
-    /// what is not written, if something is not.
+    /// Opens the files in a run's folder, dropping rows after `steps` from an earlier part of the run. The second value
+    /// is a warning about a file that cannot be written.
     pub(crate) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
@@ -76,7 +77,7 @@ fn kept_lines(path: &Path, steps: u64) -> Result<String> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(String::new()),
         Err(error) => return Err(at(path)(error)),
     };
-    // A run that has no checkpoint begins anew, with its first evaluation.
+    // Without a checkpoint, a run starts over with its first evaluation.
     let is_kept = |line: &&str| steps > 0 && steps_of(line).is_some_and(|at| at <= steps);
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();

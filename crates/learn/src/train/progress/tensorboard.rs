@@ -1,7 +1,7 @@
 //! Event files that TensorBoard reads: scalars by step.
 //!
-//! A file is a sequence of records: length, its checksum, an `Event` message and its checksum. Messages are protocol buffers, of
-//! which three fields are used (TensorFlow's `event.proto` and `summary.proto`).
+//! A file is a sequence of records: length, its checksum, an `Event` message and its checksum. Messages are protocol
+//! buffers with three fields in use (TensorFlow's `event.proto` and `summary.proto`).
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -37,7 +37,7 @@ impl EventFile {
         self.write(step, &bytes(5, &summary))
     }
 
-    /// Writes an event: wall time, step, and the field that says what it is of.
+    /// Writes an event: wall time, step, and the field with its content.
     fn write(&mut self, step: u64, what: &[u8]) -> Result<()> {
         let event = [double(1, now()), integer(2, step), what.to_vec()].concat();
         let length = (event.len() as u64).to_le_bytes();
