@@ -54,7 +54,7 @@ def test_an_own_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
     again = checks["episodes run again"]
     assert all(each["passed"] for each in checks.values() if each is not again)
     assert again["unverified"] and not again["passed"]
-    assert "not run again: the policy `WarmNodes` is a program of its author" in again["message"]
+    assert "not run again: the policy `WarmNodes` is the author's own program" in again["message"]
 
 
 def test_an_own_function_has_what_a_problem_leaves_to_it(tmp_path):

@@ -4,7 +4,7 @@ use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, rescale, unscale};
 use serde::{Deserialize, Serialize};
 
-/// The meaning of an agent's actions, each in [-1, 1].
+/// How an agent's actions, each in [-1, 1], drive the actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Acting {
@@ -41,7 +41,7 @@ pub struct Driver {
     base: Option<Reactive>,
     /// The base controller's action, in physical units.
     base_action: Vec<f64>,
-    /// The same from -1 to 1.
+    /// The base controller's action, scaled to [-1, 1].
     base_row: Vec<f32>,
     action: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! Descriptions of controllers, from which worker processes make them.
+//! Descriptions from which worker processes create controllers.
 
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::pilot::Pilot;
 use crate::plan::NodePlan;
 use crate::{Error, Result};
 
-/// All data needed to create a controller for a building whose model has been dropped.
+/// All data needed to create a controller for a building after its model has been dropped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerDescription {
@@ -55,7 +55,7 @@ impl Agent {
     /// folder.
     ///
     /// # Errors
-    /// Same as [`Agent::controller`]; [`Error::Io`] without a current folder.
+    /// The errors of [`Agent::controller`]; [`Error::Io`] without a current folder.
     pub fn description(&self, spaces: &Arc<Spaces>) -> Result<Option<ControllerDescription>> {
         if self.sha256().is_empty() {
             return Ok(None);

@@ -77,14 +77,15 @@ struct SealedInfo<'a> {
     sha256: String,
 }
 
-/// Writes a folder: both files aside first, then moves the weights and the description that states their hash.
+/// Writes a folder: first both files aside, then moves into place the weights and the description that states their
+/// hash.
 pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
     std::fs::create_dir_all(path).map_err(at(path))?;
     let bytes = weights(actor);
     info.weights = sha256(&bytes);
     let text = description(&info);
-    // A description with another hash than its weights counts as damaged, so both files are written aside before either
-    // is replaced.
+    // A description whose hash does not match its weights counts as damaged, so both files are written aside before
+    // either is replaced.
     let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
     let new_weights = aside::write(&weights, &bytes).map_err(at(&weights))?;
     let new_description = aside::write(&description, &text).map_err(at(&description))?;

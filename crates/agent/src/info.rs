@@ -20,7 +20,7 @@ pub struct AgentInfo {
     pub slots: Vec<String>,
     /// Name of every actuator that it controls; for a graph network, of all node types.
     pub actuators: Vec<String>,
-    /// Node types that a graph network was trained with. It controls every building without other types.
+    /// Node types that a graph network was trained with. It controls any building that has no other types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub node_types: Vec<String>,
     /// Shape of the network.
@@ -40,7 +40,7 @@ pub struct AgentInfo {
 pub struct TrainingInfo {
     /// Algorithm, such as `ppo`.
     pub algorithm: String,
-    /// Training buildings, as named by the user.
+    /// Training buildings, as the user named them.
     pub buildings: String,
     /// Tasks, separated by commas; empty if the agent's task is the only one.
     #[serde(default, skip_serializing_if = "String::is_empty")]

@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// How a graph network observes a building.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NodeForm {
-    /// Whether nodes have their attributes as features, and the weather node the whole building's.
+    /// Whether nodes have their attributes as features, and the weather node the building's attributes.
     pub attributes: bool,
 }
 

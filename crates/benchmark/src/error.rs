@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A policy that is a program of the author of a result.
-    #[error("the policy `{name}` is a program of its author, which the result does not contain")]
+    /// A policy in the author's own program.
+    #[error("the policy `{name}` is the author's own program, which the result does not contain")]
     ExternalPolicy {
         /// Its name.
         name: String,
@@ -82,7 +82,7 @@ impl From<b2b_evaluate::Error> for Error {
     }
 }
 
-/// Passes on what an evaluation may fail of.
+/// Converts the errors that an evaluation may have.
 macro_rules! evaluation {
     ($($error:ty),*) => {$(
         impl From<$error> for Error {

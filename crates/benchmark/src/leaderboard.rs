@@ -41,7 +41,7 @@ impl RankBy {
 pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
     let mut by_hash: Vec<(String, Vec<&Entry>)> = Vec::new();
     for entry in results {
-        // Not the hash that the result claims.
+        // Computed here, not taken from the result.
         let hash = entry.0.problem.hash();
         match by_hash.iter_mut().find(|(other, _)| *other == hash) {
             Some((_, board)) => board.push(entry),
@@ -107,8 +107,8 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
-/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that a policy is a program of
-/// its author, with which nobody else can run the episodes again.
+/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is the author's
+/// own program, so that nobody else can rerun its episodes.
 fn remark(result: &RunResult) -> String {
     if result.external().is_some() {
         return " (own program, unverified)".to_owned();
@@ -119,7 +119,8 @@ fn remark(result: &RunResult) -> String {
     }
 }
 
-/// Returns the test episodes under random actions, which a result of the random policy has, and one that measures adaptation.
+/// Returns the test episodes under random actions, from a result of the random policy or a result that measures
+/// adaptation.
 fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
     let random = BuiltIn::random().to_string();
     let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
@@ -259,7 +260,7 @@ fn footer(results: &[Entry], rank_by: RankBy) -> String {
          the tuned reactive controllers' return (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
          score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
          type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
-         what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is a program of its author, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
+         what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is the author's own program, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )
 }

@@ -17,7 +17,7 @@ type Entry = (RunResult, Stages);
 /// Lowest score of a logarithmic profile, and the highest score of the profiles in results.
 const PROFILE_START: f64 = 0.1;
 const PROFILE_END: f64 = 3.0;
-/// Highest score that is drawn where it is. Axes end here, so that one entry far above does not flatten the others.
+/// Highest score drawn to scale. Axes end here, so that one entry far above does not flatten the others.
 const HIGHEST: f64 = 20.0;
 
 /// Returns all charts of a problem's entries, in order.
@@ -58,7 +58,7 @@ fn returns(board: &[&Entry]) -> Chart {
     let logarithmic = scale_y(&mut layout, &values);
     let mut traces: Vec<Value> = board.iter().enumerate().map(bar).collect();
     if logarithmic {
-        // A logarithmic axis has no zero for the foot of a bar.
+        // A logarithmic axis has no zero for bars to start from.
         for trace in traces.iter_mut().filter(|trace| trace["type"] == "bar") {
             trace["type"] = "scatter".into();
             trace["mode"] = "markers".into();

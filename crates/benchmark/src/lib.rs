@@ -1,6 +1,6 @@
 //! The benchmark: problems, entries, their verification and the leaderboard.
 //!
-//! 1. [`problem`] defines the problems as data: what a policy is trained on, what it is tested on, and by which protocol.
+//! 1. [`problem`] defines the problems as data: training side, test side and protocol.
 //! 2. [`entry`] runs a policy on a problem and verifies the result.
 //! 3. [`leaderboard`] ranks results.
 #![cfg(target_os = "linux")]

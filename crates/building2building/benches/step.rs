@@ -43,7 +43,7 @@ impl Stepped {
     }
 }
 
-/// A reward that costs nothing: the difference to the task's is the cost of the latter.
+/// A reward that costs nothing to compute, to measure the cost of the task's reward by the difference.
 #[derive(Debug)]
 struct NoReward;
 

@@ -1,4 +1,4 @@
-//! Numbers in JSON that may be infinite or not a number, which are then text: `"inf"`, `"-inf"` or `"NaN"`.
+//! Numbers in JSON that may be infinite or NaN, which are written as text: `"inf"`, `"-inf"` or `"NaN"`.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -9,7 +9,7 @@ enum Written {
     Text(String),
 }
 
-/// Writes a number, also an infinite one or NaN.
+/// Writes a number, which may be infinite or NaN.
 ///
 /// # Errors
 /// Errors of the serializer.

@@ -91,7 +91,7 @@ pub enum Error {
         /// The folder.
         folder: PathBuf,
     },
-    /// A file that cannot be read as what it was written as.
+    /// A file whose content is damaged.
     #[error("{path} is damaged: {why}; remove it to recompute it")]
     Damaged {
         /// The file.
@@ -134,7 +134,7 @@ pub enum Error {
     /// A controller that cannot be made.
     #[error(transparent)]
     Control(Box<b2b_control::Error>),
-    /// An agent that cannot be read, or not act in a building.
+    /// An agent that cannot be read, or cannot act in a building.
     #[error(transparent)]
     Agent(#[from] b2b_agent::Error),
     /// The cache folder is unknown.

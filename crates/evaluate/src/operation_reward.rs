@@ -1,5 +1,4 @@
-//! What the rewards of operation are scaled by: the cost of the guideline controller by class, and the weight of discomfort that
-//! suits it.
+//! Scales of the rewards of operation: the guideline controller's cost by class, and the matching weight of discomfort.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +9,7 @@ use serde::Serialize;
 
 use crate::evaluation::Row;
 
-/// Share of the guideline controller's penalty that discomfort is meant to be, about.
+/// Approximate share of discomfort intended in the guideline controller's penalty.
 const DISCOMFORT_SHARE: f64 = 0.1;
 
 /// Episodes under one controller in buildings of the dataset.
@@ -22,7 +21,7 @@ pub struct Operation<'a> {
     pub rows: &'a [Row],
 }
 
-/// The weight of discomfort by which it is a tenth of a controller's penalty, and what it follows from.
+/// The weight that makes discomfort a tenth of a controller's penalty, and the numbers it is computed from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Balance {
     /// Building type; `all` for all types, each of which counts the same.
@@ -31,16 +30,16 @@ pub struct Balance {
     pub discomfort_per_day: f64,
     /// Share of discomfort in the penalty under the shipped weight.
     pub share: f64,
-    /// The weight under which that is a tenth.
+    /// The weight under which the share is a tenth.
     pub balanced_weight: f64,
 }
 
-/// How a controller ranks under the weights of [`WEIGHTS`].
+/// The ranks of a controller under the weights in [`WEIGHTS`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
     /// Name of the controller.
     pub policy: String,
-    /// Mean penalty of a step for cost, in mean steps of cost of the class.
+    /// Mean cost penalty of a step, in units of the class's mean cost per step.
     pub cost: f64,
     /// Discomfort, K·h per zone and day.
     pub discomfort_per_day: f64,
@@ -52,7 +51,7 @@ pub struct Ranked {
     pub score: Option<f64>,
 }
 
-/// The weights of discomfort that controllers are ranked under, relative to the shipped one.
+/// Weights of discomfort for ranking controllers, relative to the shipped weight.
 pub const WEIGHTS: [f64; 3] = [0.25, 1.0, 4.0];
 
 /// An episode in the units of the reward.
@@ -83,8 +82,8 @@ pub fn cost_scales(rows: &[Row]) -> Vec<CostScale> {
     classes.into_iter().map(scale).collect()
 }
 
-/// Returns the weights under which discomfort is a tenth of the penalty of a controller whose costs are the scales: of each type,
-/// and of all.
+/// Returns the weights that make discomfort a tenth of the penalty of the controller whose costs are the scales, for
+/// each type and for all.
 pub fn balances(rows: &[Row]) -> Vec<Balance> {
     let mut types: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in rows {
@@ -97,7 +96,7 @@ pub fn balances(rows: &[Row]) -> Vec<Balance> {
     means.into_iter().chain([("all", all)]).map(|(name, mean)| Balance::of(name, mean)).collect()
 }
 
-/// Ranks controllers by their mean penalty under each weight. `scales` are the costs that count as 1.
+/// Ranks controllers by their mean penalty under each weight. A cost equal to its class's `scales` counts as 1.
 pub fn rank(operations: &[Operation<'_>], scales: &[CostScale]) -> Vec<Ranked> {
     let mut ranked: Vec<Ranked> = operations.iter().map(|each| Ranked::of(each, scales)).collect();
     for weight in 0..WEIGHTS.len() {
@@ -111,7 +110,7 @@ pub fn rank(operations: &[Operation<'_>], scales: &[CostScale]) -> Vec<Ranked> {
 }
 
 impl Balance {
-    /// Of a mean discomfort in K.
+    /// Returns the balance for a mean discomfort, K.
     fn of(building_type: &str, mean: f64) -> Self {
         let penalty = OPERATION_WEIGHT * mean;
         Self {
@@ -146,7 +145,7 @@ impl Ranked {
 }
 
 impl Episode {
-    /// `None` for a lost episode, one of a building outside the dataset, or one of a task with targets.
+    /// Returns `None` for a lost episode, a building outside the dataset, or a task with targets.
     fn of(row: &Row) -> Option<Self> {
         let Ok(BuildingName::Id(id)) = row.info.building.parse() else { return None };
         let metrics = row.metrics()?;

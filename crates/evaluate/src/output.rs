@@ -1,4 +1,4 @@
-//! The files that an evaluation leaves in its folder.
+//! The result files of an evaluation.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ const EPISODES: &str = "episodes.parquet";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 
-/// Reads the episodes of an evaluation from its folder, whose digest must be the one that was written with them.
+/// Reads the episodes of an evaluation from its folder, and checks their digest.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io), also for a table that was changed; [`Error::Table`](crate::Error::Table).
@@ -27,8 +27,8 @@ pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
 }
 
 impl Results {
-    /// Writes the table, the summary and the report to the evaluation's folder, with the digests of the first two, and returns
-    /// their paths.
+    /// Writes the table, the summary and the report to the evaluation's folder, with digests of the table and the
+    /// summary, and returns their paths.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io).

@@ -1,4 +1,4 @@
-//! Panics of libraries on damaged files.
+//! Panics of libraries that read damaged files.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -11,7 +11,7 @@ pub fn panic_message(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a message")
 }
 
-/// Runs a function of a library. A panic in this thread is returned and not printed.
+/// Runs a function of a library. A panic in this thread is returned as an error and not printed.
 ///
 /// # Errors
 /// The message of the panic.

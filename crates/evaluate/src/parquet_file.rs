@@ -28,8 +28,8 @@ pub fn read_parquet(mut file: File) -> Result<(SchemaRef, Vec<RecordBatch>), Par
     catch_panic(read).unwrap_or_else(|panic| Err(ParquetError::General(format!("damaged: {panic}"))))
 }
 
-/// The content of a file. Reading beyond its end is an error: in damaged files, the library would otherwise allocate what a length
-/// says, or skip billions of values that are not there.
+/// The content of a file. Reading beyond its end is an error; otherwise a wrong length in a damaged file could make the
+/// library allocate too much memory or skip billions of missing values.
 struct Content(Bytes);
 
 impl Content {
@@ -59,7 +59,7 @@ impl ChunkReader for Content {
     }
 }
 
-/// Reads to the end, and fails for a reader that does not stop there.
+/// A reader that fails if it is read beyond the end.
 struct UntilEnd {
     rest: buf::Reader<Bytes>,
     reads_at_end: usize,

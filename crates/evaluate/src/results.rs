@@ -32,9 +32,9 @@ struct Unscored {
 
 /// Episodes that were to be run.
 struct Ran {
-    /// In their order; `None` for a lost one.
+    /// In order; `None` for a lost episode.
     episodes: Vec<Option<Unscored>>,
-    /// The lost ones by number.
+    /// Lost episodes by number.
     lost: HashMap<usize, Lost>,
 }
 
@@ -65,9 +65,9 @@ impl Results {
     }
 }
 
-/// Runs some episodes of an evaluation, by their numbers, and their unknown baselines, without scoring them: a part of the work,
-/// for one of several machines. Stores all of their baselines that are not shipped in `collected`, to be taken to another.
-/// Returns the lost episodes by number.
+/// Runs some episodes of an evaluation, by number, and their unknown baselines, without scoring them, so that several
+/// machines can share the work. Stores their baselines, except shipped ones, in `collected`, to be copied to another
+/// machine. Returns the lost episodes by number.
 ///
 /// # Errors
 /// Same as [`Results::of`].

@@ -18,7 +18,8 @@ pub(crate) const DISCOMFORT: &str = "discomfort";
 pub struct ReturnTerms {
     /// Sum of the temperature penalties, K².
     pub temperature_penalty: f64,
-    /// Sum of each resource, in the order of [`Resource::ALL`]; `None` if the resource is younger than these sums.
+    /// Sum of each resource, in the order of [`Resource::ALL`]; `None` if the sums are from before the resource
+    /// existed.
     pub used: [Option<f64>; RESOURCES],
     /// Discomfort in a task of operation, K·h per zone.
     pub discomfort: Option<f64>,

@@ -60,14 +60,14 @@ impl Aggregate {
         100.0 * self.beats_baseline.value
     }
 
-    /// Returns the same with the number of scores: `75 (6 of 8)`.
+    /// Returns the percentage with the number of scores: `75 (6 of 8)`.
     pub fn beats_baseline_text(&self) -> String {
         let Self { beats_baseline_count, episodes, .. } = self;
         format!("{:.0} ({beats_baseline_count} of {episodes})", self.beats_baseline_percent())
     }
 }
 
-/// Returns a score as tables show it: with three decimals near the baseline, and with fewer from 10 on.
+/// Returns a score as tables show it: with three decimals near the baseline, fewer from 10 on.
 pub fn score_text(score: f64) -> String {
     let decimals = match score.abs() {
         small if small < 9.9995 => 3,
@@ -196,7 +196,7 @@ fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>)
     }
 }
 
-/// Returns the mean of numbers, of which there is at least one.
+/// Returns the mean of at least one number.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }

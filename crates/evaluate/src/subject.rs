@@ -1,4 +1,4 @@
-//! A building at its site, as an evaluation refers to it.
+//! The building of an evaluation, at its site.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use b2b_energyplus::install::Progress;
 use crate::Result;
 use crate::error::at;
 
-/// A building, and its site if it is not the building's own.
+/// A building, and its site if not the building's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subject {
     /// Name of the building.
@@ -54,7 +54,7 @@ impl Subject {
         Some(Class::new(building_type, Some(&site.climate_zone)))
     }
 
-    /// Returns what determines model and weather, in one word: an id, a type and a place, or the SHA-256 of files.
+    /// Returns one word that determines model and weather: an id, a type and a place, or the SHA-256 of files.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) for a file that cannot be read.
@@ -79,7 +79,7 @@ impl Subject {
         self.site(&catalog.find(&self.name, &self.placement, progress)?)
     }
 
-    /// Returns the site of a building that was found.
+    /// Returns the site of a found building.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) for a weather file that cannot be read.
@@ -97,7 +97,7 @@ impl Subject {
     }
 }
 
-/// Returns the SHA-256 of a model; with files that it names, a digest of all.
+/// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {
     let model = hash_of(path)?;
     let named = b2b_building::import::external::named_in_text(path).map_err(at(path))?;

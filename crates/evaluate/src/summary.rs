@@ -75,16 +75,16 @@ pub struct Group {
     pub occupied_too_warm_share: Option<f64>,
     /// HVAC energy, mean over episodes, Wh/m².
     pub energy_wh_m2: f64,
-    /// HVAC energy of each end use under the name of its column, mean over episodes, Wh/m²; without those that are unknown.
+    /// HVAC energy of each known end use under the name of its column, mean over episodes, Wh/m².
     #[serde(flatten)]
     pub end_uses: BTreeMap<&'static str, f64>,
-    /// HVAC energy relative to the baseline; `None` if the latter is unknown.
+    /// HVAC energy relative to the baseline; `None` if the baseline's is unknown.
     pub relative_energy: Option<f64>,
     /// The task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one is unknown.
     pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
-    /// Comfort in a task of operation; `None` in one with targets.
+    /// Comfort in a task of operation; `None` in a task with targets.
     #[serde(flatten)]
     pub comfort: Option<OperationComfort>,
 }
@@ -98,9 +98,9 @@ pub struct OperationComfort {
     pub pele_tot: f64,
     /// Discomfort, mean over episodes, K·h per zone.
     pub discomfort_k_h: f64,
-    /// The baseline's; `None` if one is unknown.
+    /// The baseline's discomfort; `None` if unknown in an episode.
     pub baseline_discomfort_k_h: Option<f64>,
-    /// Number of episodes with more discomfort than the baseline's by more than is free; see
+    /// Number of episodes whose discomfort exceeds the baseline's by more than the free allowance; see
     /// [`FREE_DISCOMFORT`](crate::FREE_DISCOMFORT).
     pub uncomfortable: usize,
 }
@@ -201,7 +201,7 @@ impl OperationComfort {
         })
     }
 
-    /// Returns the number of uncomfortable episodes as a mark; empty without one.
+    /// Returns the number of uncomfortable episodes as a mark; empty if there are none.
     pub fn mark(&self) -> String {
         if self.uncomfortable == 0 { String::new() } else { format!("! {}", self.uncomfortable) }
     }

@@ -1,9 +1,9 @@
-//! Figures in units beside scores: RMS deviation and energy, of agents and of the reactive controllers.
+//! Figures with units, shown next to scores: RMS deviation and energy, of agents and of the reactive controllers.
 
 use b2b_evaluate::statistics::median;
 use b2b_evaluate::{Row, Scored};
 
-/// A figure of an episode, if it has it.
+/// A figure of an episode, if it has one.
 pub(crate) type Figure = fn(&Scored) -> Option<f64>;
 
 /// Returns the RMS deviation from target, K.
@@ -16,8 +16,8 @@ pub(crate) fn energy(scored: &Scored) -> Option<f64> {
     Some(scored.metrics.energy() / 1000.0)
 }
 
-/// Returns the rewarded RMS deviation of the reactive controllers in the same episode, K: from their return without the penalty on
-/// energy.
+/// Returns the RMS deviation of the reactive controllers in the same episode, K, computed from their return without the
+/// energy penalty.
 pub(crate) fn reactive_deviation(scored: &Scored) -> Option<f64> {
     let comfort = -scored.baseline_return? * comfort_share(scored)?;
     Some((comfort.max(0.0) / scored.metrics.steps.max(1) as f64).sqrt())
@@ -28,7 +28,8 @@ pub(crate) fn reactive_energy(scored: &Scored) -> Option<f64> {
     Some(scored.baseline_energy? / 1000.0)
 }
 
-/// Returns the share of comfort in the penalty of the reactive controllers. Without it, an agent gains by energy alone.
+/// Returns the share of comfort in the reactive controllers' penalty. Where it is 0, an agent can only gain by saving
+/// energy.
 pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
     let of_energy = match (scored.metrics.energy_penalty, scored.metrics.energy()) {
         (0.0, _) => 0.0,

@@ -27,7 +27,7 @@ pub enum Error {
         experiment: String,
         /// The most similar name.
         near: String,
-        /// The names that there are.
+        /// The known names.
         known: String,
     },
     /// A definition that is not valid.
@@ -49,12 +49,12 @@ pub enum Error {
     OtherExperiment {
         /// The folder.
         path: PathBuf,
-        /// What it has results of.
+        /// The experiment whose results it has.
         other: String,
         /// What was to run.
         experiment: String,
     },
-    /// The result of a job whose actions were others.
+    /// The result of a job with different actions.
     #[error(
         "{path} has a result of the job {job} with other options or episodes than the experiment has now; choose another folder, or \
          remove that result"
@@ -107,7 +107,7 @@ impl From<b2b_evaluate::Error> for Error {
     }
 }
 
-/// Returns how an input or output error becomes one that names its path.
+/// Adds the path to an error of the operating system.
 pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error + '_ {
     |source| Error::Io { path: path.to_owned(), source }
 }

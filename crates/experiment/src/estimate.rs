@@ -8,9 +8,9 @@ use crate::folder::Folder;
 use crate::job::Job;
 use crate::rates;
 
-/// Seconds of preparation of a building: generation, sizing, warm-up, and starting a process.
+/// Time to prepare a building, s: generation, sizing, warm-up, and starting a process.
 const PREPARATION: f64 = 2.5;
-/// Preparations of a training: its environments, its evaluations, and their templates.
+/// Number of preparations in a training run: environments, evaluations, and their templates.
 const OF_TRAINING: f64 = 8.0;
 /// Zone time steps of a day.
 const STEPS_PER_DAY: f64 = 288.0;

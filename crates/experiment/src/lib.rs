@@ -1,10 +1,10 @@
 //! Experiments: agents to train and evaluate on given buildings, and a report of the results.
 //!
 //! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few `b2b`
-//! commands in a folder of its own: a training and the evaluation of its agent, the trainings of a benchmark problem and
-//! their entry, an evaluation of a controller, or a measurement. A [`Runner`] starts them as processes, as
-//! many at a time as there are cores, and resumes after an interruption. [`Results`] reads the folder, [`report`]
-//! writes one page that shows them beside the results of the paper, and [`claims`] judges what the paper says of its own.
+//! commands in its own folder: a training run and the evaluation of its agent, the training runs for a benchmark
+//! problem and their entry, an evaluation of a controller, or a measurement. A [`Runner`] starts them as processes, one
+//! per core at a time, and resumes after an interruption. [`Results`] reads the folder, [`report`] writes a page that
+//! compares them with the paper's results, and [`claims`] judges the paper's claims.
 
 mod absolute;
 pub mod claims;

@@ -12,7 +12,7 @@ pub(crate) struct PaperScore {
     pub(crate) beats: u32,
 }
 
-/// Returns the paper's row of a type, task and period; `None` for one that it does not have.
+/// Returns the paper's row for a type, task and period; `None` if the paper has none.
 pub(crate) fn score(building_type: &str, task: &str, period: &str) -> Option<PaperScore> {
     let weight = match task.split_once('+') {
         None => "0",

@@ -1,4 +1,4 @@
-//! Measured speeds of trainings and environments, for estimates.
+//! Measured speeds of training runs and environments, for estimates.
 
 use std::collections::BTreeMap;
 
@@ -14,13 +14,13 @@ use crate::job::{Action, Job};
 
 /// The shipped table, which `b2b experiment rates` printed.
 const SHIPPED: &str = include_str!("../data/rates.csv");
-/// What stands in place of a preset for an environment without a learner, in the CPU time of one core.
+/// Name used instead of a preset for an environment without a learner, measured in CPU time of one core.
 pub(crate) const ENVIRONMENT: &str = "environment";
-/// What stands in place of a type for trainings on several.
+/// Name used instead of a type for training runs on several types.
 const SEVERAL: &str = "several";
-/// The quantile of the trainings of a type that counts: most of what makes trainings differ is what else the machine did.
+/// The quantile of a type's training runs that counts, because they differ mostly by the other load on the machine.
 const QUANTILE: f64 = 0.75;
-/// The preset whose rates stand for options without a preset, or one that was not measured.
+/// The preset whose rates are used for options without a preset, or with a preset that was not measured.
 const DEFAULT: &str = "residual";
 
 /// A measured speed.
@@ -34,7 +34,7 @@ pub struct Rate {
     pub steps_per_s: f64,
     /// Number of trainings.
     pub count: usize,
-    /// What was timed: `training` without its evaluations, whole `job`s, or `steps`.
+    /// What was timed: `training` without evaluations, whole `job`s, or `steps`.
     pub timed: &'static str,
 }
 
@@ -82,7 +82,8 @@ fn environments(result: &JobResult) -> Vec<(String, f64)> {
     result.measured.as_array().into_iter().flatten().filter_map(speed).collect()
 }
 
-/// Returns the preset and type of a job's training, what was timed, and its speed; `None` without one training.
+/// Returns the preset and type of a job's training run, what was timed, and the speed; `None` unless the job has
+/// exactly one training run.
 fn training(folder: &Folder, job: &Job, result: &JobResult) -> Option<(String, String, &'static str, f64)> {
     let [Action::Train { agent, config, steps }, ..] = &job.actions[..] else { return None };
     if matches!(job.actions.last(), Some(Action::Enter(_))) {
@@ -95,7 +96,7 @@ fn training(folder: &Folder, job: &Job, result: &JobResult) -> Option<(String, S
     Some((preset(config).to_owned(), type_of(job), what, rate))
 }
 
-/// Returns the speed of a job's training according to the shipped table, steps/s.
+/// Returns the speed of a job's training run according to the shipped table, steps/s.
 pub(crate) fn of_training(job: &Job) -> f64 {
     let preset = job.actions.iter().find_map(|action| match action {
         Action::Train { config, .. } => Some(preset(config)),

@@ -55,7 +55,7 @@ struct Operation {
 }
 
 impl Results {
-    /// Returns no results under a budget.
+    /// Returns empty results under a budget.
     pub fn none(budget: Budget) -> Self {
         Self { budget, done: Vec::new(), failed: Vec::new(), missing: Vec::new() }
     }
@@ -79,7 +79,7 @@ impl Results {
         Ok(results)
     }
 
-    /// Returns every scored episode as JSON: the same from one machine as from shards on several.
+    /// Returns every scored episode as JSON, the same whether jobs ran on one machine or in shards on several.
     pub fn json(&self) -> Value {
         let measured = |done: &JobResult| (!done.measured.is_null()).then(|| done.measured.clone());
         serde_json::json!({
@@ -101,7 +101,7 @@ impl Results {
         Duration::from_secs_f64(self.done.iter().map(|done| done.seconds).sum())
     }
 
-    /// Returns the trainings of a policy by name with the episodes of each.
+    /// Returns the training runs of a policy by name, with the episodes of each.
     pub(crate) fn trainings<'a>(&'a self, policy: &str) -> impl Iterator<Item = (&'a JobResult, &'a [Row])> {
         let own = move |done: &'a JobResult| {
             let found = done.policies().find(|(name, ..)| name == policy);
@@ -115,7 +115,7 @@ impl Results {
         self.trainings(policy).flat_map(|(done, rows)| rows.iter().map(move |row| (done, row)))
     }
 
-    /// Returns the distributions of deviations of some episodes of a policy, as far as the evaluation keeps them.
+    /// Returns the distributions of deviations in a policy's episodes, as far as the evaluation keeps them.
     pub(crate) fn deviations<'a>(
         &'a self,
         policy: &str,

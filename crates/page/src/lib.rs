@@ -32,8 +32,8 @@ pub fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
     file.write_all(fill(PAGE, data).as_bytes())
 }
 
-/// Returns a template with its data, a script element's JSON, with the style of all pages, and with plotly's script and the
-/// script that pages share if it has places for them.
+/// Returns a template filled with its data, the JSON of a script element, with the shared style and, where it has marks
+/// for them, plotly's script and the shared script.
 pub fn fill(template: &str, data: &Value) -> String {
     let page = if template.contains(PLOTLY) {
         template.replace(PLOTLY, &PLOTLY_SCRIPT)
@@ -45,8 +45,8 @@ pub fn fill(template: &str, data: &Value) -> String {
     page.replace(DATA, &data.to_string().replace('<', "\\u003c"))
 }
 
-/// Returns plotly's script in compressed form, less than half its size, with the script that unpacks it. Charts are drawn once
-/// the promise `plotlyReady` is kept.
+/// Returns plotly's script, compressed to less than half its size, with the script that unpacks it. Charts are drawn
+/// once the promise `plotlyReady` resolves.
 fn plotly_script() -> String {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     // Memory accepts every byte.
@@ -55,7 +55,7 @@ fn plotly_script() -> String {
     format!("<script type=\"text/plain\" id=\"plotly\">{packed}</script>\n<script>\n{UNPACK}</script>")
 }
 
-/// Returns the source of plotly, without the one for formulas, which reports do not contain.
+/// Returns the source of plotly, without the part for formulas, which reports do not contain.
 fn plotly_source() -> String {
     let scripts = Plot::offline_js_sources();
     let start = scripts.find('>').map_or(0, |at| at + 1);

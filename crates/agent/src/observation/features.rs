@@ -14,8 +14,7 @@ const WEEKDAYS: [&str; 7] = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
 /// Scale of HVAC power, W/m².
 const POWER: f64 = 20.0;
 
-/// Returns the features of a building: of its controlled zones, of the others, of weather, calendar and energy, and of its
-/// actuators.
+/// Returns the features of a building: controlled zones, other zones, weather, calendar, energy, and actuators.
 pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
     let mut features = Vec::new();
     let space = &spaces.observation;

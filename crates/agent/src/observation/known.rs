@@ -9,7 +9,7 @@ use super::options::ObservationOptions;
 use crate::{Error, Result};
 
 /// Returns the attributes of a building that an agent observes, in [-1, 1]; empty unless its options request them.
-/// Requires the building's model, which worker processes drop.
+/// Needs the building's model, which worker processes drop.
 ///
 /// # Errors
 /// [`Error::Attributes`] if the building cannot be described.

@@ -73,5 +73,5 @@ impl Memory {
     }
 }
 
-/// Error beyond which the recent mean does not follow, K: a setback of the target is not an offset to correct.
+/// Limit of the errors in the recent mean, K, because a setback of the target is not an offset to correct.
 const LARGEST: f64 = 1.0;

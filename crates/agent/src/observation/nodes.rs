@@ -244,7 +244,7 @@ fn observed(node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
     node_type.observation().iter().map(|slot| (text(&slot.quantity), source(slot))).collect()
 }
 
-/// Returns the features of a node, as [`ObservationForm::Features`] has them.
+/// Returns the features of a node for [`ObservationForm::Features`].
 fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
     let slot = |quantity| places.slot(quantity).unwrap_or_default();
     let owned = |features: &[(&str, Source)]| -> Vec<(String, Source)> {

@@ -11,7 +11,7 @@ pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 /// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
 ///
 /// # Errors
-/// [`Error::Weather`] for a weather file that cannot be read; [`Error::Forecast`] for one without a whole year.
+/// [`Error::Weather`] for an unreadable weather file; [`Error::Forecast`] for a file that does not cover a whole year.
 pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     if hours == 0 {
         return Ok(Vec::new());

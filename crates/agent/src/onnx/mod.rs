@@ -1,4 +1,4 @@
-//! Export to ONNX of agents whose actions depend only on the current observation.
+//! ONNX export of agents whose actions depend only on the current observation.
 
 mod file;
 mod graph;
@@ -16,9 +16,9 @@ use crate::observation::{ObservationForm, ObservationOptions};
 use crate::{Error, Result};
 
 impl Agent {
-    /// Returns the agent as an ONNX file. Its input is the environment's observation, unscaled, or the observation by
-    /// roles; its output is actions in which -1 and 1 are the bounds, clamped by the environment. The file of a graph
-    /// network is for this building only.
+    /// Returns the agent as an ONNX file. The input is the environment's unscaled observation, or the observation by
+    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. A graph
+    /// network's file is for this building only.
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;

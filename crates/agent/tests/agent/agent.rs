@@ -121,7 +121,7 @@ fn base_controllers_do_not_cool_a_zone_whose_reheat_setpoint_is_raised() {
 }
 
 #[test]
-fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
+fn an_agent_reads_back_unchanged_and_acts_alike() {
     let folder = tempfile::tempdir().unwrap();
     let mut env = env("SingleFamilyHouse-0014", "occupancy+energy0.5");
     let spaces = Arc::clone(env.spaces());

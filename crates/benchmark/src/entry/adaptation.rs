@@ -14,8 +14,7 @@ pub struct Adaptation {
     pub jump_start: Interval,
     /// Scores by number of training steps, from 0.
     pub curve: Vec<Point>,
-    /// Steps after which half of the buildings are at the level of the reactive controllers or better; `None` if they
-    /// never are.
+    /// Steps after which half of the buildings reach the level of the reactive controllers; `None` if they never do.
     pub median_steps_to_baseline: Option<f64>,
     /// Share of buildings that ever reach that level.
     pub reach_baseline: f64,
@@ -57,7 +56,7 @@ impl Adaptation {
     }
 }
 
-/// Returns for each building the steps after which its score first is 1 or less, sorted; infinite if it never is.
+/// Returns the steps after which each building's score is first 1 or less, sorted; infinite if it never is.
 fn steps_to_baseline(test: &[SeedScores], adapted: &[(u64, Vec<SeedScores>)]) -> Vec<f64> {
     let first = |(number, group): (usize, &SeedScores)| {
         let after = |(steps, groups): &(u64, Vec<SeedScores>)| Some((*steps, groups.get(number)?.mean()));

@@ -16,7 +16,7 @@ pub struct Entry {
     pub problem: Problem,
     /// Name on the leaderboard.
     pub name: String,
-    /// How the policy was made, in a line.
+    /// How the policy was made, in one line.
     pub description: Option<String>,
     /// Training steps, as declared by the user.
     pub training_steps: Option<u64>,
@@ -26,7 +26,7 @@ pub struct Entry {
     pub train_policy: Option<EntryPolicy>,
     /// The policies by the number of training steps on each test environment.
     pub adapted: BTreeMap<u64, EntryPolicy>,
-    /// The specialists, each trained on the test building that it is tested on: see [`Stage::UpperBound`].
+    /// The specialists, each trained on its own test building: see [`Stage::UpperBound`].
     pub upper_bound: Option<EntryPolicy>,
 }
 

@@ -1,5 +1,5 @@
-//! The policy of a benchmark entry: a built-in controller, ONNX files or agents, one for all or one per seed, building or task, or
-//! a program.
+//! The policy of a benchmark entry: a built-in controller; ONNX files or agents, one for all episodes or one per seed,
+//! building or task; or an external program.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -28,7 +28,7 @@ pub enum EntryPolicy {
     BuiltIn(BuiltIn),
     /// ONNX files or agents.
     Files(Files),
-    /// A program of its author.
+    /// The author's own program.
     External(External),
 }
 
@@ -101,11 +101,11 @@ pub enum PolicyDescription {
         /// SHA-256 of each agent by name.
         files: BTreeMap<String, String>,
     },
-    /// An external program, whose episodes others cannot rerun.
+    /// The author's own program, whose episodes others cannot rerun.
     External {
         /// Its name.
         name: String,
-        /// What identifies it, in a line.
+        /// Identity, in one line.
         identity: String,
         /// Whether it acts differently with every seed.
         by_seed: bool,
@@ -126,8 +126,8 @@ impl PolicyDescription {
 }
 
 impl EntryPolicy {
-    /// Reads a policy: the name of a built-in controller, or a path of ONNX files or agents with placeholders, of which every
-    /// one that these episodes need is read.
+    /// Reads a policy: the name of a built-in controller, or a path of ONNX files or agents with placeholders. Reads
+    /// every file that these episodes need.
     ///
     /// # Errors
     /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and
@@ -215,7 +215,7 @@ impl EntryPolicy {
         self.description().seeds(seeds)
     }
 
-    /// Returns the name of a file that one of these episodes needs and that there is not.
+    /// Returns the name of a missing file that one of these episodes needs.
     pub fn missing(&self, episodes: &[Episode]) -> Option<String> {
         let Self::Files(Files { pattern, files, .. }) = self else { return None };
         let name = |episode: &Episode| {
@@ -295,7 +295,7 @@ impl File {
         })
     }
 
-    /// Returns the path of every file that it is made of, and its name in a result.
+    /// Returns the path of each of its files, and the file's name in a result.
     fn parts(&self, format: Format) -> Vec<(PathBuf, String)> {
         let name = format.name_of(&self.sha256);
         match format {
@@ -351,7 +351,7 @@ impl Files {
     /// Returns the policy of the file for an episode.
     fn of_episode(&self, context: &EpisodeContext<'_>) -> Result<&dyn Policy> {
         let EpisodeContext { subject, spaces, seed, .. } = context;
-        // The energy scale is the building's: the task that was asked for has none.
+        // The energy scale comes from the building; the requested task has none.
         let task = Task { energy_scale: None, ..spaces.episode.task.clone() };
         let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
         match self.files.get(&name) {

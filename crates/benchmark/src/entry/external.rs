@@ -1,4 +1,4 @@
-//! The policy of an entry that is a program of its author, such as a PyTorch policy in Python.
+//! Policies in the author's own program, such as a PyTorch policy in Python.
 
 use std::fmt;
 
@@ -7,11 +7,11 @@ use b2b_control::Controller;
 use crate::Error;
 use b2b_evaluate::{EpisodeContext, Policy};
 
-/// A policy that is a program of its author. Read from a result, it is known by its name alone and cannot act.
+/// A policy in the author's own program. When read from a result, only its name is known and it cannot act.
 pub struct External {
     /// Its name.
     pub name: String,
-    /// What identifies it, in a line.
+    /// Identity, in one line.
     pub identity: String,
     /// Whether it acts differently with every seed.
     pub by_seed: bool,

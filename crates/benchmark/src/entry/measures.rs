@@ -32,11 +32,11 @@ pub struct Measures {
     pub scores: Vec<Score>,
     /// Performance on training buildings, if it was tested on any.
     pub train: Option<Performance>,
-    /// Generalization gap: interquartile mean on test minus that on training buildings; above 0 is worse on test.
+    /// Generalization gap: interquartile mean on test buildings minus on training buildings; above 0 is worse on test.
     #[serde(rename = "generalisation_gap")]
     pub generalization_gap: Option<Interval>,
-    /// Performance of specialists on the test buildings that each was trained on, if there are any: an upper bound, which is not
-    /// ranked.
+    /// Performance of specialists, each on the test building it was trained on, if there are any: an upper bound that
+    /// is not ranked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub upper_bound: Option<Performance>,
     /// Adaptation to the test environments, if the policy adapts.
@@ -143,12 +143,12 @@ mod tests {
         ((number as f64 + 1.0) * 12.9898 + seed as f64 * 78.233).sin().abs()
     }
 
-    /// The mean over seeds of each building, computed independently of the module.
+    /// The mean over seeds of each building, computed independently of this module.
     fn means(score: impl Fn(usize, u64) -> f64) -> Vec<f64> {
         (0..17).map(|number| 0.5 * score(number, 0) + 0.5 * score(number, 1)).collect()
     }
 
-    /// As numpy and scipy define it, from ranks: 17 scores lose 4 at either end.
+    /// The interquartile mean as numpy and scipy define it, from ranks: 17 scores lose 4 at either end.
     fn trimmed(scores: &[f64]) -> f64 {
         let rank = |score: f64| scores.iter().filter(|other| **other < score).count();
         let kept: Vec<f64> = scores.iter().copied().filter(|score| (4..13).contains(&rank(*score))).collect();
@@ -165,7 +165,7 @@ mod tests {
         let test = |number, seed| 0.5 + noise(number, seed);
         let train = |number, seed| 0.3 + noise(number + 40, seed);
         let untrained = |number, seed| 3.0 + noise(number + 80, seed);
-        // A third of the buildings is below 1 after 100 steps, all of them but two after 200.
+        // A third of the buildings are below 1 after 100 steps, all but two after 200.
         let first =
             |number: usize, seed| if number.is_multiple_of(3) { 0.9 } else { 1.1 + noise(number, seed) };
         let second = |number: usize, _| if number < 2 { 1.5 } else { 0.8 };

@@ -99,7 +99,7 @@ impl RunResult {
         })
     }
 
-    /// Returns the name of a policy that is a program of its author, if there is one. Its episodes cannot be run again.
+    /// Returns the name of a policy in the author's own program, if there is one. Its episodes cannot be run again.
     pub fn external(&self) -> Option<&str> {
         self.policies.values().find_map(|policy| match policy {
             PolicyDescription::External { name, .. } => Some(name.as_str()),
@@ -172,7 +172,7 @@ pub fn read_result(folder: &Path) -> Result<(RunResult, Stages)> {
     }
 }
 
-/// Returns the result of a folder, if it has one.
+/// Returns the result in a folder, if there is one.
 pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     let path = folder.join(RESULT);
     if !path.exists() {
@@ -207,7 +207,7 @@ pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> 
     Ok(Some((result, stages)))
 }
 
-/// Errors if a part of a result is a link to another one, which a run would write to or take for its own.
+/// Errors if a part of a result is a link to another result, which a run would write to or mistake for its own.
 pub(super) fn check_no_links(folder: &Path) -> Result<()> {
     if [RESULT, EPISODES, POLICY, UNFINISHED].iter().any(|name| folder.join(name).is_symlink()) {
         return Err(b2b_evaluate::Error::UnrelatedFiles { folder: folder.to_owned() }.into());

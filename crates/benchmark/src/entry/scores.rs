@@ -26,7 +26,7 @@ pub struct Score {
     pub resolved_score: f64,
     /// RMS deviation from target, mean over seeds, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy relative to the baseline; `None` if the latter is 0.
+    /// HVAC energy relative to the baseline; `None` if the baseline's is 0.
     pub relative_energy: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ pub struct Performance {
     pub resolved: Aggregate,
     /// RMS deviation from target, mean over episodes, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy relative to the baseline; `None` if the latter is 0.
+    /// HVAC energy relative to the baseline; `None` if the baseline's is 0.
     pub relative_energy: Option<f64>,
 }
 
@@ -81,17 +81,17 @@ impl SeedScores {
         self.seeds.iter().sum::<f64>() / self.seeds.len() as f64
     }
 
-    /// Returns whether a row is of the same building, task and run period.
+    /// Returns whether a row has the same building, task and run period.
     fn has(&self, row: &Row) -> bool {
         self.building == row.info.building && self.task == row.info.task && self.period == row.info.period
     }
 
-    /// Returns whether the other scores are of the same building, task and run period.
+    /// Returns whether other scores have the same building, task and run period.
     fn is_of(&self, other: &Self) -> bool {
         self.building == other.building && self.task == other.task && self.period == other.period
     }
 
-    /// Returns by how much each score of `other` is lower than the mean, as the scores of the same building.
+    /// Returns the mean minus each score of `other`, as scores of the same building.
     pub(super) fn improvement(&self, other: &Self) -> Self {
         Self {
             building: other.building.clone(),
@@ -130,9 +130,9 @@ pub(super) fn by_building<'a>(
     groups
 }
 
-/// Returns the scores of rows on the scale on which random actions have 0 and the baseline has 1: by how much they lower the
-/// penalty of random actions, over by how much the baseline does. A score and a resolved score give the same. Leaves
-/// out buildings that were not run under random actions, or where these are as good as the baseline.
+/// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the
+/// penalty from random actions, divided by the baseline's decrease. Scores and resolved scores give the same. Leaves
+/// out buildings that were not run under random actions, or where random actions are as good as the baseline.
 pub(super) fn from_random(rows: &[Row], random: &[Row]) -> Vec<SeedScores> {
     let random = by_building(random, Row::score);
     let scaled = |group: SeedScores| {

@@ -34,7 +34,7 @@ pub enum Buildings {
     },
 }
 
-/// [`Buildings`] as they are in a file; deserialized separately for better error messages.
+/// [`Buildings`] in a file, deserialized separately for better error messages.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BuildingsFile {

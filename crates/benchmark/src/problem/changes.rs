@@ -96,7 +96,7 @@ impl Problem {
         let protocol = &mut self.protocol;
         if let Some(first) = changes.windows.first() {
             protocol.windows.clone_from(&changes.windows);
-            // Two weeks that differ by building are for tests.
+            // Two-week periods that differ by building are only for tests.
             if let Period::Days(first) = first {
                 protocol.training_period = *first;
             }

@@ -1,4 +1,4 @@
-//! The benchmark's problems as data: what a policy is trained on, what it is tested on, and by which protocol.
+//! The benchmark's problems as data: training side, test side and protocol.
 //!
 //! 1. A [`Problem`] has two [`Side`]s, training and test, each with buildings, tasks and actuators, and a [`Protocol`].
 //!    The named ones are JSON files under `data/problems`; a user's own file has the same format.

@@ -51,7 +51,7 @@ impl Problem {
         })
     }
 
-    /// Returns the shipped problem of a name.
+    /// Returns a shipped problem by name.
     ///
     /// # Errors
     /// [`Error::UnknownProblem`] with similar names.

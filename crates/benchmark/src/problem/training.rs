@@ -1,4 +1,4 @@
-//! Training environments of a problem, as a batch that draws other buildings episode after episode.
+//! Training environments of a problem, as a batch that draws a building for every episode.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{RestrictedAction, Restriction};
 
-/// The observations and actions of a problem's training side, as a policy that is tested on the problem sees them:
+/// The observations and actions of a problem's training side, in the form in which a policy is tested on the problem:
 /// padded, with the building's attributes if they are given, and without the withheld actuators.
 #[derive(Clone, Debug)]
 pub struct TrainingForm {
@@ -52,7 +52,7 @@ impl TrainingForm {
         Ok(Self { restriction, attributes, arrangement, widths: (actions, observations) })
     }
 
-    /// Returns the attributes of a building: the dataset's for an id.
+    /// Returns the attributes of a building, from the dataset if it has an id.
     fn attributes(&self, spaces: &Spaces) -> crate::Result<Vec<f64>> {
         if !self.attributes {
             return Ok(Vec::new());

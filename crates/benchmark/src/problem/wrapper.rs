@@ -14,8 +14,8 @@ use crate::{Error, Result};
 use b2b_evaluate::controller_parameters;
 use b2b_evaluate::{EpisodeContext, Form, Interface, Policy};
 
-/// A policy behind the observation and action spaces of a problem's side: observations have the problem's form, or the
-/// other one if the policy expects its width, and are extended by the building's attributes; withheld actuators are
+/// A policy behind the observation and action spaces of a problem's side: observations have the problem's form (or the
+/// other form if the policy expects its width), followed by the building's attributes; withheld actuators are
 /// controlled by their fallback.
 pub struct WrappedPolicy<'a> {
     policy: &'a dyn Policy,

@@ -18,8 +18,8 @@ use crate::{program, stdout};
 /// Recomputes the list of episodes, the scores and the aggregate measures, checks the SHA-256 of every policy,
 /// simulates a random sample of the episodes and of their baselines again, and compares them bit for bit, or within
 /// 1e-6 if the result is from a machine that rounds differently. Requires the version of b2b that wrote the result.
-/// Exits with code 1 if anything differs, and if the episodes cannot be run again because the policy is a program of
-/// its author: such a result is unverified.
+/// Exits with code 1 if anything differs, and if the episodes cannot be run again because the policy is the author's
+/// own program: such a result is unverified.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,

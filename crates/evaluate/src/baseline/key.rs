@@ -15,10 +15,10 @@ use crate::{Result, SiteInfo};
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
 pub(super) const REVISION: u32 = 4;
-/// The same for what only the tasks of operation use: the guideline controller, bands and tariffs. Their baselines depend on
-/// both.
+/// The same for changes that affect only tasks of operation: the guideline controller, bands and tariffs. Baselines of
+/// these tasks depend on both revisions.
 const OPERATION_REVISION: u32 = 1;
-/// Most revisions of operation for one of the others.
+/// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
 
 /// Everything that a baseline depends on.
@@ -26,7 +26,7 @@ const REVISIONS: u32 = 1000;
 pub struct Key {
     /// [`Subject::identity`](crate::Subject::identity) of the building.
     pub building: String,
-    /// The task without its energy term: spelling, with a hash where it has none.
+    /// The task without its energy term: its spelling, or a hash if it has none.
     pub task: String,
     /// Objective of the reactive controllers' parameters; the guideline controller has one set for all.
     pub objective: Objective,
@@ -96,7 +96,7 @@ pub(super) fn without_energy(task: &Task) -> Task {
     Task { energy_weight, energy_scale, resource, comfort_band, preview, ..task.clone() }
 }
 
-/// Returns the task of the episode that a baseline of an objective is computed in.
+/// Returns the task of the episode from which a baseline of an objective is computed.
 pub(super) fn baseline_task(task: &Task, objective: Objective) -> Task {
     let plain = without_energy(task);
     if task.is_operation() { plain } else { objective.task(&plain) }

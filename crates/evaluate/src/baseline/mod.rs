@@ -3,7 +3,7 @@
 //!
 //! A task is scored against the reactive controllers with the parameters of its objective: comfort alone, or comfort and
 //! energy. Within an objective, their actions depend on neither the weight of energy nor its scale, and comfort and energy
-//! are summed separately: one episode gives the return for every weight. So it does for the guideline controller.
+//! are summed separately: one episode gives the return for every weight. The same holds for the guideline controller.
 
 mod key;
 mod store;

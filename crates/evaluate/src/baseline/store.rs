@@ -32,13 +32,13 @@ struct Cached {
 #[derive(Debug)]
 pub struct Baselines {
     shipped: HashMap<Key, ReturnTerms>,
-    /// Those that could not be written to the folder.
+    /// Baselines that could not be written to the folder.
     unwritten: Mutex<HashMap<Key, ReturnTerms>>,
     folder: PathBuf,
 }
 
 impl Baselines {
-    /// Opens the shipped baselines and those in the user's cache folder.
+    /// Opens the shipped baselines and the user's cache folder.
     ///
     /// # Errors
     /// [`Error::Install`] if the home folder is unknown.
@@ -51,13 +51,13 @@ impl Baselines {
         cache.join("baselines-1")
     }
 
-    /// Opens the shipped baselines and those in a folder.
+    /// Opens the shipped baselines and a folder of cached ones.
     pub fn in_folder(folder: &Path) -> Self {
         let shipped = table::read(SHIPPED).expect("a test reads the shipped table");
         Self { shipped: shipped.into_iter().collect(), ..Self::without_shipped(folder) }
     }
 
-    /// Opens the baselines in a folder without the shipped ones, to recompute these.
+    /// Opens the baselines in a folder without the shipped ones, in order to recompute them.
     pub fn without_shipped(folder: &Path) -> Self {
         Self { shipped: HashMap::new(), unwritten: Mutex::default(), folder: folder.to_owned() }
     }
@@ -67,7 +67,7 @@ impl Baselines {
         self.shipped.iter()
     }
 
-    /// Returns a baseline if it is known, with the resource.
+    /// Returns a baseline, if it is known together with its resource.
     pub fn get(&self, key: &Key, resource: Resource) -> Option<ReturnTerms> {
         let has_resource = |terms: &ReturnTerms| terms.used(resource).is_some();
         if let Some(terms) = self.shipped.get(key).filter(|terms| has_resource(terms)) {
@@ -77,7 +77,7 @@ impl Baselines {
             return Some(*terms);
         }
         let file = std::fs::read(self.folder.join(key.file_name())).ok()?;
-        // A file that is unreadable or was changed is computed again.
+        // A baseline is computed again if its file is unreadable or was changed.
         let cached: Cached = serde_json::from_slice(unseal(&file)?).ok()?;
         Some(cached.terms).filter(|terms| cached.key == *key && has_resource(terms))
     }

@@ -12,8 +12,8 @@ const KEY: &str = "building,task,objective,period,steps_per_hour,generator,engin
 const KEYS: usize = 9;
 const TEMPERATURE: &str = "temperature_penalty";
 
-/// Writes the table; numbers are in the shortest form that reads back the same. A resource that is unknown in every row has no
-/// column, and else empty cells; so has the discomfort, which is the last.
+/// Writes the table, with numbers in the shortest form that reads back the same. A resource has no column if it is
+/// unknown in every row, and empty cells where it is unknown in some. The same holds for discomfort, the last column.
 pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
     let known = |resource: &Resource| rows.iter().any(|(_, terms)| terms.used(*resource).is_some());
     let resources: Vec<Resource> = Resource::ALL.into_iter().filter(known).collect();
@@ -61,10 +61,10 @@ pub fn read(text: &str) -> Option<Vec<(Key, ReturnTerms)>> {
     lines.map(|line| row(line, &places)).collect()
 }
 
-/// A sum that a column has.
+/// The sum in a column.
 #[derive(Clone, Copy)]
 enum Sum {
-    /// Of the resource at a place.
+    /// Of the resource with this index.
     Resource(usize),
     Discomfort,
 }

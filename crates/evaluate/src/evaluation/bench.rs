@@ -20,7 +20,7 @@ pub(super) struct Group<'a> {
     subject: &'a Subject,
     waiting: Mutex<VecDeque<usize>>,
     located: Mutex<Option<Arc<Located>>>,
-    /// Set once a thread has prepared it: the others need not.
+    /// Set once a thread has prepared the building, so that the others need not.
     prepared: OnceLock<Arc<PreparedBuilding>>,
 }
 
@@ -36,14 +36,14 @@ pub(super) struct Located {
 /// A pool of processes with a building.
 pub(super) struct Bench {
     pub(super) workers: Workers,
-    /// For the records of its episodes.
+    /// Memory for the records of its episodes.
     pub(super) memory: RolloutMemory,
     pub(super) located: Arc<Located>,
     /// Source of its episodes, which share its preparation.
     source: Arc<Source>,
-    /// As it came out of the first episode.
+    /// The building as prepared by the first episode.
     pub(super) prepared: Option<Arc<PreparedBuilding>>,
-    /// Of its first episode, and so of all.
+    /// Inputs of its first episode, which are the same for all.
     pub(super) inputs: Option<Inputs>,
 }
 
@@ -65,7 +65,7 @@ impl<'a> Group<'a> {
         groups
     }
 
-    /// The position of an episode that has not been started.
+    /// Takes an episode that has not been started, and returns its position.
     pub(super) fn take(&self) -> Option<usize> {
         lock(&self.waiting).pop_front()
     }
@@ -77,7 +77,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The building; found by the first who asks.
+    /// Returns the building, which the first caller finds.
     fn located(&self, catalog: &Catalog, controls: Controls) -> Result<Arc<Located>> {
         let mut located = lock(&self.located);
         if let Some(located) = &*located {
@@ -95,7 +95,7 @@ impl<'a> Group<'a> {
 }
 
 impl Bench {
-    /// A pool for the remaining episodes of a building.
+    /// Creates a pool for the remaining episodes of a building.
     pub(super) fn new(evaluation: &Evaluation<'_>, controls: Controls, group: &Group<'_>) -> Result<Self> {
         let located = group.located(evaluation.catalog, controls)?;
         let source = match group.prepared.get() {

@@ -23,7 +23,7 @@ impl Deviations {
         Self { counts: vec![0; Self::BINS] }
     }
 
-    /// Returns the histogram of an episode. Targets are those observed before a step, as in the reward.
+    /// Returns the histogram of an episode. Deviations are from the targets observed before a step, as in the reward.
     pub(super) fn of(recording: &Recording, zones: &[ControlledZone]) -> Self {
         let mut deviations = Self::empty();
         for (before, end) in recording.steps() {

@@ -29,7 +29,7 @@ pub struct Folder {
 #[derive(Serialize)]
 struct Definition {
     versions: Versions,
-    /// Episodes of machines that round differently do not belong into one result.
+    /// Episodes from machines that round differently do not belong in one result.
     machine: String,
     policy: String,
     policy_identity: String,
@@ -66,12 +66,12 @@ impl Folder {
         if path.exists() && !path.is_dir() {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
-        // Episodes would be written to a folder of somebody else.
+        // Episodes would be written to somebody else's folder.
         if [DEFINITION, EPISODES].iter().any(|name| path.join(name).is_symlink()) {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
         std::fs::create_dir_all(path).map_err(at(path))?;
-        // Before the definition is written: of two evaluations in a new folder, one defines it.
+        // Locked before the definition is written, so that only one of two evaluations defines a new folder.
         let lock = FolderLock::acquire(path).map_err(at(path))?;
         let lock = lock.ok_or_else(|| Error::Busy { folder: path.to_owned() })?;
         if !file.exists() {
@@ -98,7 +98,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Returns whether the folder has neither an episode, readable or not, nor results, and its definition is no link.
+    /// Returns whether the folder has no episodes, readable or not, and no results, and its definition is not a link.
     fn is_empty(&self) -> Result<bool> {
         let definition = self.path.join(DEFINITION);
         let file = std::fs::symlink_metadata(&definition).map_err(at(&definition))?;
@@ -170,8 +170,8 @@ fn episode_path(folder: &Path, number: usize) -> PathBuf {
     folder.join(EPISODES).join(format!("{number:06}.json"))
 }
 
-/// Returns an episode that is kept in the folder of an evaluation, by its number; `None` if it has not ended, cannot be read or
-/// was changed.
+/// Returns an episode in the folder of an evaluation, by its number; `None` if it has not ended, cannot be read or was
+/// changed.
 pub fn read_kept(folder: &Path, number: usize) -> Option<Finished> {
     let file = std::fs::read(episode_path(folder, number)).ok()?;
     serde_json::from_slice(unseal(&file)?).ok()

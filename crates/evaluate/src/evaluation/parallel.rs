@@ -31,7 +31,7 @@ pub(super) struct Work<'a> {
     pub(super) policy: &'a dyn Policy,
     pub(super) progress: &'a dyn Progress,
     pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),
-    /// Told of every episode that was recorded, before it is kept.
+    /// Called with every recorded episode before it is kept.
     pub(super) recorded: &'a (dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
     /// Set when a thread fails, to stop the others.
     pub(super) failed: AtomicBool,

@@ -36,7 +36,7 @@ pub struct Scored {
     /// Amount of the task's resource over the episode, in the unit of the resource; `None` in older results.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resource: Option<f64>,
-    /// The baseline's, if known.
+    /// Amount of the resource in the baseline, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline_resource: Option<f64>,
     /// Discomfort of the baseline in a task of operation, K·h per zone, if known.
@@ -93,7 +93,7 @@ impl Row {
 }
 
 impl Scored {
-    /// Returns the baseline, if it is known.
+    /// Returns the baseline, if known.
     pub fn baseline(&self) -> Option<Baseline> {
         Some(Baseline {
             episode_return: self.baseline_return?,
@@ -103,14 +103,14 @@ impl Scored {
         })
     }
 
-    /// Returns whether a task of operation left people less comfortable than the baseline by more than is free; `None` in a task
-    /// with targets.
+    /// Returns whether discomfort in a task of operation exceeds the baseline's by more than the free allowance; `None`
+    /// in a task with targets.
     pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
         let days = self.metrics.steps as f64 / (24.0 * f64::from(steps_per_hour));
         Some(excess_discomfort(self.metrics.tdis_tot?, self.baseline_discomfort?, days) > 0.0)
     }
 
-    /// Returns HVAC energy relative to the baseline; `None` if the latter's is unknown or 0.
+    /// Returns HVAC energy relative to the baseline; `None` if the baseline's is unknown or 0.
     pub fn relative_energy(&self) -> Option<f64> {
         let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
         Some(self.metrics.energy() / baseline)
@@ -130,8 +130,8 @@ impl Scored {
         (floor > 0.0).then(|| ((temperature_penalty + floor) / (baseline + floor)).sqrt())
     }
 
-    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if one of both is
-    /// unknown or the latter's is not above 0, which it may be with negative prices.
+    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if either
+    /// is unknown, or if the baseline's is not above 0, as may happen with negative prices.
     pub fn relative_resource(&self) -> Option<f64> {
         let baseline = self.baseline_resource.filter(|amount| *amount > 0.0)?;
         Some(self.resource? / baseline)

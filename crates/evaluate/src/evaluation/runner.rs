@@ -14,7 +14,7 @@ use crate::panics::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
 
-/// Takes the steps of an episode by its number, or why it was lost.
+/// Receives the number of an episode and its steps, or why it was lost.
 pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync + 'a;
 
 impl Evaluation<'_> {
@@ -36,7 +36,7 @@ impl Evaluation<'_> {
         self.run_all(&Work { episodes, policy, progress, keep, recorded, failed, interrupted })
     }
 
-    /// Runs episodes as [`Evaluation::run`] does and passes the steps of each with its number to `keep`, or why it was lost.
+    /// Like [`Evaluation::run`], but passes the steps of each episode, or why it was lost, to `keep` with its number.
     ///
     /// # Errors
     /// Same as [`Evaluation::run`].
@@ -60,7 +60,7 @@ impl Evaluation<'_> {
         let groups = Group::of(work.episodes);
         let next = AtomicUsize::new(0);
         let thread = || {
-            // First buildings that no thread has taken; then the remaining episodes of the others'.
+            // First takes buildings that no thread has taken, then remaining episodes in other threads' buildings.
             let own = std::iter::from_fn(|| groups.get(next.fetch_add(1, Ordering::Relaxed)));
             let outcome = own.chain(&groups).try_for_each(|group| self.work_on(group, work));
             if outcome.is_err() {
@@ -74,7 +74,8 @@ impl Evaluation<'_> {
                 .into_iter()
                 .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
                 .collect();
-            // A thread stopped because of another reports an interruption: the other's error takes precedence.
+            // A thread that stopped because another failed reports an interruption, so the other's error takes
+            // precedence.
             let interrupted = |outcome: &Result<()>| matches!(outcome, Err(Error::Interrupted));
             let (halted, others): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(interrupted);
             others.into_iter().chain(halted).collect()
@@ -86,7 +87,7 @@ impl Evaluation<'_> {
         let mut bench = None;
         while let Some(position) = group.take() {
             let (number, episode) = work.episodes[position];
-            // A panic, as of a library on a damaged network, loses one episode and its processes.
+            // A panic, for example in a library reading a damaged network, loses one episode and its processes.
             let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, (number, episode), work));
             let outcome = match catch_unwind(finish) {
                 Ok(Ok(finished)) => Ok(finished),

@@ -172,7 +172,7 @@ impl Columns<'_> {
     }
 
     fn table(self, versions: &Versions) -> Result<RecordBatch> {
-        // One entry only: the order of several is not deterministic.
+        // Only one entry, because the order of several is not deterministic.
         let versions = serde_json::to_string(versions).expect("plain data always serializes");
         let about = HashMap::from([("versions".to_owned(), versions)]);
         let schema = Arc::new(Schema::new_with_metadata(self.fields, about));
@@ -180,7 +180,7 @@ impl Columns<'_> {
     }
 }
 
-/// A batch of rows that was read.
+/// A batch of rows read from a file.
 struct Cells(RecordBatch);
 
 impl Cells {
@@ -189,7 +189,7 @@ impl Cells {
         column.ok_or_else(|| ParquetError::General(format!("column `{name}` is missing")))
     }
 
-    /// Returns the value of a column that tables from before it do not have.
+    /// Returns the value of a column that older tables do not have.
     fn younger(&self, name: &str, row: usize) -> Result<Option<f64>> {
         self.0.column_by_name(name).map_or(Ok(None), |_| self.optional::<Float64Type>(name, row))
     }
@@ -285,7 +285,7 @@ mod tests {
     use crate::{BuiltIn, Episode, Subject};
 
     #[test]
-    fn a_table_reads_back_as_it_was_written() {
+    fn a_table_reads_back_unchanged() {
         let episode = Episode {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: "occupancy".parse().unwrap(),

@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_beyond_one_are_clipped_and_what_is_not_a_number_stays_so() {
+    fn values_beyond_one_are_clipped_and_nan_stays_nan() {
         let mut action = [-7.0, -1.0, 0.25, 1.0, 7.0, f64::NAN];
         clip(&mut action);
         assert_eq!(action[..5], [-1.0, -1.0, 0.25, 1.0, 1.0]);

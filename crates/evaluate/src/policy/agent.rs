@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::interface::{EpisodeContext, Policy};
 use crate::Result;
 
-/// An agent observes the whole building, in the form that it was trained with, and drives all of its actuators.
+/// An agent observes the whole building in the form it was trained with, and drives all actuators.
 impl Policy for Agent {
     fn name(&self) -> String {
         self.name().to_owned()

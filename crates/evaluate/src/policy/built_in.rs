@@ -1,4 +1,4 @@
-//! The controllers that need no file.
+//! Built-in controllers, which need no file.
 
 use std::fmt;
 use std::str::FromStr;
@@ -65,7 +65,7 @@ impl BuiltIn {
     fn values(self, context: &EpisodeContext<'_>) -> Value {
         let task = &context.spaces.episode.task;
         match self == Self::reactive() {
-            // Scores are relative to the parameters of the building's class, wherever its model comes from.
+            // Scores are relative to the parameters for the building's class, wherever its model comes from.
             true => {
                 let parameters = controller_parameters(context.subject, context.site, task);
                 serde_json::to_value(parameters).expect("plain numbers always serialize")
@@ -136,7 +136,7 @@ impl Policy for BuiltIn {
         let values = self.values(&context);
         let EpisodeContext { spaces, interface, seed, episode, .. } = context;
         let case = Case { spaces, action: &interface.action, seed, values: &values };
-        // A plan of the whole episode on copies of it is replayed afterward.
+        // The whole episode is planned on copies, and the plan is replayed afterward.
         match self.0.plan(&case, episode, &mut || {})? {
             Some(plan) => Ok(plan),
             None => Ok(self.0.make(&case)?),

@@ -1,4 +1,4 @@
-//! Forms of an observation: as a policy expects it.
+//! Forms of observations that policies expect.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,14 +10,15 @@ use serde::{Deserialize, Serialize};
 use super::interface::{EpisodeContext, Interface, Policy};
 use crate::Result;
 
-/// How observations of houses with different numbers of zones get one width.
+/// How observations of houses with different numbers of zones are brought to one width.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HouseForm {
-    /// A place and a presence flag for every role of a zone ([`RoleObservation`]): a slot means the same in every house.
+    /// A slot and a presence flag for every zone role ([`RoleObservation`]), so that a slot means the same in every
+    /// house.
     #[default]
     Roles,
-    /// Zones in model order and zeros behind, as in the paper: the meaning of a slot differs between houses.
+    /// Zones in model order followed by zeros, as in the paper. The meaning of a slot differs between houses.
     Raw,
 }
 
@@ -52,7 +53,7 @@ impl FromStr for HouseForm {
 /// The form of the observations of one building.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// As they are, with this many zeros behind.
+    /// Unchanged, followed by zeros.
     Raw {
         /// Number of zeros.
         padding: usize,
@@ -62,8 +63,8 @@ pub enum Form {
 }
 
 impl Form {
-    /// Returns the form of this width for a policy; `default` if the width is unknown or no form has it. A house has the
-    /// form of roles in one width, and zeros behind in any greater one.
+    /// Returns the form with this width for a policy; `default` if the width is unknown or no form has it. In a house,
+    /// one width means the form by roles, and any greater width means padding with zeros.
     pub fn of_width(spaces: &Spaces, width: Option<usize>, default: Self) -> Self {
         let slots = spaces.observation.len();
         match (RoleObservation::of(spaces), width) {
@@ -84,7 +85,7 @@ impl Form {
         }
     }
 
-    /// Writes an observation in this form to the beginning of a row whose zeros are there already.
+    /// Writes an observation in this form to the beginning of a row that is already filled with zeros.
     pub fn write(&self, observation: &[f64], row: &mut [f64]) {
         match self {
             Self::Roles(roles) => roles.write(observation, row),

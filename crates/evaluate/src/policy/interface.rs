@@ -16,7 +16,7 @@ pub trait Policy: Sync {
     /// Returns the name in results.
     fn name(&self) -> String;
 
-    /// Returns in one line everything the policy's actions depend on besides its observations: two policies with the
+    /// Returns one line with everything the policy's actions depend on besides its observations. Two policies with the
     /// same identity act alike.
     fn identity(&self) -> String;
 
@@ -25,7 +25,7 @@ pub trait Policy: Sync {
         false
     }
 
-    /// Returns who controls the buildings of the policy.
+    /// Returns who controls the policy's buildings.
     fn controls(&self) -> Controls {
         Controls::Actuators
     }
@@ -40,8 +40,8 @@ pub trait Policy: Sync {
         None
     }
 
-    /// Returns the description from which a worker makes the same controller of a whole building, if it can: the episode
-    /// then runs without a hand-over of every step.
+    /// Returns the description from which a worker can create the same controller for a whole building, if possible.
+    /// The episode then runs without exchanging every step with the worker.
     ///
     /// # Errors
     /// Same as [`Policy::controller`].
@@ -73,7 +73,7 @@ pub struct EpisodeContext<'a> {
     pub episode: &'a mut Episode,
 }
 
-/// The observation and action of a policy: all of an environment's spaces, or a problem's selection of them.
+/// What a policy observes and controls: all of an environment's spaces, or a problem's selection from them.
 #[derive(Clone, Debug)]
 pub struct Interface {
     /// Names of the values in an observation.

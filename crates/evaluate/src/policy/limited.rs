@@ -1,19 +1,19 @@
-//! Work with a time limit: a network in a file of somebody else may never end.
+//! Function calls with a time limit, because a network in a stranger's file may run forever.
 
 use std::io::Result;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-/// Time limit of a call, of which networks of policies need a thousandth. Below the time in which a command stops.
+/// Time limit of a call. Policy networks need a thousandth of it. Shorter than the time in which a command must stop.
 pub(super) const LIMIT: Duration = Duration::from_secs(5);
-/// The most that counts at once: a process that was stopped for longer did not work.
+/// Maximum time counted at once, because a stopped process does not work.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Stack of a thread, bytes. The library of networks calls itself once for every node in a row.
+/// Stack of a thread, bytes. The ONNX library recurses along every chain of nodes.
 const STACK: usize = 256 << 20;
 
-/// A function in a thread of its own. A call that exceeds [`LIMIT`] is given up: its thread, which cannot be ended, is left
-/// behind until the process ends.
+/// A function in its own thread. A call that exceeds [`LIMIT`] is abandoned: its thread cannot be killed and stays
+/// until the process ends.
 pub(super) struct Limited<I, O> {
     inputs: SyncSender<I>,
     outputs: Receiver<O>,
@@ -29,7 +29,7 @@ impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
         let (inputs, to_do) = sync_channel::<I>(1);
         let (done, outputs) = sync_channel(1);
         std::thread::Builder::new().stack_size(STACK).spawn(move || {
-            // Until either end of the channels is gone.
+            // Runs until either end of the channels is gone.
             to_do.into_iter().try_for_each(|input| done.send(function(input)))
         })?;
         Ok(Self { inputs, outputs, given_up: false })
@@ -53,7 +53,7 @@ impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
     }
 }
 
-/// Calls a function once, in a thread of its own; `None` if it exceeds the time limit.
+/// Calls a function once in its own thread; `None` if it exceeds the time limit.
 ///
 /// # Errors
 /// Same as [`Limited::new`].

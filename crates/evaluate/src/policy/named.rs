@@ -8,8 +8,8 @@ use super::{ActionScale, BuiltIn, OnnxPolicy, Policy};
 use crate::Result;
 
 impl dyn Policy {
-    /// Returns the policy of a name: a [`BuiltIn`], the folder of an agent, or an ONNX file whose actions are
-    /// scaled by `scale`.
+    /// Returns the policy for a name: a [`BuiltIn`], the folder of an agent, or an ONNX file, whose actions have the
+    /// scale `scale`.
     ///
     /// # Errors
     /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and [`Agent::read`].

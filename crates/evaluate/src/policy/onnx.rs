@@ -20,7 +20,7 @@ use crate::panics::catch_panic;
 use crate::{Error, Result};
 
 /// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
-/// and returns one float32 array [1, action]; of several outputs the first is used.
+/// and returns one float32 array [1, action]. Only the first output is used.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
@@ -131,8 +131,7 @@ impl Controller for OnnxController {
         for (single, value) in self.observation.iter_mut().zip(observation) {
             *single = *value as f32;
         }
-        // The model ran on these shapes before; if it fails now, or never ends, the environment names the action that is not a
-        // number.
+        // The model ran on these shapes before. If it fails now or never ends, the environment reports the NaN action.
         let inferred = self.inference.run(&self.observation).unwrap_or_default();
         action.fill(f64::NAN);
         for (value, inferred) in action.iter_mut().zip(inferred) {
@@ -142,7 +141,8 @@ impl Controller for OnnxController {
     }
 }
 
-/// Runs a model with a time limit, and on one dedicated thread, so that sums have one order on any number of cores.
+/// Runs a model on one dedicated thread, with a time limit. One thread keeps the order of sums the same on any number
+/// of cores.
 struct Inference(Limited<Vec<f32>, Output>);
 
 /// The first output of a model, or why it has none.
@@ -178,7 +178,7 @@ fn infer(
     Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
 }
 
-/// Runs a function of the ONNX library, whose panics on a model that it cannot run become errors. Errors are in one line.
+/// Runs a function of the ONNX library and turns its panics into errors of one line.
 fn guarded<T, E: std::error::Error>(
     run: impl FnOnce() -> std::result::Result<T, E>,
 ) -> std::result::Result<T, String> {
@@ -192,7 +192,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a model whose nodes are one after another.
+    /// Returns a model that is a chain of nodes.
     fn chain(nodes: usize) -> Vec<u8> {
         let name = |place: usize| format!("value {place}");
         let node =

@@ -1,13 +1,14 @@
-//! The wire format of ONNX models, [Protocol Buffers](https://protobuf.dev/programming-guides/encoding/). The library that reads them
-//! trusts the lengths in a file: a damaged one makes it allocate without bound or read in a circle.
+//! The wire format of ONNX models, [Protocol Buffers](https://protobuf.dev/programming-guides/encoding/). The library
+//! that reads them trusts the lengths in a file, so a damaged file can make it allocate without bound or read in a
+//! loop.
 
-/// Messages inside each other beyond which a model is rejected: reading is recursive.
+/// Maximum depth of nested messages, because reading is recursive.
 const DEEPEST: usize = 100;
 
-/// Nodes beyond which a model is rejected: the library plans a run by recursion along chains of nodes. Policies have tens.
+/// Maximum number of nodes, because the library recurses along chains of nodes. Policies have tens.
 pub(super) const MOST_NODES: usize = 4000;
 
-/// The messages of `onnx.proto3` that have others.
+/// The messages of `onnx.proto3` that contain messages.
 #[derive(Clone, Copy)]
 enum Message {
     Model,
@@ -20,12 +21,12 @@ enum Message {
     TensorType,
     SequenceType,
     Shape,
-    /// A message without others.
+    /// A message that contains none.
     Leaf,
 }
 
 impl Message {
-    /// Returns the message in a field; `None` for a field without one.
+    /// Returns the kind of message in a field; `None` for other fields.
     fn field(self, number: u64) -> Option<Self> {
         Some(match (self, number) {
             (Self::Model, 7) | (Self::Attribute, 6) => Self::Graph,
@@ -129,7 +130,7 @@ mod tests {
             let message = check(&damaged).unwrap_err();
             assert!(message.contains("is damaged"), "{message}");
         }
-        // 2^64 - 16: to skip as many bytes is to go back by 16.
+        // 2^64 - 16: skipping that many bytes goes back by 16.
         let backwards = [&[9 << 3 | 2, 0xf0][..], &[0xff; 8], &[1]].concat();
         assert_eq!(check(&backwards).unwrap_err(), "the field at byte 0 is damaged");
         assert!(check(&[&[8][..], &[0xff; 12]].concat()).is_err());

@@ -7,14 +7,14 @@ use crate::evaluation::EpisodeInfo;
 /// Colors of series.
 const PALETTE: [&str; 8] =
     ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2", "#db2777", "#65800f"];
-/// Ratio of the largest to the smallest value above which an axis is logarithmic.
+/// Ratio of the largest to the smallest value above which an axis becomes logarithmic.
 const WIDE: f64 = 20.0;
 /// The ratio above which a logarithmic axis is labeled at powers of ten only.
 const DECADES: f64 = 100.0;
-/// Powers of ten from which labels have an exponent.
+/// Power of ten from which labels have an exponent.
 const LONG: i32 = 5;
 
-/// Number of values below which they are drawn without a violin.
+/// Minimum number of values for a violin.
 const FEW: usize = 10;
 
 /// A chart in a report.
@@ -54,7 +54,7 @@ pub fn horizontal_line(value: f64) -> Value {
            "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
 }
 
-/// Returns whether some episodes have another task than others.
+/// Returns whether episodes have different tasks.
 pub fn has_several_tasks<'a>(mut episodes: impl Iterator<Item = &'a EpisodeInfo>) -> bool {
     let first = episodes.next();
     first.is_some_and(|first| episodes.any(|other| other.task != first.task))
@@ -82,7 +82,7 @@ pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
 }
 
 /// Makes an axis logarithmic, with whole numbers as labels: at powers of ten, and at 2 and 5 times these where there is
-/// room. By itself, plotly writes a 2 and a 5 between any two powers.
+/// room. By default, plotly writes a 2 and a 5 between any two powers.
 pub fn label_logarithmic(axis: &mut Value, (low, high): (f64, f64)) {
     let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let factors = if high / low > DECADES { &[1][..] } else { &[1, 2, 5] };

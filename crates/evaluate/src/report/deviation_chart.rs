@@ -13,7 +13,7 @@ const QUANTILES: usize = 400;
 /// The distribution of deviations in some episodes, each with the same weight.
 #[derive(Clone, Debug)]
 pub struct StepDeviations {
-    /// Its place on the axis of categories.
+    /// Its category on the axis.
     pub category: String,
     /// Its series.
     pub series: String,
@@ -24,7 +24,7 @@ pub struct StepDeviations {
 }
 
 impl StepDeviations {
-    /// Returns the distribution of no episodes.
+    /// Returns an empty distribution.
     pub fn empty(category: String, series: String, number: usize) -> Self {
         Self { category, series, number, shares: vec![0.0; Deviations::empty().counts.len()] }
     }

@@ -256,7 +256,7 @@ fn footer(summary: &Summary) -> String {
         "Score: the return divided by the reactive controllers' return (the baseline) for the same building, task and days, as \
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
          an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by the guideline \
-         controller's cost (the baseline), plus {DISCOMFORT_COST} days of the latter for every K·h per zone of discomfort beyond its own \
+         controller's cost (the baseline), plus {DISCOMFORT_COST} days of that cost for every K·h per zone of discomfort beyond its own \
          and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
         summary.versions
     )

@@ -130,7 +130,7 @@ fn scores(
         data.push(points(&own, x, y, type_label(name), type_color(types, name)));
     }
     let mut layout = json!({
-        // Otherwise plotly orders the categories by the box.
+        // Otherwise plotly would order the categories by their boxes.
         "xaxis": {"type": "category", "categoryorder": "array", "categoryarray": distinct(&scored, &category)},
         "yaxis": {"title": {"text": "score"}, "zeroline": false},
         "shapes": [horizontal_line(1.0)],

@@ -1,4 +1,4 @@
-//! `report.html` and the leaderboard: pages of [`b2b_page`], whose charts are plotly figures, written here as plotly's own JSON.
+//! `report.html` and the leaderboard: pages made with [`b2b_page`], with charts written as plotly's JSON.
 
 mod chart;
 mod comparison;

@@ -6,8 +6,8 @@ use super::chart::{Chart, color, horizontal_line, make_logarithmic, range, verti
 use super::series::{Series, labels};
 use crate::evaluation::{EpisodeInfo, Scored};
 
-/// Returns the chart of HVAC energy and comfort, a point per episode. Draws the reactive controllers at 1 and 1; without
-/// them, energy and RMS deviation themselves.
+/// Returns the chart of HVAC energy against comfort, one point per episode, relative to the reactive controllers at (1,
+/// 1); without them, it shows energy and RMS deviation in units.
 pub fn energy_and_comfort(series: &[Series<'_>], height: u32, wide: bool) -> Chart {
     let relative = |scored: &Scored| Some([scored.relative_energy()?, scored.relative_comfort()?]);
     let all = || series.iter().flat_map(|series| series.episodes.iter().map(|(_, scored)| *scored));

@@ -2,15 +2,15 @@
 
 use b2b_env::OPERATION_WEIGHT;
 
-/// Discomfort beyond the baseline's that is free, K·h per zone and day: half an hour at the accuracy of an air temperature
-/// sensor, [`RESOLUTION`](super::RESOLUTION).
+/// Free allowance of discomfort beyond the baseline's, K·h per zone and day: half an hour at the accuracy of an air
+/// temperature sensor, [`RESOLUTION`](super::RESOLUTION).
 pub const FREE_DISCOMFORT: f64 = 0.1;
 
-/// What a K·h per zone beyond that costs, in days of the baseline's cost: half a day. The reward of these tasks weighs discomfort
-/// alike.
+/// Cost of a K·h per zone beyond the allowance, in days of the baseline's cost: half a day. The reward of these tasks
+/// weighs discomfort in the same way.
 pub const DISCOMFORT_COST: f64 = OPERATION_WEIGHT / 24.0;
 
-/// What an episode of operation used, and how uncomfortable it was.
+/// The resource use and discomfort of an episode of operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operated {
     /// Amount of the task's resource: cost, unless the task says otherwise.
@@ -19,7 +19,7 @@ pub struct Operated {
     pub discomfort: f64,
 }
 
-/// Returns the discomfort of an episode of `days` days that is beyond the baseline's and the free one, K·h per zone.
+/// Returns the discomfort of an episode of `days` days beyond the baseline's and the free allowance, K·h per zone.
 pub fn excess_discomfort(discomfort: f64, baseline: f64, days: f64) -> f64 {
     (discomfort - baseline - FREE_DISCOMFORT * days).max(0.0)
 }

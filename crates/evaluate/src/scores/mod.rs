@@ -31,8 +31,8 @@ pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
     Some(if episode_return == 0.0 { 1.0 } else { f64::INFINITY * -episode_return.signum() })
 }
 
-/// Deviation that a score resolves, K: the accuracy that ISO 7726:1998 (table 2, class C, comfort) calls desirable for an air
-/// temperature sensor; 0.5 K is required.
+/// Smallest deviation that a score resolves, K: the accuracy that ISO 7726:1998 (table 2, class C, comfort) calls
+/// desirable for an air temperature sensor; 0.5 K is required.
 pub const RESOLUTION: f64 = 0.2;
 
 /// The baseline of an episode: its [controller](crate::BuiltIn::baseline_of) in the same building, task and days.
@@ -48,7 +48,7 @@ pub struct Baseline {
     pub discomfort: Option<f64>,
 }
 
-/// The score of an episode, and what it is ranked by where deviations are too small for a thermometer.
+/// The score of an episode, and the resolved score, which ignores deviations too small for a thermometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scores {
     /// [`normalized_score`], or [`score_at_comfort`] in a task of operation.
@@ -58,7 +58,7 @@ pub struct Scores {
 }
 
 impl Baseline {
-    /// Returns the scores of an episode with these metrics, of which `resource` is the amount of the task's resource.
+    /// Returns the scores of an episode from its metrics and `resource`, the amount of the task's resource.
     pub fn scores(&self, metrics: &EpisodeMetrics, resource: Option<f64>, steps_per_hour: u32) -> Scores {
         let EpisodeMetrics { episode_return, steps, tdis_tot, .. } = *metrics;
         match tdis_tot {
@@ -123,7 +123,7 @@ mod tests {
             [normalized_score(of(0.1), of(0.03)).unwrap(), resolved_score(of(0.1), of(0.03), 1000).unwrap()];
         assert!((normalized - 11.1).abs() < 0.1, "{normalized}");
         assert!((resolved - 1.22).abs() < 0.01, "{resolved}");
-        // Where deviations are large, both agree.
+        // Both agree for large deviations.
         let [normalized, resolved] =
             [normalized_score(of(2.0), of(4.0)).unwrap(), resolved_score(of(2.0), of(4.0), 1000).unwrap()];
         assert!((normalized - resolved).abs() < 0.01, "{normalized} {resolved}");

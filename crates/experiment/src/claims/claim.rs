@@ -6,7 +6,7 @@ use b2b_evaluate::statistics::score_text;
 
 use super::interval::Measured;
 
-/// How claims are judged, under the name of their table.
+/// How claims are judged: the subtitle of their table.
 pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings; of fewer than three, the range of all values) is on \
                         the claimed side of its bound and beyond the margin, does not hold if it is on the other side and beyond \
                         the margin, and cannot be told otherwise; trainings with fewer steps than the paper's do not count";
@@ -16,11 +16,11 @@ pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over
 pub struct Judged {
     /// What the paper says, with its numbers.
     pub claim: String,
-    /// Whether it is so here.
+    /// Whether it holds here.
     pub verdict: Verdict,
     /// The quantity with its interval, and the bound.
     pub measured: String,
-    /// What the verdict rests on.
+    /// Why it was judged this way.
     pub reason: String,
 }
 
@@ -31,13 +31,13 @@ pub enum Verdict {
     Holds,
     /// It does not.
     Fails,
-    /// The results do not tell.
+    /// The results do not decide.
     Unknown,
     /// There are no results at the paper's budget.
     NoResults,
 }
 
-/// A claim: on which side of a bound a quantity is.
+/// A claim that a quantity is on one side of a bound.
 #[derive(Clone, Debug)]
 pub(super) struct Claim {
     pub(super) text: String,
@@ -46,7 +46,7 @@ pub(super) struct Claim {
     pub(super) side: Side,
     pub(super) bound: f64,
     pub(super) margin: f64,
-    /// What may differ from the paper, for a claim that does not hold or cannot be told.
+    /// What may differ from the paper, shown for a claim that does not hold or cannot be judged.
     pub(super) caveat: &'static str,
 }
 
@@ -58,7 +58,7 @@ pub(super) enum Side {
 }
 
 impl Claim {
-    /// Judges the claim by the quantity, with a remark on how it came about.
+    /// Judges the claim by the quantity, with a remark on its origin.
     pub(super) fn judge(&self, measured: Option<Measured>, remark: &str) -> Judged {
         let Self { text, quantity, side, bound, margin, caveat } = self;
         let word = if *side == Side::Below { "below" } else { "above" };
@@ -107,7 +107,7 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Returns the median RMS deviations of agents and of the reactive controllers in a few words.
+/// Returns the median RMS deviations of agents and of the reactive controllers as text.
 pub(super) fn deviations_text(agent: Option<f64>, reactive: Option<f64>) -> String {
     let (Some(agent), Some(reactive)) = (agent, reactive) else { return String::new() };
     format!(

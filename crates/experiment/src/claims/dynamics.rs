@@ -39,7 +39,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
     judged
 }
 
-/// Judges that an agent scores lower than another in the houses that both are tested in.
+/// Judges whether an agent scores lower than another in the houses both are tested in.
 fn below(text: &str, agent: &[&Row], other: &[&Row]) -> Judged {
     let claim = Claim {
         text: text.into(),
@@ -63,7 +63,7 @@ fn below(text: &str, agent: &[&Row], other: &[&Row]) -> Judged {
     claim.judge(measured(&differences, median).map(Measured::exp), &remark)
 }
 
-/// Judges that all agents control temperature around the target, by the one that does worst.
+/// Judges whether all agents keep the temperature near the target, by the worst agent.
 fn around_target(agents: &[&[&Row]]) -> Judged {
     let claim = Claim {
         text: "All agents control the temperature around the target".into(),

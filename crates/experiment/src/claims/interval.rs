@@ -4,7 +4,7 @@ use b2b_evaluate::statistics::{CONFIDENCE, DRAWS, Interval, mean, quantile};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Fewest buildings that a bootstrap resamples.
+/// Minimum number of buildings for a bootstrap.
 const FEWEST: usize = 3;
 
 /// A quantity over buildings.
@@ -13,7 +13,7 @@ pub(super) struct Measured {
     pub(super) interval: Interval,
     /// Number of buildings.
     pub(super) buildings: usize,
-    /// Whether the interval is the range of all values, of too few buildings for a bootstrap.
+    /// Whether the interval is the range of all values, because there are too few buildings for a bootstrap.
     pub(super) is_range: bool,
 }
 

@@ -1,7 +1,7 @@
-//! What the paper says of its results, judged by results here.
+//! The paper's claims, judged by results here.
 //!
-//! Every claim is a quantity with a bound and a margin, and is judged by its interval alone ([`RULE`]). Trainings with fewer steps than
-//! the paper's do not count.
+//! Every claim is a quantity with a bound and a margin, and is judged by its interval alone ([`RULE`]). Training runs
+//! with fewer steps than the paper's do not count.
 
 mod claim;
 mod dynamics;
@@ -17,7 +17,7 @@ pub use claim::{Judged, RULE, Verdict};
 use crate::definition::Experiment;
 use crate::results::Results;
 
-/// Returns the paper's claims about an experiment, judged by results of it; none about experiments that the paper does not have.
+/// Returns the paper's claims about an experiment, judged by its results; none if the experiment is not in the paper.
 pub fn judge(experiment: &Experiment, results: &Results) -> Vec<Judged> {
     match &experiment.name[..] {
         "ppo" => ppo::judge(results),
@@ -29,8 +29,7 @@ pub fn judge(experiment: &Experiment, results: &Results) -> Vec<Judged> {
     }
 }
 
-/// Returns the claims about all shipped experiments, each judged by the first of the results that tell something of it, as the rows
-/// of a table in Markdown.
+/// Returns the claims about all shipped experiments as a Markdown table, each judged by the first results that apply.
 pub fn markdown(all: &[(Experiment, Results)]) -> String {
     let mut text =
         "| experiment | claim of the paper | here | measured | reason |\n|---|---|---|---|---|\n".to_owned();
@@ -62,7 +61,7 @@ mod tests {
         PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
     }
 
-    /// Returns results that are shipped.
+    /// Returns shipped results.
     fn shipped(name: &str) -> (Experiment, Results) {
         let (folder, experiment, budget) = Folder::open(&root().join("results").join(name)).unwrap();
         let results = Results::read(&folder, &experiment, &budget).unwrap();
@@ -73,7 +72,7 @@ mod tests {
         judge(experiment, results).iter().map(|judged| judged.verdict).collect()
     }
 
-    /// Gives the trainings the paper's steps, and the episodes of each agent the scores of a function.
+    /// Gives the training runs the paper's number of steps, and each agent's episodes the scores of a function.
     fn pretend(results: &mut Results, score: impl Fn(&str, &str) -> f64) {
         for done in &mut results.done {
             done.steps = 5_000_000;
@@ -85,7 +84,7 @@ mod tests {
         }
     }
 
-    /// Gives specialists houses that the generalists are tested in, which the quick budget does not.
+    /// Gives specialists the houses that the generalists are tested in, which the quick budget does not do.
     fn in_the_same_houses(results: &mut Results) {
         let of = |name: &str| results.of(name).map(|(_, row)| row.info.building.clone()).collect::<Vec<_>>();
         let houses = of("generalist");
@@ -111,7 +110,7 @@ mod tests {
         let (experiment, mut results) = shipped("ppo");
         pretend(&mut results, |_, building_type| if building_type == "RetailStandalone" { 2.0 } else { 0.3 });
         use Verdict::{Fails, Holds, Unknown};
-        // The last but one is about rows of all types, the last about energy.
+        // The second to last is about rows of all types, the last about energy.
         let found = verdicts(&experiment, &results);
         assert_eq!(found[..7], [Holds, Fails, Holds, Holds, Fails, Holds, Fails]);
         assert_ne!(found[7], Verdict::NoResults);

@@ -1,4 +1,4 @@
-//! The paper's table of PPO agents, and what its text says of their energy weight.
+//! The paper's claims in its table of PPO agents, and in its text about the energy weight.
 
 use b2b_evaluate::Row;
 use b2b_evaluate::statistics::{mean, median, score_text};
@@ -19,7 +19,7 @@ pub(super) const STEPS: u64 = 5_000_000;
 struct Rows {
     text: &'static str,
     building_type: &'static str,
-    /// Tasks and periods, as they end and begin.
+    /// Selects tasks and periods, by how they end and begin.
     is_own: fn(task: &str, period: &str) -> bool,
     side: Side,
 }
@@ -134,7 +134,7 @@ fn place(row: &Row) -> [&str; 3] {
     [&row.info.building_type, &row.info.task, &row.info.period]
 }
 
-/// Judges that no agent with some weight on energy is degenerate.
+/// Judges whether no agent with a weight on energy is degenerate.
 fn no_degenerate_policy(all: &[&Row]) -> Judged {
     let claim = Claim {
         text: "An energy weight of 0.5 yields no degenerate policy in any building, winter or summer".into(),

@@ -7,7 +7,7 @@ use b2b_evaluate::{Row, Scored};
 
 use crate::results::Results;
 
-/// Returns the episodes of a policy whose training had at least this many steps.
+/// Returns a policy's episodes, from training runs with at least this many steps.
 pub(super) fn trained<'a>(results: &'a Results, policy: &'a str, steps: u64) -> Vec<&'a Row> {
     results.of(policy).filter(|(done, _)| done.steps >= steps).map(|(_, row)| row).collect()
 }
@@ -26,12 +26,12 @@ pub(super) fn by_building<'a>(
     buildings
 }
 
-/// Returns the values of episodes, one list of each building.
+/// Returns the values of episodes, one list per building.
 pub(super) fn lists<'a>(rows: &[&'a Row], value: impl Fn(&'a Scored) -> Option<f64>) -> Vec<Vec<f64>> {
     by_building(rows, value).into_values().collect()
 }
 
-/// Returns the natural logarithm of a score, which says how many times worse or better it is.
+/// Returns the natural logarithm of a score, for ratios between scores.
 pub(super) fn log_score(scored: &Scored) -> Option<f64> {
     scored.score.map(log)
 }

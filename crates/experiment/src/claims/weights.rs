@@ -79,7 +79,7 @@ fn degenerate(rows: &[&Row]) -> Judged {
     claim.judge(relative, &remark.unwrap_or_default())
 }
 
-/// Returns the change of a value with the weight, one list of each building with its kinds of targets.
+/// Returns the change of a value with the weight, one list per building and kind of targets.
 fn changes(
     rows: &[&Row],
     value: fn(&Scored) -> Option<f64>,
@@ -92,7 +92,7 @@ fn changes(
     buildings.into_values().collect()
 }
 
-/// Values with their weights, in the order of these.
+/// Values with their weights, ordered by weight.
 type Series = Vec<(f64, f64)>;
 
 /// Returns the values of each building and kind of targets.

@@ -15,7 +15,7 @@ pub struct Agent {
     pub name: String,
     /// The scope of its training runs.
     pub trains: Training,
-    /// Whether one training covers all tasks of the experiment instead of one each.
+    /// Whether one training run covers all tasks of the experiment, instead of one run per task.
     #[serde(default)]
     pub all_tasks: bool,
     /// The experiment's problems that the agent is entered on.
@@ -56,7 +56,7 @@ impl Agent {
         })
     }
 
-    /// Returns the names of the budgets that it changes beside quick and full.
+    /// Returns the names of the budgets that it changes, other than quick and full.
     pub(super) fn changed_budgets(&self) -> impl Iterator<Item = &str> {
         self.budgets.keys().map(String::as_str)
     }

@@ -19,10 +19,10 @@ pub struct Budget {
     pub seeds: u64,
     /// Number of test buildings of each type.
     pub buildings: Buildings,
-    /// Names of the agents that it has. Empty: all.
+    /// Names of the agents included. Empty: all.
     #[serde(default)]
     pub agents: Vec<String>,
-    /// Whether trainings keep the best agent by held-out days beside the last one, and both are evaluated.
+    /// Whether training runs keep the best agent by held-out days as well as the last one, and both are evaluated.
     #[serde(default)]
     pub with_best: bool,
 }
@@ -44,7 +44,7 @@ pub(super) struct BudgetChange {
     buildings: Option<Buildings>,
 }
 
-/// Key of the number of buildings of the types that are not named.
+/// Key for the number of buildings of types that are not named.
 const OTHERS: &str = "others";
 
 impl Budget {
@@ -66,7 +66,7 @@ impl Budget {
 }
 
 impl Buildings {
-    /// Returns the number of a type.
+    /// Returns the number for a type.
     pub fn of(&self, building_type: BuildingType) -> usize {
         self.by_type.get(&building_type).copied().unwrap_or(self.others)
     }

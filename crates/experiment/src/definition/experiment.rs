@@ -58,12 +58,12 @@ pub struct Experiment {
     /// Agents.
     #[serde(default)]
     pub agents: Vec<Agent>,
-    /// Arguments of one `b2b` command with `--json` that measures; the experiment has no agents then.
+    /// Arguments of one `b2b` command with `--json` that measures something. Such an experiment has no agents.
     #[serde(default)]
     pub measure: Vec<String>,
-    /// What two cores do in a few hours.
+    /// Budget for two cores and a few hours.
     pub(super) quick: Budget,
-    /// What the paper spends.
+    /// The paper's budget.
     pub(super) full: Budget,
     /// Further budgets, by name.
     #[serde(default)]
@@ -98,7 +98,7 @@ pub fn best_of(agent: &str) -> String {
     format!("{agent}, best")
 }
 
-/// A policy that an experiment has results of: an agent, or its best by held-out days.
+/// A policy with results in an experiment: an agent, or its best version by held-out days.
 #[derive(Clone, Debug)]
 pub struct Policy<'a> {
     /// Name in tables.
@@ -113,10 +113,10 @@ impl Experiment {
         [&self.quick, &self.full].into_iter().chain(self.budgets.values())
     }
 
-    /// Returns the budget of a name.
+    /// Returns the budget with a name.
     ///
     /// # Errors
-    /// [`Error::UnknownBudget`] with the names that there are.
+    /// [`Error::UnknownBudget`], with the known names.
     pub fn budget(&self, name: &str) -> Result<&Budget> {
         let names = || self.budgets().map(|budget| budget.name.as_str());
         self.budgets().find(|budget| budget.name == name).ok_or_else(|| Error::UnknownBudget {
@@ -138,7 +138,7 @@ impl Experiment {
         self.agents.iter().filter(|agent| budget.has(&agent.name))
     }
 
-    /// Returns the policies that a budget has results of: its agents, each before its best by held-out days.
+    /// Returns the policies with results in a budget: its agents, each followed by its best version by held-out days.
     pub fn policies(&self, budget: &Budget) -> Vec<Policy<'_>> {
         let mut policies = Vec::new();
         for agent in self.agents_of(budget) {

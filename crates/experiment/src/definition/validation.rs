@@ -1,4 +1,4 @@
-//! The constraints of a definition that the types do not enforce.
+//! The constraints on a definition that its types do not enforce.
 
 use b2b_benchmark::Problem;
 use b2b_building::Period;
@@ -88,7 +88,7 @@ fn check_name(kind: &str, name: &str) -> Result<(), String> {
     }
 }
 
-/// Checks the problems, and that an agent is entered on some if and only if the report is their leaderboard.
+/// Checks the problems, and that agents are entered on problems if and only if the report is a leaderboard.
 fn problems(experiment: &Experiment) -> Result<(), String> {
     for name in &experiment.problems {
         Problem::named(name).map_err(|error| error.to_string())?;

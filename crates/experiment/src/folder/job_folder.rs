@@ -16,9 +16,9 @@ pub const ENTRY: &str = "entry";
 pub const EVALUATION: &str = "evaluation";
 /// Evaluation of the last agent of the training.
 pub const EVALUATION_LAST: &str = "evaluation-last";
-/// What a measurement printed.
+/// Output of a measurement.
 pub const MEASURED: &str = "result.json";
-/// What a finished training leaves in the folder of its agent.
+/// The file that a finished training run leaves in its agent's folder.
 const TRAINED: &str = "summary.json";
 const STATE: &str = "job.json";
 /// Wall-clock time of a job that has not ended, s.
@@ -34,7 +34,7 @@ pub struct JobFolder {
 /// The state of a job that has ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Why it failed; `None` if it did not.
+    /// Why it failed; `None` if it succeeded.
     pub error: Option<String>,
     /// Wall-clock time of all attempts, s.
     pub seconds: f64,
@@ -69,7 +69,7 @@ impl JobFolder {
         write_json(&self.path.join(STATE), state)
     }
 
-    /// Returns the wall-clock time that the job's finished and interrupted commands have taken so far, s; `None` if none has begun.
+    /// Returns the wall-clock time of the job's commands so far, finished or interrupted, s; `None` if none has begun.
     pub fn seconds(&self) -> Option<f64> {
         self.read(SECONDS).or_else(|| Some(self.state()?.seconds))
     }
@@ -79,12 +79,12 @@ impl JobFolder {
         write_json(&self.path.join(SECONDS), &seconds)
     }
 
-    /// Returns whether a training has ended.
+    /// Returns whether a training run has ended.
     pub fn is_trained(&self, agent: &str) -> bool {
         self.path.join(agent).join(TRAINED).exists()
     }
 
-    /// Returns the steps per second of a training that has ended, without its evaluations.
+    /// Returns the steps per second of a finished training run, without evaluations.
     pub fn training_rate(&self, agent: &str) -> Option<f64> {
         #[derive(Deserialize)]
         struct Summary {
@@ -94,7 +94,7 @@ impl JobFolder {
         Some(summary.steps_per_s)
     }
 
-    /// Returns the options of the training that began last, as the experiment had them.
+    /// Returns the options of the training run that began last, as the experiment defined them.
     pub fn config(&self) -> Option<Table> {
         toml::from_str(&std::fs::read_to_string(self.path.join(CONFIG)).ok()?).ok()
     }
@@ -111,7 +111,7 @@ impl JobFolder {
     }
 }
 
-/// Writes a JSON file, which appears complete or not at all.
+/// Writes a JSON file atomically.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).expect("plain data always serializes") + "\n";
     write_whole(path, text.as_bytes()).map_err(at(path))

@@ -14,7 +14,7 @@ use crate::definition::{ReportKind, best_of};
 use crate::error::{Result, at};
 use crate::job::{AGENT, Action, Job, LAST_AGENT};
 
-/// The result of a job, as the file of an experiment's jobs keeps it.
+/// The result of a job, as kept in `jobs.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JobResult {
     /// Key of the job.
@@ -29,7 +29,7 @@ pub struct JobResult {
     /// Fingerprint of the machine of the evaluation ([`b2b_base::machine`]): machines with the same one give the same
     /// bits. Empty without an evaluation.
     pub machine: String,
-    /// Evaluated episodes of the agent: the last one of its training if the job evaluates two.
+    /// Evaluated episodes of the agent: of the last agent if the job evaluates two.
     pub rows: Vec<Row>,
     /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -40,7 +40,7 @@ pub struct JobResult {
     /// The entry on a benchmark problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub entry: Option<(RunResult, Stages)>,
-    /// What a measurement printed.
+    /// Output of a measurement.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub measured: Value,
     /// Wall-clock time, s.
@@ -113,13 +113,13 @@ impl JobResult {
         (self.machine, self.rows, self.deviations) = (machine, rows, deviations);
     }
 
-    /// Returns whether it has what a report shows.
+    /// Returns whether it contains what a report shows.
     pub(super) fn serves(&self, report: ReportKind) -> bool {
         let has_all = self.policies().all(|(_, rows, deviations)| deviations.len() == rows.len());
         report != ReportKind::Weights || has_all
     }
 
-    /// Returns the policies of the job with their episodes and the distributions of the deviations of these.
+    /// Returns the policies of the job with their episodes and distributions of deviations.
     pub fn policies(&self) -> impl Iterator<Item = (String, &[Row], &[Option<Deviations>])> {
         let best =
             self.best.as_ref().map(|best| (best_of(&self.agent), &best.rows[..], &best.deviations[..]));
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shipped_results_are_read_and_written_as_they_are() {
+    fn shipped_results_are_read_and_written_unchanged() {
         for name in ["ppo", "dynamics", "weights", "board"] {
             let path = format!("{}/../../results/{name}/jobs.json", env!("CARGO_MANIFEST_DIR"));
             let text = std::fs::read_to_string(path).unwrap();

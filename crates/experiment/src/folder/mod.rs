@@ -1,4 +1,4 @@
-//! What the folder of an experiment holds.
+//! The contents of an experiment's folder.
 
 mod job_folder;
 mod job_result;

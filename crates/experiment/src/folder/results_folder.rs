@@ -14,8 +14,8 @@ use crate::definition::{Budget, Experiment, ReportKind};
 use crate::error::{Error, Result, at};
 use crate::job::Job;
 
-/// The folder of an experiment: `experiment.json`, a folder of every job under `jobs`, and `jobs.json` with the results of
-/// those that are done, whose folders are then needed no more.
+/// The folder of an experiment: `experiment.json`, a folder per job under `jobs`, and `jobs.json` with the results of
+/// finished jobs, whose folders are then no longer needed.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -24,7 +24,7 @@ pub struct Folder {
     kept: Arc<HashMap<String, JobResult>>,
 }
 
-/// The experiment and budget that a folder has results of.
+/// The experiment and budget whose results a folder has.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Identity {
     /// Name of the experiment, or path of its file.
@@ -37,7 +37,7 @@ const IDENTITY: &str = "experiment.json";
 const KEPT: &str = "jobs.json";
 
 impl Folder {
-    /// Returns the folder of an experiment with a budget, which need not exist.
+    /// Returns the folder of an experiment with a budget. It need not exist.
     ///
     /// # Errors
     /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
@@ -70,7 +70,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes the results that were taken over to the folder.
+    /// Writes the results taken over from other folders.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -109,8 +109,8 @@ impl Folder {
         })
     }
 
-    /// Checks that the results of jobs are of their actions, or of the first of them: the definition of the experiment may have
-    /// changed since.
+    /// Checks that the results of jobs match their actions, or the first of them, because the experiment's definition
+    /// may have changed since.
     ///
     /// # Errors
     /// [`Error::OtherJob`].
@@ -123,7 +123,7 @@ impl Folder {
         }
     }
 
-    /// Returns the number of first actions of a job whose results its folder has.
+    /// Returns how many of a job's actions, from the first on, have results in its folder.
     pub(crate) fn actions_done(&self, job: &Job) -> usize {
         let ended = self.job(job).state().filter(|state| state.error.is_none());
         ended.and_then(|state| job.actions_of(&state.actions_sha256)).unwrap_or(0)
@@ -135,8 +135,8 @@ impl Folder {
         self.job(job).seconds().or_else(kept).unwrap_or(0.0)
     }
 
-    /// Returns the result of a job for a report, from the job's own folder or as [`Folder::keep`] kept it; `None` if the job is not
-    /// done.
+    /// Returns the result of a job for a report, from the job's own folder or from what [`Folder::keep`] kept; `None`
+    /// if the job is not done.
     ///
     /// # Errors
     /// Errors from reading the files of a job that is marked as done.
@@ -145,13 +145,13 @@ impl Folder {
         Ok(own.or_else(|| self.kept(job).filter(|_| self.is_done(job)).cloned()))
     }
 
-    /// Returns the result of a job that `jobs.json` has.
+    /// Returns the result of a job in `jobs.json`.
     pub(crate) fn kept(&self, job: &Job) -> Option<&JobResult> {
         self.kept.get(&job.key)
     }
 
-    /// Keeps the results of jobs, so that they do not need their folders any more: a job per line of `jobs.json`, after which those
-    /// follow that it has of other jobs. Shards may do so at the same time.
+    /// Keeps the results of jobs in `jobs.json`, one per line, so that their folders are no longer needed. Results of
+    /// other jobs in the file follow after them. Shards may call this at the same time.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -170,9 +170,9 @@ impl Folder {
         write_whole(&path, text.as_bytes()).map_err(at(&path))
     }
 
-    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number; [`Folder::save`]
-    /// writes them. A job there is
-    /// the same if it has the same key, options and episodes, and if its result has what this experiment's report shows.
+    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number.
+    /// [`Folder::save`] writes them. A job there is the same if it has the same key, options and episodes, and if its
+    /// result has what this experiment's report shows.
     ///
     /// # Errors
     /// [`Error::NoResults`] if there are none; [`Error::Io`] and errors from the benchmark's reader.

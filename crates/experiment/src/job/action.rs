@@ -5,7 +5,7 @@ use b2b_dataset::BuildingId;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-/// Name of the folder of a job's agent: the one that its training keeps.
+/// Name of the folder of the agent that a job's training run keeps.
 pub const AGENT: &str = "agent";
 /// Name of the folder of the last agent of a job's training.
 pub const LAST_AGENT: &str = "agent/last";
@@ -33,7 +33,7 @@ pub enum Action {
     },
     /// Evaluates the agent of the job, or the controller of a job without a training.
     Evaluate(Episodes),
-    /// Evaluates the last agent of the job's training, beside the one that it keeps.
+    /// Evaluates the last agent of the job's training run, in addition to the one it keeps.
     EvaluateLast(Episodes),
     /// Enters the agents of the job, or a built-in policy, on a benchmark problem.
     Enter(Entry),
@@ -61,9 +61,9 @@ pub struct Entry {
     pub policy: String,
     /// Training steps of an agent.
     pub steps: Option<u64>,
-    /// Seeds, if not all of the problem.
+    /// Seeds, if not all of the problem's.
     pub seeds: Vec<u64>,
-    /// Test buildings, if not all of the problem.
+    /// Test buildings, if not all of the problem's.
     pub test: Vec<String>,
     /// The test episodes of one seed.
     pub episodes: Episodes,
@@ -76,7 +76,7 @@ impl Episodes {
 }
 
 impl Job {
-    /// Returns the steps that the job trains.
+    /// Returns the number of training steps in the job.
     pub fn steps(&self) -> u64 {
         let steps = |action: &Action| match action {
             Action::Train { steps, .. } => *steps,
@@ -104,7 +104,7 @@ impl Job {
         self.actions.iter().map(count).sum()
     }
 
-    /// Returns whether the job evaluates the last agent of its training beside the one that the training keeps.
+    /// Returns whether the job evaluates the last agent of its training run in addition to the one it keeps.
     pub fn has_last(&self) -> bool {
         self.actions.iter().any(|action| matches!(action, Action::EvaluateLast(_)))
     }
@@ -118,8 +118,8 @@ impl Job {
         sha256(serde_json::to_vec(&self.actions[..count]).expect("plain data always serializes"))
     }
 
-    /// Returns the number of first actions that a hash is of: a job that has grown keeps the results of its first actions. An
-    /// empty hash, of older results, is of all; `None` if it is of other actions.
+    /// Returns how many of the job's actions, from the first on, a hash covers, so that a job that has grown keeps its
+    /// earlier results. An empty hash, from older results, covers all; `None` if the hash is of other actions.
     pub fn actions_of(&self, actions_sha256: &str) -> Option<usize> {
         let all = self.actions.len();
         match actions_sha256 {
@@ -128,7 +128,7 @@ impl Job {
         }
     }
 
-    /// Returns the names of the types of the buildings whose episodes the job evaluates.
+    /// Returns the building types of the episodes that the job evaluates.
     pub fn building_types(&self) -> impl Iterator<Item = &str> {
         let buildings = self.episodes().map_or(&[][..], |episodes| &episodes.buildings[..]);
         buildings.iter().map(|building| building.split_once('-').map_or(&building[..], |(name, _)| name))
@@ -146,7 +146,7 @@ impl Job {
     }
 }
 
-/// Returns the training of an agent.
+/// Returns the training run of an agent.
 pub(super) fn train(agent: &str, mut config: Table, steps: u64, seed: u64) -> Action {
     config.insert("steps".to_owned(), Value::Integer(steps as i64));
     config.insert("seed".to_owned(), Value::Integer(seed as i64));

@@ -8,7 +8,7 @@ use super::action::{AGENT, Action, Episodes, Job, texts, train};
 use super::entry;
 use crate::definition::{Agent, Budget, Buildings, Experiment, RANDOM, REACTIVE, Training};
 
-/// What a training run is on.
+/// The buildings that an agent is trained on.
 struct Subject {
     /// Name in the key of the job.
     name: String,
@@ -19,7 +19,7 @@ struct Subject {
 }
 
 impl Experiment {
-    /// Returns the jobs under one of its budgets, always in the same order.
+    /// Returns the jobs of a budget, always in the same order.
     pub fn jobs(&self, budget: &Budget) -> Vec<Job> {
         if !self.measure.is_empty() {
             return vec![self.measurement()];
@@ -43,7 +43,7 @@ impl Experiment {
         Job { key: "measure/all".into(), actions: vec![Action::Measure(arguments)] }
     }
 
-    /// Returns the jobs of the controllers and, on problems, of the reactive ones and of random actions.
+    /// Returns the jobs of the controllers and, on problems, of the reactive controllers and random actions.
     fn controller_jobs(&self, budget: &Budget) -> Vec<Job> {
         let mut jobs = Vec::new();
         for controller in self.kept_controllers() {
@@ -92,7 +92,7 @@ impl Experiment {
         jobs
     }
 
-    /// Returns what an agent is trained on, with the test buildings of a budget.
+    /// Returns the training subjects of an agent, with the test buildings of a budget.
     fn subjects(&self, trains: Training, buildings: &Buildings) -> Vec<Subject> {
         let subject = |name: String, option: &str, value: Value, tests: &[BuildingId]| Subject {
             name,
@@ -136,7 +136,7 @@ fn config(agent: &Agent, budget: &Budget, subject: &Subject, tasks: &[String], p
     config
 }
 
-/// Returns a training and the evaluation of its agent, or of both of its agents.
+/// Returns a training run and the evaluation of its agent, or of both of its agents.
 fn actions(budget: &Budget, config: Table, seed: u64, episodes: &Episodes) -> Vec<Action> {
     let mut actions = vec![train(AGENT, config, budget.steps, seed), Action::Evaluate(episodes.clone())];
     if budget.with_best {

@@ -1,4 +1,4 @@
-//! Specialists and generalists on test buildings, as the paper's figures of dynamics adaptation.
+//! Specialists and generalists on test buildings, like the paper's figures of dynamics adaptation.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,7 @@ impl<'a> Tested<'a> {
             of_jobs.push(median);
             by_building.entry(&rows[0].info.building).or_default().push(median);
         }
-        // A generalist's median is the mean over the medians of its seeds; specialists have one building each.
+        // A generalist's median is the mean of its seeds' medians; specialists have one building each.
         let (median, error) = match policy.agent.trains {
             Training::Building => {
                 (group.median(), bootstrap_error(&Vec::from_iter(by_building.into_values())))
@@ -105,7 +105,7 @@ fn medians(tested: &[Tested<'_>]) -> Chart {
     let mut layout = json!({"xaxis": {"type": "category"}, "yaxis": {"title": {"text": "median score"}, "rangemode": "tozero"},
                             "shapes": [horizontal_line(1.0)], "showlegend": false});
     let (low, high) = range(&medians);
-    // A logarithmic axis has no zero for the foot of a bar.
+    // A logarithmic axis has no zero for bars to start from.
     let (kind, size) = match make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0))) {
         true => ("scatter", 11),
         false => ("bar", 0),
@@ -125,7 +125,7 @@ fn medians(tested: &[Tested<'_>]) -> Chart {
     }
 }
 
-/// Returns the standard error of a mean; `None` of a single value.
+/// Returns the standard error of a mean; `None` for a single value.
 fn standard_error(values: &[f64]) -> Option<f64> {
     if values.len() < 2 {
         return None;
@@ -135,8 +135,8 @@ fn standard_error(values: &[f64]) -> Option<f64> {
     Some((variance / values.len() as f64).sqrt())
 }
 
-/// Returns the standard deviation of the median when the buildings are resampled, each with all of its values; `None` of a single
-/// building.
+/// Returns the standard deviation of the median when the buildings are resampled, each with all of its values; `None`
+/// for a single building.
 fn bootstrap_error(buildings: &[Vec<f64>]) -> Option<f64> {
     use rand::{RngExt, SeedableRng};
     const DRAWS: usize = 2000;
@@ -167,7 +167,7 @@ mod tests {
         let values: Vec<Vec<f64>> = (0..100).map(|index| vec![f64::from(index % 10)]).collect();
         let error = bootstrap_error(&values).unwrap();
         assert!(error > 0.1 && error < 1.0, "{error}");
-        // Four equal values of each building are no more than one.
+        // Four equal values per building count no more than one.
         let repeated: Vec<Vec<f64>> = values.iter().map(|values| values.repeat(4)).collect();
         assert_eq!(bootstrap_error(&repeated), Some(error));
     }

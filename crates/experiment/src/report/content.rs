@@ -1,4 +1,4 @@
-//! What a page shows.
+//! The content of a page.
 
 use b2b_evaluate::report::Chart;
 use serde_json::Value;
@@ -15,7 +15,7 @@ pub(super) struct Content {
     pub(super) notes: String,
 }
 
-/// Explains scores under a page.
+/// Explains scores at the bottom of a page.
 pub(super) const SCORES: &str = "Score: the return of an episode divided by the tuned reactive controllers' return in the same \
                                  building, task and days; lower is better, below 1 beats them. Resolved score: the same after \
                                  adding 0.2 K of deviation to both, which no thermometer resolves.";

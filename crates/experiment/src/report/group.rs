@@ -3,7 +3,7 @@
 use b2b_evaluate::Row;
 use b2b_evaluate::statistics::{beats_baseline, median, score_text};
 
-/// Scores of a group of episodes, of which none was lost.
+/// Scores of a group of episodes without lost ones.
 pub(super) struct Group {
     /// In ascending order.
     scores: Vec<f64>,

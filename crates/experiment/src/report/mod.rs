@@ -1,4 +1,4 @@
-//! The page of an experiment: tables and charts, beside the results of the paper.
+//! The page of an experiment: tables and charts, compared with the paper's results.
 
 mod adaptation;
 mod content;
@@ -54,7 +54,7 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
     b2b_page::write_page(file, &data)
 }
 
-/// Returns the tables and charts of an experiment; `None` of a leaderboard.
+/// Returns the tables and charts of an experiment; `None` for a leaderboard.
 fn content(experiment: &Experiment, results: &Results) -> Option<Content> {
     let mut content = match experiment.report {
         ReportKind::Board => return None,
@@ -113,7 +113,7 @@ fn rewards(experiment: &Experiment, results: &Results) -> Content {
     Content { charts: charts.collect(), ..Content::default() }
 }
 
-/// Returns a number with separators of thousands.
+/// Returns a number with thousands separators.
 fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

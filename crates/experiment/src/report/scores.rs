@@ -1,4 +1,4 @@
-//! Scores by type, task and period, beside the paper's table.
+//! Scores by type, task and period, compared with the paper's table.
 
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ fn cells(
     };
     let mut cells = place.map(str::to_owned).to_vec();
     cells.extend(paper_cells(building_type, task, period));
-    // Every policy has the same episodes of the reactive controllers.
+    // Every policy is compared with the same episodes of the reactive controllers.
     let all = policies.iter().map(of).find(|rows| !rows.is_empty()).unwrap_or_default();
     cells.extend([reactive_deviation, reactive_energy].map(|figure| median_text(&all, figure)));
     for (policy, won) in policies.iter().zip(won) {

@@ -1,4 +1,4 @@
-//! Times of a step by type, beside the paper's table.
+//! Times of a step by type, compared with the paper's table.
 
 use b2b_building::BuildingType;
 use b2b_evaluate::report::{Chart, color};

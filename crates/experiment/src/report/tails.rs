@@ -1,4 +1,4 @@
-//! What the buildings on which an agent does worst have in common.
+//! What an agent's worst buildings have in common.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,14 @@ use serde_json::{Value, json};
 use crate::definition::Experiment;
 use crate::results::Results;
 
-/// Fewest buildings of a type in whose worst tenth something could be common.
+/// Minimum number of buildings of a type for their worst tenth to show something in common.
 const MIN_BUILDINGS: usize = 20;
-/// Standard deviations by which a property has to stand out.
+/// Minimum difference of a property that stands out, in standard deviations.
 const STANDS_OUT: f64 = 2.0;
-/// Most properties that are named.
+/// Maximum number of properties named.
 const NAMED: usize = 3;
 
-/// A property in which the worst buildings differ from all.
+/// A property in which the worst buildings differ from the rest.
 #[derive(Debug, PartialEq)]
 struct Difference {
     text: String,
@@ -78,7 +78,7 @@ fn differences(buildings: &Manifest, worst: usize) -> Vec<Difference> {
     for (index, column) in buildings.columns.iter().enumerate() {
         let cells: Vec<&str> = buildings.rows.iter().map(|row| row[index].as_str()).collect();
         match column.kind {
-            // How the dataset is divided is no property of a building.
+            // How the dataset is split is not a property of a building.
             _ if ["id", "split", "test_small"].contains(&column.name) => {}
             Kind::Number | Kind::Integer => {
                 let numbers: Option<Vec<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();

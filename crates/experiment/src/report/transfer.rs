@@ -1,4 +1,4 @@
-//! Distributions of scores by building type, as the paper's figure of cross-domain transfer.
+//! Distributions of scores by building type, like the paper's figure of cross-domain transfer.
 
 use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
 use serde_json::{Value, json};

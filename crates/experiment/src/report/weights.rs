@@ -9,10 +9,10 @@ use super::content::{Content, SCORES};
 use crate::definition::{Experiment, REACTIVE};
 use crate::results::Results;
 
-/// Sizes of points with the weight of the slider, and of all others, px.
+/// Sizes of points at the slider's weight, and of all others, px.
 const MARKED: u32 = 16;
 const UNMARKED: u32 = 7;
-/// RMS deviation beyond which a controller would shrink all others to a point, K.
+/// RMS deviation beyond which drawing a controller would shrink all others to a point, K.
 const FAR: f64 = 1.0;
 
 /// Means over buildings under one task.
@@ -67,7 +67,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
 }
 
-/// Returns the weights of some curves in increasing order.
+/// Returns the weights of curves in increasing order.
 fn weights(curves: &[Curve]) -> Vec<f64> {
     let mut weights: Vec<f64> =
         curves.iter().flat_map(|curve| &curve.points).map(|point| point.weight).collect();
@@ -76,7 +76,7 @@ fn weights(curves: &[Curve]) -> Vec<f64> {
     weights
 }
 
-/// Returns the cell of a table for the point of a weight.
+/// Returns the table cell for the point at a weight.
 fn cell(points: &[Point], weight: f64) -> String {
     points.iter().find(|point| point.weight == weight).map_or_else(String::new, |point| {
         let Point { deviation, energy, relative_energy, .. } = point;

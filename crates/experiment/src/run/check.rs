@@ -1,4 +1,4 @@
-//! Checks of results: agents are evaluated again.
+//! Checks of results by evaluating agents again.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-3;
 /// The check of an agent or controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
-    /// Key of the job, with `, best` for the best agent of one that evaluates two.
+    /// Key of the job, with `, best` for the best agent of a job that evaluates two.
     pub job: String,
     /// Why the results do not match the agent or controller; `None` if they do.
     pub fault: Option<String>,
@@ -36,7 +36,7 @@ struct Subject<'a> {
     rows: &'a [Row],
 }
 
-/// What is evaluated again.
+/// A policy to evaluate again.
 enum Checkable {
     /// The folder of an agent.
     Agent(PathBuf),
@@ -44,11 +44,11 @@ enum Checkable {
     Controller(String),
 }
 
-/// Evaluates the experiment's `controllers` again and the agents whose folders are at hand, and compares their episodes with the results that
-/// `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced them, otherwise scores within a
-/// relative 0.001. With `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its
-/// results. `done` is called with every check. Entries on benchmark problems are left out: `b2b benchmark verify`
-/// checks them.
+/// Evaluates again the experiment's `controllers` and the agents whose folders are available, and compares their
+/// episodes with the results that `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced
+/// them, otherwise scores within a relative 0.001. With `buildings`, at most that many buildings of each agent are
+/// evaluated, evenly spaced over its results. `done` is called with every check. Entries on benchmark problems are left
+/// out: `b2b benchmark verify` checks them.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is neither; the errors of [`Runner::run`].
@@ -74,7 +74,7 @@ pub fn check(
     }
 }
 
-/// Returns the controller of a job, or its agents whose folders are at hand.
+/// Returns the controller of a job, or its agents whose folders are available.
 fn subjects<'a>(
     runner: &Runner<'_>,
     experiment: &Experiment,
@@ -139,7 +139,7 @@ fn fault(
     Ok(difference(&there, &rows, subject.machine == machine::fingerprint()))
 }
 
-/// Returns why a folder does not have the agent of a result, if it does not.
+/// Returns why a folder does not contain the agent of a result; `None` if it does.
 fn other_agent(path: &Path, sha256: Option<&str>) -> Option<String> {
     match Agent::read(path) {
         Ok(agent) if sha256 == Some(agent.sha256()) => None,
@@ -152,7 +152,7 @@ impl Checkable {
     fn is_at_hand(&self, experiment: &Experiment) -> bool {
         match self {
             Self::Agent(path) => path.join("agent.json").exists(),
-            // The reactive controllers beside agents are baselines, which `b2b baseline --check` checks.
+            // Next to agents, the reactive controllers are baselines, which `b2b baseline --check` checks.
             Self::Controller(name) => experiment.controllers.contains(name),
         }
     }
@@ -164,7 +164,7 @@ fn spread(all: &[String], limit: Option<NonZeroUsize>) -> Vec<String> {
     (0..count).map(|index| all[index * all.len() / count].clone()).collect()
 }
 
-/// Returns the first difference between the episodes of results and the same that ran again.
+/// Returns the first difference between the episodes of results and their reruns.
 fn difference(there: &[Row], here: &[Row], bits: bool) -> Option<String> {
     if there.len() != here.len() {
         return Some(format!("{} episodes in the results, {} now", there.len(), here.len()));

@@ -1,4 +1,4 @@
-//! Running jobs, and evaluating their agents again.
+//! Runs jobs, and evaluates their agents again.
 
 mod arguments;
 mod check;

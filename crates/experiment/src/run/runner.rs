@@ -17,14 +17,14 @@ use crate::error::{Error, Result, at};
 use crate::folder::{CONFIG, Folder, JobFolder, MEASURED, State};
 use crate::job::{Action, Job};
 
-/// Environment variable with the process that a command of a job belongs to: the command stops when its owner is gone.
+/// Environment variable with the process that owns a job's command. The command stops when its owner is gone.
 pub const OWNER: &str = "B2B_OWNER";
 /// Interval at which processes are polled.
 const POLL: Duration = Duration::from_millis(50);
-/// Bytes at the end of a log that are searched for an error.
+/// Number of bytes at the end of a log to search for an error.
 const TAIL: u64 = 4000;
 
-/// Runs jobs, as many at a time as it is told.
+/// Runs jobs, several at a time.
 pub struct Runner<'a> {
     /// Makes a command that starts `b2b`.
     pub command: fn() -> Command,
@@ -46,8 +46,8 @@ pub struct Ended {
 }
 
 impl Runner<'_> {
-    /// Runs the jobs that are not done, in their order, and returns how all ended. A failed job does not stop the others.
-    /// `done` is called with every job that ends and with how it ended.
+    /// Runs the unfinished jobs in order, and returns how all jobs ended. A failed job does not stop the others. `done`
+    /// is called with every job that ends and how it ended.
     ///
     /// # Errors
     /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::OtherJob`]; [`Error::Io`].
@@ -63,8 +63,8 @@ impl Runner<'_> {
         Ok(Ended { done, failed: jobs.len() - done })
     }
 
-    /// Does some work for each item, as many at a time as the runner is told, and returns the results in the order of the
-    /// items. After an error, no more work is begun.
+    /// Works on the items, `parallel` at a time, and returns the results in the order of the items. Stops starting new
+    /// work after an error.
     pub(crate) fn each<T: Sync, R: Send>(
         &self,
         items: &[T],
@@ -92,7 +92,7 @@ impl Runner<'_> {
         Ok(results.into_iter().map(|(_, result)| result).collect())
     }
 
-    /// Runs a job from where it is, and writes how it ended.
+    /// Runs the remaining actions of a job, and writes how it ended.
     fn run_job(&self, job: &Job) -> Result<State> {
         let own = self.folder.job(job);
         std::fs::create_dir_all(own.path()).map_err(at(own.path()))?;
@@ -112,7 +112,7 @@ impl Runner<'_> {
         Ok(state)
     }
 
-    /// Runs an action unless it has its result. Returns why it failed.
+    /// Runs an action unless its result exists. Returns why it failed.
     fn act(&self, job: &Job, own: &JobFolder, action: &Action) -> Result<Option<String>> {
         if let Action::Train { agent, config, .. } = action {
             if own.is_trained(agent) {
@@ -124,8 +124,8 @@ impl Runner<'_> {
         self.command(own.path(), &own.log(), &arguments::of(action, job), result.as_deref())
     }
 
-    /// Runs a command in a folder, and adds it and its output to a log, or writes its output to the file of a result. Returns why
-    /// it failed.
+    /// Runs a command in a folder, and appends it and its output to a log, or writes its output to a result file.
+    /// Returns why it failed.
     pub(super) fn command(
         &self,
         path: &Path,
@@ -164,7 +164,7 @@ impl Runner<'_> {
             }
             if !told && (self.interrupted)() {
                 told = true;
-                // A process that has just ended cannot be told.
+                // The process may just have ended.
                 let _ = kill_process(Pid::from_child(child), Signal::TERM);
             }
             std::thread::sleep(POLL);
@@ -172,7 +172,7 @@ impl Runner<'_> {
     }
 }
 
-/// Returns why a training that has ended is not the job's, if it is not. Trainings of one job differ by seed alone.
+/// Returns why a finished training run is not the job's; `None` if it is. Training runs of one job differ only by seed.
 fn other_training(own: &JobFolder, agent: &str, config: &Table) -> Option<String> {
     let but_seed = |mut config: Table| {
         config.remove("seed");
@@ -188,7 +188,7 @@ fn other_training(own: &JobFolder, agent: &str, config: &Table) -> Option<String
     })
 }
 
-/// Returns why a command failed: its signal, its error in the log from `begin` on, or the last line there.
+/// Returns why a command failed: its signal, or its error or last line in the log after `begin`.
 fn cause(status: ExitStatus, log: &Path, begin: u64) -> std::io::Result<String> {
     if let Some(signal) = status.signal() {
         return Ok(format!("killed by signal {signal}"));

@@ -19,7 +19,7 @@ pub struct Graph {
     pub names: Vec<String>,
     /// Type of each node, as an index into the network's types.
     pub types: Vec<usize>,
-    /// Start of the features of each node in a row, and at the end the width of a row.
+    /// Start of the features of each node in a row, followed by the width of a row.
     pub features: Vec<usize>,
     /// Node and output of each action.
     pub actions: Vec<ActionPlace>,

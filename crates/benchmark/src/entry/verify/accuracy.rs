@@ -1,11 +1,11 @@
-//! How exactly episodes that ran again are compared.
+//! The accuracy of comparing reruns with a result.
 
 use b2b_base::machine;
 use b2b_env::{EpisodeMetrics, MetricValue, Resource, Term};
 
 use super::{TOLERANCE, is_near};
 
-/// How exactly episodes that ran again are compared.
+/// The accuracy of comparing reruns with a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accuracy {
     /// Bit for bit, because this machine rounds like the one that produced the result.

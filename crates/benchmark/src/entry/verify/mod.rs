@@ -22,7 +22,7 @@ use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
 use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row};
 
-/// Relative tolerance for sums in another order.
+/// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
 /// Relative tolerance of returns and energies on a machine whose libm rounds differently. Without fused multiply-add, returns
 /// of a season differ by 4e-9.
@@ -35,7 +35,7 @@ pub struct Check {
     pub name: &'static str,
     /// A description, or the fault.
     pub outcome: CheckOutcome,
-    /// Whether nothing was verified: the policy is not in the result, so its episodes cannot be run again.
+    /// Whether nothing was verified, because the policy is not in the result and its episodes cannot be run again.
     pub unverified: bool,
 }
 
@@ -75,7 +75,7 @@ pub fn verify(
     Ok(checks)
 }
 
-/// Checks what a result says of itself: format, versions, problem, policies by their hashes, list of episodes, sums and
+/// Checks a result against its own contents: format, versions, problem, hashes of policies, list of episodes, sums and
 /// scores, known baselines, measures.
 ///
 /// # Errors
@@ -84,7 +84,7 @@ pub fn check(folder: &Path) -> Result<Vec<Check>> {
     Ok(read_and_check(folder)?.0)
 }
 
-/// A result that was read, its rows and its policies by stage.
+/// A result with its rows and its policies by stage.
 type Read = (RunResult, Stages, Policies);
 type Policies = BTreeMap<String, EntryPolicy>;
 
@@ -293,7 +293,7 @@ fn run_again(
     let (size, total) = (drawn.len(), all.len());
     if let Some(name) = external {
         return Ok(Ok(format!(
-            "not run again: the policy `{name}` is a program of its author; the baselines of {size} of {total} agree {accuracy}"
+            "not run again: the policy `{name}` is the author's own program; the baselines of {size} of {total} agree {accuracy}"
         )));
     }
     let power = sample.power(size, total);

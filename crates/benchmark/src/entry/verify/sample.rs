@@ -12,15 +12,15 @@ use rand_chacha::ChaCha8Rng;
 /// repeated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Number of episodes; by default so many that one of the forged episodes is among them with a probability of
-    /// [`Sample::PROBABILITY`] if [`Sample::FORGED`] of all episodes are forged.
+    /// Number of episodes; by default enough to include a forged episode with probability [`Sample::PROBABILITY`] if
+    /// [`Sample::FORGED`] of all episodes are forged.
     pub episodes: Option<NonZeroUsize>,
     /// Seed of the sample.
     pub seed: u64,
 }
 
 impl Sample {
-    /// Share of forged episodes that the default number is made for.
+    /// Share of forged episodes assumed for the default number.
     pub const FORGED: f64 = 0.1;
     /// Probability with which the default number finds one of them.
     pub const PROBABILITY: f64 = 0.95;
@@ -35,7 +35,7 @@ impl Sample {
         numbers
     }
 
-    /// Describes what a sample of this size finds.
+    /// Describes the chance that a sample of this size finds a forged episode.
     pub(super) fn power(&self, size: usize, total: usize) -> String {
         let forged = forged(total);
         let percent = 100.0 * found(size, forged, total);

@@ -10,17 +10,17 @@ use crate::results::Results;
 
 /// The controller that is compared.
 pub(super) const GUIDELINE: &str = "guideline36";
-/// What it is compared with.
+/// The controller that it is compared with.
 const OWN: &str = "own";
-/// Share of the energy that is no difference.
+/// Relative difference of energy that counts as equal.
 const ENERGY_TOLERANCE: f64 = 0.005;
 
-/// The buildings that have been run under both.
+/// The buildings that were run under both.
 pub(super) struct Comparison {
     pairs: Vec<Pair>,
 }
 
-/// A building: its figures over all periods under its own controls and under the guideline.
+/// A building with its figures over all periods, under its own controls and under the guideline.
 struct Pair {
     building: String,
     own: Figures,
@@ -45,7 +45,7 @@ impl Comparison {
         Self { pairs }
     }
 
-    /// Returns the number of buildings in which the guideline holds.
+    /// Returns the number of buildings where the guideline holds.
     pub(super) fn tiles(&self) -> Vec<(String, String)> {
         let holds = self.pairs.iter().filter(|pair| pair.holds()).count();
         let name =
@@ -53,7 +53,7 @@ impl Comparison {
         vec![(name, format!("{holds} of {}", self.pairs.len()))]
     }
 
-    /// Returns the table of the buildings in which it does not; none if there are none.
+    /// Returns the table of the buildings where the guideline does not hold, if any.
     pub(super) fn tables(&self) -> Option<Value> {
         let rows: Vec<_> = self.pairs.iter().filter(|pair| !pair.holds()).map(Pair::cells).collect();
         let title = format!(

@@ -17,7 +17,7 @@ pub(super) const HEADER: [&str; 7] = [
     "peak (W/m²)",
 ];
 
-/// The figures of an episode, or of several together.
+/// The figures of one or several episodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Figures {
     /// Period.
@@ -32,13 +32,14 @@ pub(super) struct Figures {
     pub(super) discomfort: f64,
     /// Peak electric demand, W/m².
     peak: f64,
-    /// Whether discomfort is beyond the baseline's and the free one.
+    /// Whether discomfort exceeds the baseline's by more than the free allowance.
     pub(super) uncomfortable: bool,
 }
 
 impl Figures {
-    /// Returns the figures of the episodes of a controller: one for the tasks of each building and period, in the order in which
-    /// they ran. Energy and comfort come from the first task, whose tariff no controller of these experiments reads.
+    /// Returns the figures of a controller's episodes: one for all tasks of a building and period, in the order in
+    /// which they ran. Energy and comfort come from the first task, whose tariff no controller of these experiments
+    /// reads.
     pub(super) fn of_episodes(
         experiment: &Experiment,
         results: &Results,
@@ -77,7 +78,7 @@ impl Figures {
         })
     }
 
-    /// Returns the figures of several periods together; `None` of none.
+    /// Returns the figures of several periods together; `None` if there are none.
     pub(super) fn together(periods: &[Self]) -> Option<Self> {
         let (first, rest) = periods.split_first()?;
         let mut sum = first.clone();

@@ -14,7 +14,7 @@ use super::content::Content;
 use crate::definition::Experiment;
 use crate::results::Results;
 
-/// What stands in place of a period for all together.
+/// Name used instead of a period for all periods together.
 const TOGETHER: &str = "together";
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
@@ -60,7 +60,7 @@ fn by_period(experiment: &Experiment, results: &Results) -> Value {
     table(experiment, "By type and period", "two weeks each; medians over the buildings", &rows)
 }
 
-/// Returns the figures of a controller in the buildings of a type: for each building, one a period.
+/// Returns the figures of a controller in the buildings of a type: for each building, one per period.
 fn buildings(
     experiment: &Experiment,
     results: &Results,
