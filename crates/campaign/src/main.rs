@@ -63,7 +63,7 @@ enum Part {
     Tricks,
 }
 
-/// What a part of the campaign works with.
+/// Program, material and limits for a part of the campaign.
 struct Campaign<'a> {
     program: &'a Program,
     material: &'a Material,

@@ -88,7 +88,7 @@ impl Run {
         Ok(self.child.try_wait()?.is_some())
     }
 
-    /// Returns the process and its children, as far as they are running.
+    /// Returns the process and its children that are still running.
     pub fn processes(&self) -> Vec<Pid> {
         let mark = format!("TMPDIR={}", self.temporary.path().display());
         let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Folders and files that a stranger prepared, and commands that begin at once.
+//! Folders and files prepared by a stranger, and commands that start at the same time.
 
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -20,7 +20,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// Time in which a command ends after a signal, with a margin.
 const GRACE: Duration = Duration::from_secs(15);
 
-/// What an attack works with.
+/// Program and material of an attack.
 struct Attack<'a> {
     program: &'a Program,
     material: &'a Material,
@@ -75,7 +75,7 @@ impl Attack<'_> {
         Ok((ended, mark.exists().then(|| "code of the current folder ran".to_owned())))
     }
 
-    /// Links to a file of somebody else, where a command writes.
+    /// Links to somebody else's file in places where a command writes.
     fn links_in_the_way(&mut self) -> Result<Outcome> {
         let theirs = self.folder.join("theirs");
         std::fs::write(&theirs, "theirs")?;
@@ -110,7 +110,7 @@ impl Attack<'_> {
         Ok((run.end(moment + GRACE)?, None))
     }
 
-    /// A bit of a file that is read again.
+    /// A flipped bit in a file that is read again.
     fn flipped_bit(&mut self) -> Result<Outcome> {
         let (name, arguments) = *pick(
             &[

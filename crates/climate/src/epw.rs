@@ -17,7 +17,7 @@ const FLAGS: usize = 5;
 const DRY_BULB: usize = 6;
 /// Column of the global horizontal radiation.
 const GLOBAL_RADIATION: usize = 13;
-/// Plausible values: column, quantity and limits, and the value that stands for a missing one. The first are beyond the
+/// Plausible values: column, quantity, limits, and the placeholder for a missing value. The limits are beyond the
 /// records on Earth.
 const LIMITS: [(usize, &str, [f64; 2], f64); 4] = [
     (DRY_BULB, "dry-bulb temperature (°C)", [-90.0, 60.0], 99.9),

@@ -1,4 +1,4 @@
-//! EPW files, each read once while several parts of a program ask for it.
+//! EPW files, each read only once although several parts of a program need it.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -10,7 +10,7 @@ pub enum Error {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// Reason.
         why: String,
     },
     /// A place without a known weather file.

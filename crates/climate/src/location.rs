@@ -75,7 +75,7 @@ impl Location {
         }
     }
 
-    /// ASHRAE 169 climate zone; `None` for a region, whose houses do not depend on it.
+    /// ASHRAE 169 climate zone; `None` for a region, because its houses do not depend on it.
     pub fn ashrae_zone(&self) -> Option<&str> {
         match self {
             Self::Place(place) => Some(place.ashrae_zone),

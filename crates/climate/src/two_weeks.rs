@@ -1,36 +1,36 @@
-//! Two weeks of a year for operation, chosen by a rule from its weather, as BOPTEST names them.
+//! Two-week periods of a year for tasks of operation, chosen from its weather by a rule and named as in BOPTEST.
 //!
-//! The rule uses the daily means of the outdoor temperature. Days below 15 °C heat and days above 18 °C cool, and where
-//! there are fewer than 14 of these, the 14 coldest or warmest days count. In this order, each of the windows that have
-//! no day in common with those before:
+//! The rule uses daily mean outdoor temperatures. Days below 15 °C count as heating days and days above 18 °C as
+//! cooling days; if there are fewer than 14, the 14 coldest or warmest days count. The periods are chosen in this
+//! order, each without a day in common with earlier ones:
 //!
 //! 1. peak heating: the two weeks with the lowest mean temperature;
 //! 2. peak cooling: the two weeks with the highest;
-//! 3. typical heating: the mean temperature is nearest to the median of the days that heat;
-//! 4. typical cooling: the mean temperature is nearest to the median of the days that cool;
+//! 3. typical heating: the mean temperature is nearest to the median of the heating days;
+//! 4. typical cooling: the mean temperature is nearest to the median of the cooling days;
 //! 5. mixed: the mean temperature is nearest to the middle of both limits.
 //!
-//! Among equals the earliest. Seasons are not needed, so that the rule is the same in both hemispheres.
+//! Of equal periods, the earliest is chosen. The rule does not use seasons, so it is the same in both hemispheres.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Days of each.
+/// Length of each period, days.
 pub const TWO_WEEKS: usize = 14;
 const DAYS: usize = 365;
-/// Daily mean temperature below which buildings heat, and above which they cool, °C.
+/// Daily mean temperature below which a day counts as heating, and above which as cooling, °C.
 const LIMITS: [f64; 2] = [15.0, 18.0];
 
-/// Two weeks of a year.
+/// A two-week period of a year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum TwoWeeks {
     /// The coldest.
     PeakHeating,
     /// The warmest.
     PeakCooling,
-    /// As cold as most days that heat.
+    /// As cold as typical heating days.
     TypicalHeating,
-    /// As warm as most days that cool.
+    /// As warm as typical cooling days.
     TypicalCooling,
     /// Neither cold nor warm.
     Mixed,
@@ -52,7 +52,8 @@ impl TwoWeeks {
         }
     }
 
-    /// Returns the first day, from 1, in a year of 8760 hourly outdoor temperatures, °C; `None` if there are not as many.
+    /// Returns the first day, from 1, in a year of 8760 hourly outdoor temperatures, °C; `None` for another number of
+    /// hours.
     pub fn first_day(self, hourly: &[f64]) -> Option<u32> {
         if hourly.len() != 24 * DAYS {
             return None;
@@ -74,7 +75,7 @@ impl TwoWeeks {
         None
     }
 
-    /// The mean temperature to be nearest to.
+    /// Returns the mean temperature that the period should be nearest to.
     fn wanted(self, days: &[f64]) -> f64 {
         match self {
             Self::PeakHeating => -1e3,

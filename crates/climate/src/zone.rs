@@ -74,7 +74,7 @@ impl ClimateYear {
         }
     }
 
-    /// Returns whether the coldest month has -3 to 18 °C, the warmest less than 22 °C, and four months more than 10 °C.
+    /// Returns whether the coldest month is between -3 and 18 °C, the warmest below 22 °C, and four months above 10 °C.
     fn marine(&self) -> bool {
         let months = self.monthly_dry_bulbs;
         let coldest = months.iter().copied().fold(f64::INFINITY, f64::min);

@@ -26,7 +26,7 @@ pub enum Confinement {
 }
 
 impl Confinement {
-    /// Returns how far this machine can confine.
+    /// Returns how far processes can be confined on this machine.
     pub fn available() -> Self {
         std::thread::spawn(confine).join().unwrap_or(Self::None)
     }
@@ -51,7 +51,7 @@ pub fn confine() -> Confinement {
     confine_to(None)
 }
 
-/// Like [`confine`], and to writing in `folder`.
+/// Like [`confine`], but also allows writing in `folder`.
 pub fn confine_with(folder: &Path) -> Confinement {
     CONFINED.set(true);
     confine_to(Some(folder))
@@ -77,8 +77,8 @@ fn confine_to(folder: Option<&Path>) -> Confinement {
     restrict([temporary, devices].into_iter().chain(folders), parent)
 }
 
-/// Allows writing in some folders, and removing empty folders in another: a worker whose owner is gone removes the temporary folder
-/// that it was given.
+/// Allows writing in some folders, and removing empty folders in another, because a worker whose owner is gone removes
+/// its own temporary folder.
 #[cfg(target_os = "linux")]
 fn restrict(writable: impl Iterator<Item = PathBuf>, emptied: Option<PathBuf>) -> Confinement {
     use landlock::{

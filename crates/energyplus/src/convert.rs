@@ -9,7 +9,7 @@ use crate::{Error, Library, Result};
 use b2b_base::scratch::temporary_folder;
 
 impl Library {
-    /// Converts an IDF file and returns its epJSON text. Runs in a thread that is confined as by [`confine`](crate::confine).
+    /// Converts an IDF file and returns its epJSON text. Runs in a thread confined as by [`confine`](crate::confine).
     ///
     /// # Errors
     /// [`Error::MissingFile`] if the file does not exist; [`Error::Engine`] with the messages of EnergyPlus if it cannot

@@ -42,7 +42,7 @@ pub enum Error {
         /// Messages of EnergyPlus.
         messages: Messages,
     },
-    /// A process that EnergyPlus crashed, or that took too long and was killed.
+    /// A process in which EnergyPlus crashed, or that took too long and was killed.
     #[error(
         "EnergyPlus {end} while {doing}{last_messages}\n\
          Correct the objects of the model or the lines of the weather file that the messages name, or remove objects until it runs"
@@ -116,7 +116,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Names the work of an [`Error::Process`] in the terms of its caller, who knows the name of the model.
+    /// Describes the work of an [`Error::Process`] in the caller's terms, because the caller knows the name of the
+    /// model.
     #[must_use]
     pub fn while_doing(self, doing: impl Into<String>) -> Self {
         match self {

@@ -9,13 +9,13 @@ use crate::{Messages, Result};
 ///
 /// A crash is then an error, [`Error::Process`](crate::Error::Process), and not the end of this process.
 pub trait Host: fmt::Debug + Send + Sync {
-    /// Converts an IDF file, as [`Library::convert_idf`](crate::Library::convert_idf) does.
+    /// Converts an IDF file, like [`Library::convert_idf`](crate::Library::convert_idf).
     ///
     /// # Errors
     /// As there; [`Error::Process`](crate::Error::Process); [`Error::Interrupted`](crate::Error::Interrupted).
     fn convert_idf(&self, idf: &Path) -> Result<String>;
 
-    /// Runs a model (epJSON or IDF) over a weather file to its end, as [`Run::to_end`](crate::Run::to_end) does.
+    /// Runs a model (epJSON or IDF) over a weather file to its end, like [`Run::to_end`](crate::Run::to_end).
     ///
     /// # Errors
     /// As there; [`Error::Process`](crate::Error::Process); [`Error::Interrupted`](crate::Error::Interrupted).

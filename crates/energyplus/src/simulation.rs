@@ -76,8 +76,9 @@ impl Run {
         }
     }
 
-    /// Runs the model to its end without suspending, as the EnergyPlus command does, and returns its messages. Its output is
-    /// in the output folder; without one, nothing but the messages is kept, and a [`Host`](crate::Host) is not used. Runs in a thread that is confined as by [`confine`](crate::confine) and to this folder.
+    /// Runs the model to its end without suspending, like the EnergyPlus command, and returns its messages. Output goes
+    /// to the output folder; without one, only the messages are kept and no [`Host`](crate::Host) is used. Runs in a
+    /// thread that is confined as by [`confine`](crate::confine) but may also write to this folder.
     ///
     /// # Errors
     /// The errors of [`Run::start`].

@@ -9,17 +9,17 @@ use crate::{Error, Result};
 
 /// Least difference of a cooling and a heating setpoint, K (Guideline 36, 5.3.2).
 const LEAST_WIDTH: f64 = 0.5;
-/// Setpoints of a zone in which nothing asks for heat or for cooling, °C: no zone gets there.
+/// Setpoints of a zone without a demand for heat or cooling, °C. No zone reaches them.
 const UNASKED: [f64; 2] = [0.0, 50.0];
 
-/// Where the comfort band of a zone comes from.
+/// The source of a zone's comfort band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Band {
     /// The schedules of the model's own thermostats. A generated house has the setpoints of a household, drawn by its id.
     #[default]
     Own,
-    /// One pair of setpoints while people are in the zone and one while not, [heating, cooling], °C.
+    /// One pair of setpoints while people are in the zone and one while they are not, [heating, cooling], °C.
     Presence {
         /// While people are present.
         occupied: [f64; 2],
@@ -77,11 +77,11 @@ pub struct Pair {
 pub struct NextPair {
     /// Hours until then.
     pub hours: f64,
-    /// What follows.
+    /// The next setpoints.
     pub pair: Pair,
 }
 
-/// The comfort bands of the controlled zones of a building under a task, as a building management system knows them.
+/// The comfort bands of a building's controlled zones under a task, as a building management system would know them.
 #[derive(Clone, Debug)]
 pub struct Bands {
     band: Band,
@@ -146,7 +146,7 @@ impl Bands {
         Some(Self { band: band.clone(), zones: zones.collect() })
     }
 
-    /// Returns the setpoints of a controlled zone. `people`: whether there are any.
+    /// Returns the setpoints of a controlled zone. `people` is whether any are present.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let zone = &self.zones[zone];
         match &self.band {

@@ -1,4 +1,4 @@
-//! What the energy of an episode costs under its tariff, and emits under its profile.
+//! Cost of an episode's energy under its tariff, and emissions under its profile.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub(crate) struct Billing {
     hours: f64,
 }
 
-/// Cost and emissions of a step where a tariff or a profile decides them.
+/// Cost and emissions of a step, where a tariff or a profile determines them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Billed {
     /// Cost, currency/m².
@@ -81,7 +81,7 @@ impl Billing {
         Billed { cost, emissions: self.emissions.as_ref().map(emitted) }
     }
 
-    /// Writes the electricity prices of the hours ahead, currency/kWh, as they are known at a moment.
+    /// Writes the electricity prices of the hours ahead, currency/kWh, as known at a moment.
     pub(crate) fn preview(
         &self,
         day_of_year: u32,
@@ -125,12 +125,12 @@ fn prices(task: &Task, weather: &Path) -> Result<Option<Prices>> {
 pub struct ElectricityPrice {
     /// Currency; `None` where the task gives prices without one.
     pub currency: Option<String>,
-    /// Price at the beginning of each step, currency/kWh; of the first block where energy has blocks.
+    /// Price at the beginning of each step, currency/kWh; the first block's price if the tariff has blocks.
     pub steps: Vec<f64>,
 }
 
 impl ElectricityPrice {
-    /// Returns the price in the steps of an episode, by the tariff or the prices of its task.
+    /// Returns the price in the steps of an episode, from the tariff or the prices of its task.
     ///
     /// # Errors
     /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.

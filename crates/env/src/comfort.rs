@@ -23,7 +23,7 @@ pub enum Comfort {
     Pmv(Pmv),
     /// Deviation from the band, K, times a weight: the tasks of operation.
     Band {
-        /// Penalty of a kelvin outside the band, averaged over the zones, in mean steps of cost.
+        /// Penalty per kelvin outside the band, averaged over the zones, in units of the mean cost of a step.
         weight: f64,
     },
 }

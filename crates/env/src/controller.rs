@@ -10,8 +10,8 @@ pub trait Controller {
     /// Writes the action for an observation. Both in the order and the units of the environment's spaces.
     fn act(&mut self, observation: &[f64], action: &mut [f64]);
 
-    /// Returns the decisions behind the last action, for records and pages; `None` from a controller without any. Their slots
-    /// stay the same during an episode.
+    /// Returns the decisions behind the last action, for records and pages; `None` for a controller that records none.
+    /// Their slots stay the same during an episode.
     fn record(&self) -> Option<&Decisions> {
         None
     }

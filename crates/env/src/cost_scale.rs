@@ -5,10 +5,11 @@ use std::sync::LazyLock;
 use b2b_building::Class;
 use serde::{Deserialize, Serialize};
 
-/// Cost of an hour in a building of no measured class, currency/m²: a round figure near the mean of all classes.
+/// Cost of an hour in a building whose class was not measured, currency/m²: a round figure near the mean of all
+/// classes.
 const TYPICAL: f64 = 9e-4;
 
-/// The cost scale of a class, as `b2b tune operation` measures it: the mean cost of the guideline controller in training
+/// The cost scale of a class, measured by `b2b tune operation`: the mean cost of the guideline controller in training
 /// buildings of the class at constant prices, over the five two-week periods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,7 +49,7 @@ mod tests {
     #[test]
     fn shipped_scales_are_plausible_costs_of_an_hour() {
         for shipped in CostScale::shipped() {
-            // 1 to 100 W/m² at 0.04 to 0.2 a kWh.
+            // 1 to 100 W/m² at 0.04 to 0.2 per kWh.
             assert!((4e-5..2e-2).contains(&shipped.cost_scale), "{shipped:?}");
             let step = CostScale::of(Some(shipped.class), 12);
             assert!((12.0 * step / shipped.cost_scale - 1.0).abs() < 1e-12);

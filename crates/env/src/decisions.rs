@@ -11,9 +11,9 @@ pub struct DecisionSlot {
     pub name: String,
     /// Unit; `1` where there is none.
     pub unit: &'static str,
-    /// Name of the zone whose it is; `None` of a system.
+    /// Name of its zone; `None` for a system's slot.
     pub zone: Option<String>,
-    /// Names of the states that the values 1, 2, … stand for; empty of a quantity.
+    /// Names of the states for the values 1, 2, …; empty for a quantity.
     pub states: &'static [&'static str],
 }
 
@@ -25,7 +25,7 @@ pub struct Decisions {
     pub values: Vec<f64>,
 }
 
-/// The decisions behind every action of an episode. They are no part of its trajectory, nor of its hash.
+/// The decisions behind every action of an episode. They are not part of its trajectory or its hash.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DecisionLog {
     slots: Vec<DecisionSlot>,
@@ -53,7 +53,7 @@ impl DecisionLog {
         Self { rows: Vec::with_capacity(slots.len() * steps), slots }
     }
 
-    /// The slots; none of a controller without decisions.
+    /// The slots; none for a controller without decisions.
     pub fn slots(&self) -> &[DecisionSlot] {
         &self.slots
     }

@@ -26,8 +26,8 @@ pub struct EngineReport {
     pub warning_messages: Vec<String>,
     /// The first severe and fatal messages.
     pub severe_messages: Vec<String>,
-    /// HVAC electricity and gas over the run period by EnergyPlus's own meters, Wh/m². `None` where the engine wrote
-    /// none, after a restore.
+    /// HVAC electricity and gas over the run period from EnergyPlus's own meters, Wh/m². `None` if the engine wrote
+    /// none, as after a restore.
     pub meters: Option<[f64; 2]>,
     /// Names of the controlled zones that are never occupied: occupancy setpoints always leave them at the unoccupied
     /// target.

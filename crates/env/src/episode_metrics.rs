@@ -29,12 +29,13 @@ pub struct MetricColumn {
     pub doc: &'static str,
     /// How `b2b compare` shows it, if it does.
     pub display: Option<Display>,
-    /// Whether the value of an episode may be unknown, also because the metric is younger than the episode.
+    /// Whether the value of an episode may be unknown, for example because the episode was recorded before the metric
+    /// existed.
     pub may_be_unknown: bool,
     source: Source,
 }
 
-/// Where the values of a column are.
+/// The location of a column's values.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Field { get: fn(&EpisodeMetrics) -> Option<MetricValue>, set: fn(&mut EpisodeMetrics, f64) },
@@ -52,7 +53,7 @@ impl MetricValue {
 }
 
 impl MetricColumn {
-    /// Reads the column; `None` if the value is unknown, because the metric is younger than the episode.
+    /// Reads the column; `None` if the value is unknown, for example in an episode recorded before the metric existed.
     pub fn get(&self, metrics: &EpisodeMetrics) -> Option<MetricValue> {
         match self.source {
             Source::Field { get, .. } => get(metrics),
@@ -103,7 +104,7 @@ impl Cell for f64 {
     }
 }
 
-/// A metric that some episodes do not have.
+/// A metric that is missing in some episodes.
 impl Cell for Option<f64> {
     const MAY_BE_UNKNOWN: bool = true;
 
@@ -120,8 +121,8 @@ fn is_unknown(cell: &impl Cell) -> bool {
     cell.value().is_none()
 }
 
-/// Declares the metrics that are not terms: documentation, field, type, name and unit of the column, how it follows from
-/// [`Metrics`], and how `b2b compare` shows it. The columns of the terms are between the two groups.
+/// Declares the metrics that are not terms: documentation, field, type, name and unit of the column, its computation
+/// from [`Metrics`], and how `b2b compare` shows it. The columns of the terms are between the two groups.
 macro_rules! episode_metrics {
     (
         before { $($(#[doc = $doc:literal])* $field:ident: $type:ty = $name:literal, $unit:literal, $of:expr, $display:expr;)* }
@@ -318,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_reads_back_also_without_terms_that_are_younger_than_it() {
+    fn a_record_reads_back_even_without_newer_terms() {
         #[derive(Debug, PartialEq, Serialize, Deserialize)]
         struct Record {
             building: String,

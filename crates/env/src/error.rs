@@ -162,7 +162,7 @@ pub enum Error {
     /// A preview in a task with targets.
     #[error("a preview needs comfort bands; expected a task such as operate+preview")]
     PreviewWithoutBands,
-    /// A preview of a weather file that is not a year.
+    /// A preview with a weather file that does not cover a year.
     #[error("the preview needs the 8760 hours of a year; {weather} has {hours}")]
     PreviewWeather {
         /// The weather file.

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::reward::ZoneStep;
 
-/// Length of the means whose largest is the peak demand, h.
+/// Averaging time of the peak demand, h.
 const DEMAND_HOURS: f64 = 0.25;
 /// Tolerance on sums of hours.
 const EPSILON: f64 = 1e-9;
 
-/// Sums over an episode that only the indicators need. Discomfort is integrated by the trapezoid rule over each step, in which
-/// the band is constant, from the start of the episode on.
+/// Sums over an episode that only the indicators need. Discomfort is integrated with the trapezoid rule over each step,
+/// during which the band is constant, from the start of the episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kpis {
     /// Discomfort, K h, summed over the zones.
@@ -33,7 +33,7 @@ struct Demand {
 }
 
 impl Kpis {
-    /// Begins an episode at temperatures of the zones.
+    /// Begins an episode with the temperatures of the zones.
     pub fn begin(temperatures: Vec<f64>) -> Self {
         Self { temperatures, ..Self::default() }
     }
@@ -50,7 +50,7 @@ impl Kpis {
         }
     }
 
-    /// Returns the discomfort, K h for each of a number of zones.
+    /// Returns the discomfort, K h per zone, for a number of zones.
     pub fn discomfort(&self, zones: usize) -> f64 {
         self.discomfort / zones.max(1) as f64
     }

@@ -43,7 +43,7 @@ pub struct Metrics {
     pub energy_penalty: f64,
     /// Energy, cost, emissions, peaks and the other terms: see [`Metrics::total`].
     pub(crate) terms: Totals,
-    /// Travel of each actuator in full strokes: 1 is once from its lower to its upper bound.
+    /// Travel of each actuator, full strokes: 1 is from the lower bound to the upper bound.
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
     pub clamped_actions: usize,
@@ -229,7 +229,7 @@ impl Metrics {
         Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
     }
 
-    /// Returns a total of operation in a larger unit; `None` in tasks without bands.
+    /// Returns the total of a term in a task of operation; `None` in tasks without bands.
     fn operation_total(&self, term: Term) -> Option<f64> {
         self.kpis.as_ref().map(|_| self.total(term))
     }

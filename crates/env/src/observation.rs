@@ -32,9 +32,9 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
-/// With bands, a heating and a cooling setpoint take the place of the target. With a preview, the next setpoints of every
-/// controlled zone with the hours until then follow, and 24 electricity prices, outdoor temperatures and solar radiations
-/// of the hours ahead.
+/// With bands, a heating and a cooling setpoint replace the target. With a preview, these slots follow: the next
+/// setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor temperatures and
+/// solar radiations of the hours ahead.
 ///
 /// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
@@ -42,13 +42,13 @@ pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
     constant_target: Option<f64>,
-    /// Slots of each controlled zone for what the task asks of it; empty with constant targets.
+    /// Occupancy and setpoint slots of each controlled zone; empty with constant targets.
     asked: Vec<AskedSlots>,
     /// First slot of the preview.
     ahead: Option<usize>,
 }
 
-/// Slots of a controlled zone for what the task asks of it.
+/// Occupancy and setpoint slots of a controlled zone.
 #[derive(Clone, Copy, Debug)]
 struct AskedSlots {
     occupancy: usize,
@@ -60,7 +60,7 @@ struct AskedSlots {
 pub enum Target {
     /// In this slot of the observation.
     Slot(usize),
-    /// In the middle of the heating and the cooling setpoint in these slots.
+    /// Halfway between the heating and cooling setpoints in these slots.
     Between([usize; 2]),
     /// Constant, °C.
     Always(f64),
@@ -156,7 +156,8 @@ const SHARED_SLOTS: [SharedSlot; SHARED] = [
     ),
 ];
 
-/// Gives the slots of a preview: the next setpoints of every controlled zone, then prices and weather of the hours ahead.
+/// Adds the slots of a preview: the next setpoints of every controlled zone, then prices and weather of the hours
+/// ahead.
 fn preview_slots(
     building: &PreparedBuilding,
     mut give: impl FnMut((String, Owner, Observed, &'static str, (f64, f64), &'static str)),

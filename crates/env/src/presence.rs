@@ -43,7 +43,7 @@ impl Presence {
     }
 }
 
-/// Returns the names of the controlled zones to which the model assigns no people, or 0 of them.
+/// Returns the names of the controlled zones to which the model assigns no people, or zero people.
 ///
 /// # Errors
 /// The errors of [`people::groups`].

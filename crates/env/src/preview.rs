@@ -1,7 +1,7 @@
-//! The preview: what a building management system knows of the hours ahead, as a part of the observation.
+//! The preview: what a building management system knows about the hours ahead, as part of the observation.
 //!
-//! For every controlled zone the next change of its setpoints by the schedules, and for the building the electricity
-//! price, the outdoor temperature and the solar radiation of the next 24 hours, one value an hour.
+//! For every controlled zone, it has the next scheduled change of its setpoints; for the building, the electricity
+//! price, the outdoor temperature and the solar radiation of the next 24 hours, one value per hour.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ const FIRST_STREAM: u64 = 1 << 41;
 pub struct Preview {
     /// Standard deviation of the error of the outdoor temperature 24 hours ahead, K.
     pub temperature_error: f64,
-    /// Standard deviation of the error of the solar radiation 24 hours ahead, as a share of it.
+    /// Standard deviation of the error of the solar radiation 24 hours ahead, as a share of the radiation.
     pub solar_error: f64,
     /// Random seed of the errors.
     pub seed: u64,
@@ -57,7 +57,7 @@ impl Forecast {
     /// Returns the forecast of a weather file.
     ///
     /// # Errors
-    /// [`Error::Building`] if the file cannot be read; [`Error::PreviewWeather`] if it is not a year.
+    /// [`Error::Building`] if the file cannot be read; [`Error::PreviewWeather`] if it does not cover a year.
     pub(crate) fn new(preview: Preview, weather: &Path) -> Result<Self> {
         let file = EpwFile::open(weather).map_err(Error::building)?;
         let (temperatures, solar) = (file.dry_bulbs(), file.global_radiation());

@@ -24,8 +24,7 @@ impl Reward {
 /// Reward and terms of a step as numbers: temperature penalty, energy penalty, and the terms in their order.
 pub type StepNumbers = [f64; 2 + TERMS];
 
-/// The numbers of a step that Python's `info` has: temperature penalty, energy penalty, and the terms of
-/// [`Term::in_info`].
+/// The numbers of a step in Python's `info`: temperature penalty, energy penalty, and the terms with [`Term::in_info`].
 pub type InfoNumbers = [f64; 2 + IN_INFO];
 
 /// Returns reward and terms as numbers.
@@ -85,7 +84,7 @@ pub struct ZoneStep {
 }
 
 impl ZoneStep {
-    /// A zone with a target.
+    /// Returns a zone with a target.
     pub const fn with_target(
         temperature: f64,
         target: f64,
@@ -101,7 +100,7 @@ impl ZoneStep {
         self.pair.deviation(self.temperature)
     }
 
-    /// Penalized deviation, K; 0 above if that is not penalized.
+    /// Penalized deviation, K; 0 above the target where that is not penalized.
     pub fn deviation(&self) -> f64 {
         let deviation = self.signed_deviation();
         if self.penalize_above_target { deviation } else { deviation.min(0.0) }

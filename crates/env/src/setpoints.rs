@@ -50,7 +50,7 @@ pub enum Setpoints {
     },
     /// A heating and a cooling setpoint for every zone: the tasks of operation.
     Band {
-        /// Where they come from.
+        /// Source of the setpoints.
         #[serde(default)]
         band: Band,
     },
@@ -157,7 +157,7 @@ impl FromStr for Setpoints {
     }
 }
 
-/// Reads `21-24/15.6-28`: heating and cooling setpoint with people and without.
+/// Reads `21-24/15.6-28`: heating and cooling setpoints with people and without.
 fn presence_pairs(text: &str) -> Option<Band> {
     let pair = |text: &str| {
         let (heating, cooling) = text.split_once('-')?;
@@ -197,7 +197,7 @@ impl Setpoints {
     }
 }
 
-/// What the task asks of a zone in a step.
+/// The task's targets for a zone in a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Asked {
     /// Whether the zone counts as occupied.
@@ -209,7 +209,7 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Before the first observation.
+    /// The value before the first observation.
     pub(crate) const UNKNOWN: Self =
         Self { occupied: false, target: f64::NAN, pair: Pair { heating: f64::NAN, cooling: f64::NAN } };
 }
@@ -253,8 +253,8 @@ impl Targets {
         }
     }
 
-    /// Returns what is asked of a zone at a moment. `people`: whether the simulated zone has people; ignored by random
-    /// setpoints, which draw occupancy.
+    /// Returns the targets of a zone at a moment. `people` is whether the simulated zone has people; random setpoints
+    /// draw occupancy and ignore it.
     pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> Asked {
         if let Some(bands) = &self.bands {
             let pair = bands.at(zone, moment.day_of_year, moment.hour, people);

@@ -30,7 +30,7 @@ pub enum Error {
         /// Its name.
         name: &'static str,
     },
-    /// Weather that is not a year.
+    /// Weather that does not cover a year.
     #[error("{weather} has {hours} hours; a year with 8760 hours is needed")]
     NotOneYear {
         /// The file.
@@ -41,7 +41,7 @@ pub enum Error {
     /// The server cannot run.
     #[error("cannot {what}: {source}")]
     Io {
-        /// What it could not do.
+        /// The operation that failed.
         what: &'static str,
         /// Reason.
         source: std::io::Error,

@@ -1,11 +1,11 @@
 //! BOPTEST's interface: a building behind the REST calls of the Building Optimization Testing Framework, so that clients
 //! written for it run against any building here.
 //!
-//! - A [`Subject`] is what is served: a prepared building with its weather, task and baseline controller, and the points,
-//!   prices and forecasts that follow from them.
-//! - [`serve`] answers HTTP requests until it is told to stop. `http` has the calls and the tests in progress.
-//! - Each test runs in a thread with worker processes of its own (`simulation`): a crash of the engine is an answer with
-//!   status 500, and the server goes on.
+//! - A [`Subject`] is the served building: prepared, with its weather, task and baseline controller, and the points,
+//!   prices and forecasts derived from them.
+//! - [`serve`] answers HTTP requests until it is stopped. `http` has the calls and the tests in progress.
+//! - Each test runs in a thread with its own worker processes (`simulation`), so a crash of the engine is an answer
+//!   with status 500 and the server keeps running.
 //!
 //! `docs/serve.md` describes the calls and what differs from BOPTEST.
 #![cfg(target_os = "linux")]

@@ -8,13 +8,13 @@ use crate::fuel::{ByFuel, Fuel};
 use crate::prices::{Prices, quarter};
 use crate::tariff::{Blocks, MAX_CHARGES, MAX_NAMES};
 
-/// Part of a quarter-hour that is rounding: half a second.
+/// Part of a quarter-hour that counts as rounding: half a second.
 const ROUNDING: f64 = 5e-4;
 
-/// The bill of an episode. It holds no reference and allocates nothing, so a copy continues as the original does.
+/// The bill of an episode. It holds no references and allocates nothing, so a copy continues like the original.
 ///
 /// Monthly charges, and monthly blocks of energy, are billed by the share of a month's days that the episode covers: two
-/// weeks do not pay a whole month's peak. A ratchet knows the peaks of the episode only.
+/// weeks do not pay a whole month's peak. A ratchet only knows the peaks within the episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bill {
     first_day: u32,
@@ -24,14 +24,14 @@ pub struct Bill {
     month: usize,
     /// kWh that count for the blocks, this day or month.
     block_energy: f64,
-    /// kWh of the running quarter-hour and which it is.
+    /// kWh of the current quarter-hour, and its index.
     quarter: usize,
     quarter_energy: f64,
     /// Largest quarter-hour mean of the month of each charge, kW.
     peaks: [f64; MAX_CHARGES],
     /// Largest one of the ratchet's dates, kW.
     ratchets: [f64; MAX_CHARGES],
-    /// Months of each charge in the running month: the share of its days.
+    /// Share of the current month's days that each charge covers.
     shares: [f64; MAX_CHARGES],
     closed: [Amount; MAX_CHARGES],
     energy: [Amount; MAX_NAMES],
@@ -59,7 +59,7 @@ pub struct StepCost {
 pub struct Part {
     /// Name: of a price of the tariff, a demand charge or a carrier.
     pub name: String,
-    /// kWh of energy; kW of a demand charge, the largest that was billed in a month.
+    /// kWh for energy; for a demand charge, the largest kW billed in a month.
     pub quantity: f64,
     /// `kWh` or `kW`.
     pub unit: &'static str,
@@ -95,10 +95,10 @@ impl Bill {
     }
 
     /// Adds a step that begins at a moment and lasts some hours, with the energy of each carrier in kWh (none negative), and
-    /// returns its cost. Power is constant during a step. Steps come in the order of time.
+    /// returns its cost. Power is constant during a step. Steps must come in order of time.
     ///
-    /// The demand charge of the step is the increase of what is billed until now, so that the sum over the steps is the bill.
-    /// At the first step of a month that can be the part that a ratchet bills anyway.
+    /// The demand charge of a step is the increase of the bill so far, so that the steps sum up to the bill. At the
+    /// first step of a month, it can be the part that a ratchet bills in any case.
     pub fn step(&mut self, prices: &Prices, at: Moment, energy: &ByFuel, hours: f64) -> StepCost {
         let before = self.demand(prices);
         let (mut from, end) = (at.quarters(), at.quarters() + hours * 4.0);
@@ -123,8 +123,8 @@ impl Bill {
         blocks.up_to[..blocks.count - 1].iter().filter(|end| **end * limit <= self.block_energy).count()
     }
 
-    /// Returns the mean power in kW of a quarter-hour up to which no demand charge grows at a moment: the least of the peaks
-    /// that are billed anyway, or free, over the charges that apply then. Infinite if none does.
+    /// Returns the mean power of a quarter-hour, kW, up to which no demand charge grows at a moment: the lowest peak
+    /// that is already billed or free, over the charges that apply. Infinite if none applies.
     pub fn free_power(&self, prices: &Prices, at: Moment) -> f64 {
         let applying = prices.charges_at(quarter(at));
         let is_new_month = self.day == 0 || month_of(at.day) != self.month;
@@ -138,7 +138,7 @@ impl Bill {
         free.fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the cost of the episode until now.
+    /// Returns the cost of the episode so far.
     pub fn total(&self, prices: &Prices) -> f64 {
         let energy = self.energy.iter().chain(&self.fuels).map(|amount| amount.cost).sum::<f64>();
         energy + self.demand(prices)
@@ -216,7 +216,7 @@ impl Bill {
         cost
     }
 
-    /// Measures the mean power of the running quarter-hour. Its energy until now is a lower bound that only grows, so the
+    /// Measures the mean power of the current quarter-hour. Its energy so far is a lower bound that only grows, so the
     /// peak is charged as it builds up.
     fn measure(&mut self, prices: &Prices, quarter: usize, energy: f64) {
         if self.quarter != quarter {
@@ -235,7 +235,7 @@ impl Bill {
         }
     }
 
-    /// Begins a day, and its month if that is another.
+    /// Begins a day, and a new month if it starts one.
     fn enter(&mut self, day: u32, prices: &Prices) {
         if day == self.day {
             return;
@@ -256,13 +256,13 @@ impl Bill {
         self.day = day;
     }
 
-    /// Returns what all demand charges cost until now.
+    /// Returns the cost of all demand charges so far.
     fn demand(&self, prices: &Prices) -> f64 {
         let charges = 0..prices.tariff.charges.len();
         charges.map(|index| self.closed[index].cost + self.charge(prices, index).cost).sum()
     }
 
-    /// Returns the billed kW of a charge in the running month and their cost.
+    /// Returns the billed kW of a charge in the current month and their cost.
     fn charge(&self, prices: &Prices, index: usize) -> Amount {
         let charge = &prices.tariff.charges[index];
         let least = self.least(charge, index);
@@ -274,7 +274,7 @@ impl Bill {
         Amount { quantity, cost: quantity * charge.price * share }
     }
 
-    /// Returns the kW of a charge that a ratchet bills anyway.
+    /// Returns the kW of a charge that a ratchet bills in any case.
     fn least(&self, charge: &Charge, index: usize) -> f64 {
         charge.ratchet.as_ref().map_or(0.0, |ratchet| ratchet.share * self.ratchets[index])
     }
@@ -286,7 +286,7 @@ impl Bill {
         days as f64 / f64::from(prices.tariff.month_days.unwrap_or(MONTH_DAYS[month]))
     }
 
-    /// Returns by what the ends of blocks are multiplied on a day.
+    /// Returns the factor on the ends of blocks on a day.
     fn scale(&self, prices: &Prices, day: u32) -> f64 {
         let month = month_of(day);
         let covered = self.covered(month).count() as f64;
@@ -304,7 +304,7 @@ impl Bill {
     }
 }
 
-/// Returns whether the kWh of blocks start anew between two days.
+/// Returns whether the kWh of blocks start over between two days.
 fn is_reset(blocks: &Blocks, before: u32, after: u32) -> bool {
     match blocks.per {
         Per::Day => before != after,

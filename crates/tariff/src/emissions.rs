@@ -14,7 +14,7 @@ use crate::tariff::Source;
 pub struct Emissions {
     /// Name: `frcc-average` of a shipped one, or the name of the file without its extension.
     pub name: String,
-    /// What it is of.
+    /// Title.
     pub title: String,
     /// Where it applies.
     pub place: String,
@@ -27,13 +27,13 @@ pub struct Emissions {
     fuels: FuelValues,
 }
 
-/// Which emissions a kWh of electricity stands for.
+/// Kind of emission rate of electricity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rate {
-    /// The average of what the grid generates: for an account of what was used.
+    /// The average over what the grid generates, for accounting of energy used.
     Average,
-    /// What a lasting change of the load changes, new plants included: for a comparison of controllers.
+    /// The effect of a lasting change of the load, including new plants, for comparing controllers.
     LongRunMarginal,
 }
 

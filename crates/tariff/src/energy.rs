@@ -14,7 +14,7 @@ const NONE: u16 = u16::MAX;
 /// Prices that apply at some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Class {
-    /// Which of the table's names.
+    /// Index of its name in the table.
     pub(crate) name: usize,
     /// Price of each block per kWh.
     pub(crate) prices: [f64; MAX_BLOCKS],
@@ -51,7 +51,7 @@ impl EnergyTable {
     /// take the rest.
     ///
     /// # Errors
-    /// A fault of an entry; of two prices at a time; of none at a time, at the place of the electricity.
+    /// A fault if an entry is wrong, or if a time has two prices or none.
     pub(crate) fn of(entries: &[Spanned<EnergyFile>], blocks: usize, place: usize) -> Result<Self, Fault> {
         let grid = vec![NONE; index(DAYS + 1, false, 0)];
         let is_hourly = entries.iter().any(|entry| entry.get_ref().hourly.is_some());
@@ -103,7 +103,7 @@ impl EnergyTable {
         index.ok_or_else(|| Fault::at(place, "more than 65,000 energy prices"))
     }
 
-    /// Puts an entry at its times. An entry without hours leaves those `taken`.
+    /// Puts an entry at its times. An entry without hours skips times in `taken`.
     fn put(&mut self, entry: &Spanned<EnergyFile>, blocks: usize, taken: &[u16]) -> Result<(), Fault> {
         let place = entry.span().start;
         let entry = entry.get_ref();
@@ -177,12 +177,12 @@ impl EnergyTable {
     }
 }
 
-/// Returns whether an entry takes the times that the entries with hours leave.
+/// Returns whether an entry applies at the times that entries with hours leave.
 fn is_rest(entry: &EnergyFile) -> bool {
     entry.hours.is_none() && entry.hourly.is_none()
 }
 
-/// Returns how an error names a time.
+/// Returns a time as text for an error.
 fn when(day: u32, weekend: bool, quarter: u32) -> String {
     let kind = if weekend { "weekends" } else { "weekdays" };
     format!("{} ({kind}, {}:{:02})", Date { day }, quarter / 4, quarter % 4 * 15)

@@ -16,7 +16,7 @@ pub enum Error {
         name: String,
         /// The most similar name, quoted; empty if none is similar.
         near: String,
-        /// The names that there are.
+        /// The known names.
         known: String,
     },
     /// A file that cannot be read.
@@ -34,15 +34,15 @@ pub enum Error {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong and what to do.
+        /// Reason and remedy.
         why: String,
     },
-    /// Inputs that a tariff needs beside its own file, and that are missing or of another length.
+    /// Inputs that a tariff needs in addition to its file, and that are missing or have the wrong length.
     #[error("the tariff `{tariff}` {why}")]
     Inputs {
         /// Name of the tariff.
         tariff: String,
-        /// What is wrong and what to do.
+        /// Reason and remedy.
         why: String,
     },
 }

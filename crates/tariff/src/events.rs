@@ -10,8 +10,8 @@ use crate::file::EventsFile;
 use crate::span::{Dates, Days, Hours};
 use crate::tariff::Tariff;
 
-/// Largest difference, in K, between a day's mean temperature and what the choice of a seed takes it for: what the forecast
-/// and the rest of the grid leave open.
+/// Largest difference between a day's mean temperature and the temperature assumed when events are chosen with a seed,
+/// K. It stands for the uncertainty of the forecast and of the rest of the grid.
 const UNCERTAINTY: f64 = 2.0;
 
 /// When a utility may call events and what they cost.
@@ -79,12 +79,12 @@ impl EventRule {
 }
 
 impl Tariff {
-    /// Chooses the events of a year from its daily mean outdoor temperatures in °C.
+    /// Chooses the events of a year from its daily mean outdoor temperatures, °C.
     ///
-    /// The permitted times of the coldest permitted days are events, until the hours that the tariff allows in a winter are
-    /// used up; the January to March and the December of the year count as one winter. With a seed, each time's temperature
-    /// is taken for up to 2 K lower or higher than it is, drawn uniformly, so that the choice is not by temperature alone.
-    /// The same arguments give the same events. They come in the order of their times; a tariff without events has none.
+    /// The permitted times of the coldest permitted days become events, until the hours that the tariff allows per
+    /// winter are used up. January to March and December of the year count as one winter. With a seed, each temperature
+    /// is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on temperature alone. The same
+    /// arguments give the same events, in order of time; a tariff without events has none.
     pub fn events(&self, year: Year, daily_means: &[f64; DAYS as usize], seed: Option<u64>) -> Vec<Event> {
         let Some(rule) = &self.events else { return Vec::new() };
         let mut random = seed.map(|seed| stream("events", seed, 0));

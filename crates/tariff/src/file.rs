@@ -35,7 +35,7 @@ pub(crate) struct ElectricityFile {
     pub(crate) cold: Option<Spanned<ColdFile>>,
 }
 
-/// Blocks of energy with prices of their own.
+/// Blocks of energy with their own prices.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BlocksFile {
@@ -43,15 +43,15 @@ pub(crate) struct BlocksFile {
     pub(crate) up_to: Vec<f64>,
 }
 
-/// What the kWh of a block are counted over.
+/// Time over which the kWh of a block are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Per {
-    /// So many kWh every day.
+    /// A number of kWh per day.
     Day,
-    /// So many kWh times the days of the month, counted over the month.
+    /// A number of kWh per day of the month, counted over the month.
     DayOfMonth,
-    /// So many kWh every month.
+    /// A number of kWh per month.
     Month,
 }
 
@@ -93,7 +93,7 @@ pub(crate) struct DemandFile {
     pub(crate) ratchet: Option<Ratchet>,
 }
 
-/// The least share of an earlier peak that is billed.
+/// The smallest share of an earlier peak that is billed.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Ratchet {

@@ -1,4 +1,4 @@
-//! Energy carriers and the values of those that a tariff or an emission profile does not give.
+//! Energy carriers, and default values for carriers that a tariff or an emission profile leaves out.
 
 use serde::Deserialize;
 
@@ -96,10 +96,10 @@ impl FuelValues {
         Self { gas, propane, fuel_oil, other_fuel, district_heating: None, district_cooling: None }
     }
 
-    /// Returns these values with those that a file gives.
+    /// Returns these values, replaced by the ones in a file.
     ///
     /// # Errors
-    /// What is wrong with a value that is negative or not finite.
+    /// The reason, for a value that is negative or not finite.
     pub(crate) fn with(self, given: &Fuels) -> Result<Self, String> {
         let named = [
             ("gas", given.gas),
@@ -124,7 +124,7 @@ impl FuelValues {
         })
     }
 
-    /// Returns the value of a carrier where electricity has a given one.
+    /// Returns the value of a carrier for a given value of electricity.
     pub fn at(&self, fuel: Fuel, electricity: f64) -> f64 {
         match fuel {
             Fuel::Electricity => electricity,

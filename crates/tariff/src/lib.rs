@@ -1,11 +1,11 @@
-//! Tariffs and emissions: what energy costs by season, weekday, hour and block, demand charges on 15-minute peaks, events
+//! Tariffs and emissions: energy prices by season, weekday, hour and block, demand charges on 15-minute peaks, events
 //! announced the day before, and hourly emission profiles.
 //!
 //! - [`Tariff`] is a file: `Tariff::named("hq-m")` is a shipped one, [`Tariff::read`] a user's own.
 //! - [`Prices`] lays it out in a calendar year, with the [`Event`]s that [`Tariff::events`] chooses, and gives prices now and
 //!   in the next 24 hours.
-//! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill. [`Bill::block`] and
-//!   [`Bill::free_power`] are what a controller may know of it.
+//! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill. A controller may use
+//!   [`Bill::block`] and [`Bill::free_power`].
 //! - [`Emissions`] gives kg of CO₂ equivalent per kWh by carrier and hour.
 //!
 //! ```
@@ -21,9 +21,10 @@
 //! # Ok::<(), b2b_tariff::Error>(())
 //! ```
 //!
-//! Times are of the simulation's clock: standard time, days of the year 1 to 365. The windows of a tariff are on the local
-//! clock, which daylight time advances by an hour where the tariff says so. Costs are in the tariff's own currency. Fixed
-//! charges and taxes are left out; a controller does not change them. `docs/tariffs.md` describes the files.
+//! Times are on the simulation's clock: standard time, days of the year 1 to 365. The windows of a tariff are on the
+//! local clock, which daylight time advances by an hour where the tariff says so. Costs are in the tariff's own
+//! currency. Fixed charges and taxes are left out; a controller does not change them. `docs/tariffs.md` describes the
+//! files.
 
 #![forbid(unsafe_code)]
 

@@ -26,8 +26,8 @@ pub struct Prices {
 impl Prices {
     /// Lays out a tariff in a year.
     ///
-    /// `outdoor` are the outdoor temperatures in °C of the 8760 hours of the year in standard time; only tariffs with a price
-    /// while it is cold need them.
+    /// `outdoor` are the outdoor temperatures in °C of the 8760 hours of the year in standard time; only tariffs with a
+    /// cold-weather price need them.
     ///
     /// # Errors
     /// [`Error::Inputs`] for missing temperatures or another number of them, and for an event outside the year.
@@ -82,14 +82,14 @@ impl Prices {
         self.class(quarter(at)).price(block)
     }
 
-    /// Returns the price per kWh of a carrier at a moment; of electricity, in the first block.
+    /// Returns the price per kWh of a carrier at a moment, for electricity in the first block.
     pub fn price(&self, fuel: Fuel, at: Moment) -> f64 {
         self.tariff.fuels.at(fuel, self.electricity(at, 0))
     }
 
-    /// Fills in the price of electricity per kWh now and in 1 to 23 hours, in a block of energy, as it is known now: an event
-    /// only from the notice on, prices while it is cold by the weather as it will be. After the end of the year comes its
-    /// beginning.
+    /// Writes the price of electricity per kWh now and in 1 to 23 hours, in a block of energy, as known now: an event
+    /// only from its notice on, cold-weather prices by the actual future weather. The end of the year is followed by
+    /// its beginning.
     pub fn preview(&self, now: Moment, block: usize, ahead: &mut [f64; PREVIEW]) {
         let now = quarter(now);
         for (hours, price) in ahead.iter_mut().enumerate() {
@@ -105,7 +105,7 @@ impl Prices {
         self.classes[at] != self.usual[at]
     }
 
-    /// Returns whether what is called for a quarter-hour of the year has been announced by another.
+    /// Returns whether an event at one quarter-hour of the year has been announced by another.
     fn is_known(&self, now: usize, at: usize) -> bool {
         let Some(rule) = self.tariff.events.as_ref().filter(|_| self.classes[at] != self.usual[at]) else {
             return true;
@@ -126,7 +126,7 @@ impl Prices {
         self.charges[quarter]
     }
 
-    /// Returns the prices of all carriers where electricity has a given one.
+    /// Returns the prices of all carriers for a given price of electricity.
     pub(crate) fn of_fuels(&self, electricity: f64) -> ByFuel {
         Fuel::ALL.map(|fuel| self.tariff.fuels.at(fuel, electricity))
     }
@@ -141,12 +141,12 @@ impl Class {
 
 /// Returns the quarter-hour of the year of a moment.
 pub(crate) fn quarter(at: Moment) -> usize {
-    // Hours come from sums of steps: half a second is rounding.
+    // Hours are sums of steps, so half a second counts as rounding.
     ((at.quarters() + 5e-4) as usize) % QUARTERS
 }
 
-/// Returns the day of the year and the quarter-hour of the day on the tariff's clock of a quarter-hour of the year in
-/// standard time.
+/// Converts a quarter-hour of the year in standard time to the day of the year and the quarter-hour of the day on the
+/// tariff's clock.
 fn local(tariff: &Tariff, year: Year, standard: u32) -> (u32, u32) {
     let advance = if tariff.daylight_time { year.advance(standard) } else { 0 };
     let quarter = (standard + advance) % QUARTERS as u32;

@@ -53,7 +53,7 @@ impl Tariff {
         TARIFFS.into_iter().map(|(name, _)| name)
     }
 
-    /// Returns the shipped tariff of a name, or reads the TOML file of a path.
+    /// Returns a shipped tariff by name, or reads a TOML file.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the most similar name; the errors of [`Tariff::read`].
@@ -72,7 +72,7 @@ impl Emissions {
         EMISSIONS.into_iter().map(|(name, _)| name)
     }
 
-    /// Returns the shipped emission profile of a name, or reads the TOML file of a path.
+    /// Returns a shipped emission profile by name, or reads a TOML file.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the most similar name; the errors of [`Emissions::read`].
@@ -85,12 +85,12 @@ impl Emissions {
     }
 }
 
-/// Returns the text of the shipped tariff or emission profile of a name; `None` for others.
+/// Returns the text of a shipped tariff or emission profile by name; `None` for other names.
 pub fn shipped_text(name: &str) -> Option<&'static str> {
     TARIFFS.into_iter().chain(EMISSIONS).find_map(|(known, text)| (known == name).then_some(text))
 }
 
-/// Returns whether a name is the path of a file of its own.
+/// Returns whether a name is the path of a file.
 fn is_path(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension == "toml")
 }

@@ -1,10 +1,11 @@
-//! Parts of a year as a tariff names them: dates, kinds of days and hours.
+//! Parts of a year in a tariff: dates, kinds of days, and hours.
 
 use serde::Deserialize;
 
 use crate::calendar::{DAY, Date, date};
 
-/// Ranges of dates, such as `12-01..03-31`, both inclusive; several are separated by commas. A range may pass the new year.
+/// Ranges of dates, such as `12-01..03-31`, both inclusive; several are separated by commas. A range may cross New
+/// Year.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub(crate) struct Dates(Vec<(Date, Date)>);
@@ -63,7 +64,7 @@ impl TryFrom<String> for Dates {
 }
 
 impl Days {
-    /// Returns whether a day that is a weekend or holiday, or not, is of this kind.
+    /// Returns whether this kind includes a weekend or holiday, or else a weekday.
     pub(crate) fn contain(self, weekend: bool) -> bool {
         match self {
             Self::All => true,

@@ -1,4 +1,4 @@
-//! A tariff: what a file says, checked and laid out by day, kind of day and quarter-hour.
+//! A tariff: the content of a file, checked and laid out by day, kind of day and quarter-hour.
 
 use std::path::Path;
 
@@ -13,11 +13,11 @@ use crate::events::EventRule;
 use crate::file::{BlocksFile, ColdFile, ElectricityFile, Per, TariffFile};
 use crate::fuel::FuelValues;
 
-/// Most prices by blocks of energy.
+/// Maximum number of energy blocks.
 pub(crate) const MAX_BLOCKS: usize = 4;
 /// Maximum number of energy price names, including the names used for events and cold.
 pub(crate) const MAX_NAMES: usize = 16;
-/// Most demand charges.
+/// Maximum number of demand charges.
 pub(crate) const MAX_CHARGES: usize = 8;
 
 /// A tariff.
@@ -25,11 +25,11 @@ pub(crate) const MAX_CHARGES: usize = 8;
 pub struct Tariff {
     /// Name: `hq-d` of a shipped one, or the name of the file without its extension.
     pub name: String,
-    /// The utility and its name of the tariff.
+    /// The utility, and its name for the tariff.
     pub title: String,
     /// Where it applies.
     pub place: String,
-    /// Whom it is for.
+    /// Customers that it is for.
     pub customers: Customers,
     /// Currency of all prices, such as `USD`.
     pub currency: String,
@@ -46,7 +46,7 @@ pub struct Tariff {
     pub(crate) month_days: Option<u32>,
 }
 
-/// Whom a tariff is for.
+/// The customers of a tariff.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Customers {
@@ -54,7 +54,7 @@ pub enum Customers {
     Homes,
     /// Businesses.
     Businesses,
-    /// Anybody: made for comparisons, no utility's own.
+    /// Any customer: made for comparisons, not a utility's own.
     Any,
 }
 
@@ -64,7 +64,7 @@ pub enum Customers {
 pub struct Source {
     /// The document or record.
     pub document: String,
-    /// Date from which the figures are in force, or of the document.
+    /// Date from which the figures are in force, or date of the document.
     pub date: String,
     /// Address.
     pub url: Option<String>,
@@ -82,7 +82,7 @@ pub(crate) struct Blocks {
     pub(crate) count: usize,
 }
 
-/// The price while it is cold.
+/// The price in cold weather.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cold {
     /// Outdoor temperature below which it applies, °C.
@@ -152,7 +152,7 @@ impl Tariff {
         self.cold.is_some()
     }
 
-    /// Returns what the bill consists of, in words, such as `2 energy prices`, `blocks`, `demand charge`.
+    /// Returns the parts of the bill as text, such as `2 energy prices`, `blocks`, `demand charge`.
     pub fn traits(&self) -> Vec<String> {
         let prices =
             self.energy.names.len() - usize::from(self.events.is_some()) - usize::from(self.cold.is_some());

@@ -179,7 +179,7 @@ impl Package {
         let unpacked = workspace.folder("unpacked")?;
         let manifest = Manifest::new(self, wheel, self.unpack(wheel, &file, &unpacked, progress)?);
         if manifest.digest() != wheel.files_sha256 {
-            let why = "its files are not those that were pinned".to_owned();
+            let why = "its files differ from the pinned ones".to_owned();
             return Err(Error::BadWheel { file: wheel.file_name.to_owned(), why });
         }
         manifest.write(&unpacked)?;

@@ -92,8 +92,8 @@ impl Package {
         self.corrections.iter().fold(path.to_owned(), |path, (wrong, right)| path.replace(wrong, right))
     }
 
-    /// Returns the wheel for this machine. On a platform without a wheel, returns the first, whose data files it can
-    /// use.
+    /// Returns the wheel for this machine. On a platform without a wheel, returns the first one, whose data files can
+    /// still be used.
     pub(super) fn wheel(&self) -> &'static Wheel {
         self.native_wheel().unwrap_or(&self.wheels[0])
     }

@@ -53,7 +53,7 @@ struct Rest {
 }
 
 impl Rest {
-    /// Dampers are open together, as far as the fan supplies them all.
+    /// Dampers open together, as far as the fan can supply them all.
     const OPEN: Self = Self { flow: 0.5, opening: OPEN_TOGETHER, outdoor_air: 0.1, supply: NEUTRAL_SUPPLY };
 
     fn command(&self, actuator: &Actuator) -> f64 {
@@ -68,7 +68,7 @@ impl Rest {
 }
 
 impl Hold {
-    /// A hold in which the actuators for which `tested` returns a level are evaluated.
+    /// Creates a hold that evaluates the actuators for which `tested` returns a level.
     fn new(
         building: &PreparedBuilding,
         condition: Condition,

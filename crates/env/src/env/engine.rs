@@ -42,11 +42,11 @@ pub(super) struct Engine {
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
-    /// The building's meters, as far as the engine has them.
+    /// The building's meters that the engine has.
     meters: Vec<(Carrier, Meter)>,
     /// The end-use meters of these carriers that the engine has.
     end_uses: Vec<(Carrier, EndUse, Meter)>,
-    /// Electricity of fans that are in the meter of fans and are not HVAC, J.
+    /// Electricity of fans that the fan meter includes but that are not part of the HVAC, J.
     fans_outside: Vec<Variable>,
     actuators: Vec<(Actuator, f64)>,
     /// Schedule and number of people of each group with random presence.
@@ -209,8 +209,8 @@ impl Engine {
         by_carrier(self.meters.iter().map(read), floor_area)
     }
 
-    /// HVAC energy of the step by end use and by carrier, Wh/m². Unlike [`Engine::energy`], it has no losses of a building's
-    /// transformer.
+    /// HVAC energy of the step by end use and by carrier, Wh/m². Unlike [`Engine::energy`], it excludes the losses of a
+    /// building's transformer.
     pub(super) fn end_uses(&self, floor_area: f64) -> (EndUseEnergy, CarrierEnergy) {
         let (mut by_end_use, mut by_carrier) = (EndUseEnergy::default(), CarrierEnergy::default());
         let metered = self.end_uses.iter();

@@ -66,7 +66,7 @@ pub struct Env {
     attendance: Option<Attendance>,
     billing: Billing,
     forecast: Option<Forecast>,
-    /// What is asked of each controlled zone for the next step.
+    /// Targets of each controlled zone for the next step.
     asked: Vec<Asked>,
     /// The controlled zones in the last step.
     zone_steps: Vec<ZoneStep>,
@@ -90,7 +90,7 @@ pub struct Env {
     finish_run: bool,
     /// The engine's meters of the energy that the task counts.
     meters: Vec<HvacMeter>,
-    /// Where the engine writes its meters.
+    /// File to which the engine writes its meters.
     meter_file: PathBuf,
     /// The model file and the engine's own files.
     folder: PathBuf,
@@ -99,7 +99,7 @@ pub struct Env {
 }
 
 impl Env {
-    /// An environment; [`Env::reset`] starts its first episode.
+    /// Creates an environment. [`Env::reset`] starts its first episode.
     ///
     /// # Errors
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
@@ -450,7 +450,7 @@ impl Environment for Env {
     }
 }
 
-/// For a process that ends with its episode.
+/// For processes that end with their episode.
 #[cfg(target_os = "linux")]
 impl Env {
     /// Copies this process at the current point of the episode: see

@@ -58,8 +58,8 @@ impl Fuels {
         }
     }
 
-    /// Returns the sum over the carriers of energy times value at an hour of the day, 0 to 24. `others` are the values of carriers
-    /// that are not given.
+    /// Returns the sum over the carriers of energy times value at an hour of the day, 0 to 24. `others` are the values
+    /// of omitted carriers.
     pub(super) fn times(&self, energy: &CarrierEnergy, hour: f64, others: &FuelValues) -> f64 {
         let or = |own: &Option<Hourly>, default: f64| own.as_ref().map_or(default, |own| own.at(hour));
         let at = |own: &Option<Hourly>| own.as_ref().map(|own| own.at(hour));

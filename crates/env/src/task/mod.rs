@@ -74,7 +74,7 @@ pub struct Task {
     /// Hourly emission profile, which replaces the emission factors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub emission_profile: Option<DataFile>,
-    /// What the observation has of the hours ahead, in a task with bands.
+    /// Preview of the hours ahead in the observation, in a task with bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preview: Option<Preview>,
     /// Presence of people.
@@ -122,9 +122,9 @@ impl Default for Task {
 
 /// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
 const UNMET: f64 = 0.5;
-/// Weight of a kelvin outside the band in the tasks of operation, in mean steps of cost: a K·h per zone costs as much as half a
-/// day. Under it, discomfort is about a tenth of the guideline controller's penalty; `b2b tune operation` shows which weight makes
-/// it so (docs/tasks.md).
+/// Weight of a kelvin outside the band in the tasks of operation, in units of the mean cost of a step: a K·h per zone
+/// costs as much as half a day. With it, discomfort is about a tenth of the guideline controller's penalty;
+/// `b2b tune operation` computes the weight for which this holds (docs/tasks.md).
 pub const OPERATION_WEIGHT: f64 = 12.0;
 
 /// Limit of weights, scales and prices: far above sensible values, yet sums over a year stay exact enough to compare.
@@ -147,12 +147,12 @@ impl Task {
         }
     }
 
-    /// Returns whether the task is one of operation: it has comfort bands instead of targets.
+    /// Returns whether this is a task of operation, with comfort bands instead of targets.
     pub fn is_operation(&self) -> bool {
         self.setpoints.is_band()
     }
 
-    /// Returns the currency of costs; `None` where prices of one's own do not say theirs.
+    /// Returns the currency of costs; `None` for user-defined prices, which do not state one.
     ///
     /// # Errors
     /// [`Error::Tariff`] for an unknown tariff, or with the line of an error.
@@ -190,7 +190,7 @@ impl Task {
         }
     }
 
-    /// Adds the text of the files that it names, and checks it.
+    /// Adds the text of the files that the task names, and checks the task.
     fn complete(mut self) -> Result<Self> {
         self.tariff = self.tariff.map(DataFile::with_text).transpose()?;
         self.emission_profile = self.emission_profile.map(DataFile::with_text).transpose()?;
@@ -201,7 +201,7 @@ impl Task {
     /// Checks that every number is finite and within its limits.
     ///
     /// # Errors
-    /// [`Error::TaskValue`] for the first that is not.
+    /// [`Error::TaskValue`] for the first number that is not.
     pub fn check(&self) -> Result<()> {
         within("energy_weight", self.energy_weight, 0.0, LARGEST)?;
         within("energy_scale", self.energy_scale.unwrap_or(1.0), 1.0 / LARGEST, LARGEST)?;

@@ -27,7 +27,7 @@ impl Task {
         [("presence", &mut self.presence.hours), noise, bias, stuck, fouling]
     }
 
-    /// The text form of the nearest task that has one.
+    /// Returns the text form of the nearest task that has one.
     fn spelling(&self) -> String {
         let setpoints = match &self.setpoints {
             Setpoints::Constant { target } if *target == 21.0 => "constant".to_owned(),
@@ -138,7 +138,7 @@ impl FromStr for Task {
     }
 }
 
-/// The text form of the nearest band that has one.
+/// Returns the text form of the nearest band that has one.
 fn spelled_band(band: &Band) -> String {
     match band {
         Band::Presence { occupied: [heating, cooling], unoccupied: [setback, setup] } => {

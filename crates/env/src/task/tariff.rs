@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 
-/// A file that ships with this software, by its name, or a user's own with its text, so that a stored task is complete.
+/// A file that ships with this software, by name, or a user's file with its text, so that a stored task is complete.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum DataFile {
     /// Ships with this software.
     Shipped(String),
-    /// A user's own.
+    /// A user's file.
     Own {
         /// Name of the file.
         name: String,

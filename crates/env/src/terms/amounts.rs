@@ -11,7 +11,7 @@ use super::{TERMS, Term};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Amounts([f64; TERMS]);
 
-/// The terms of the steps of an episode so far, accumulated as the list says.
+/// The terms of an episode so far, accumulated by each term's own rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Totals(Amounts);
 

@@ -77,7 +77,7 @@ impl Case {
         Self { library, building: Arc::new(building), weather }
     }
 
-    /// An environment over some days, as in `01-01..01-07`, at 12 steps an hour.
+    /// Creates an environment over days such as `01-01..01-07`, at 12 steps per hour.
     pub fn env(&self, period: &str) -> Env {
         self.env_for(period, "constant")
     }

@@ -1,4 +1,4 @@
-//! A new kind of system, as the guide for contributors adds one.
+//! A new kind of system, added as in CONTRIBUTING.md.
 
 use std::path::Path;
 

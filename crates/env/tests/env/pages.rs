@@ -1,4 +1,4 @@
-//! What the documentation says about episodes, held against the product by its own numbers.
+//! Statements of the documentation about episodes, checked with the numbers in it.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ const DATASET: &str = include_str!("../../../../docs/dataset.md");
 const STEP: &str = include_str!("../../../../docs/concepts/step.md");
 const TASKS: &str = include_str!("../../../../docs/tasks.md");
 
-/// Returns a page in one line with what follows the words, up to the next word that is no number.
+/// Returns the numbers that follow some words in a page.
 fn numbers_behind(page: &str, words: &str) -> Vec<f64> {
     let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
     let (_, rest) = page.split_once(words).unwrap_or_else(|| panic!("the page does not say `{words}`"));

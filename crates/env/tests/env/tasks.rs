@@ -24,7 +24,7 @@ fn episode(env: &mut Env, seed: u64) -> (Vec<f64>, Trajectory) {
     }
 }
 
-/// The observations at the beginnings of the steps beside those at their ends.
+/// The observations at the beginning and at the end of each step.
 fn steps<'a>(first: &'a [f64], trajectory: &'a Trajectory) -> impl Iterator<Item = (&'a [f64], &'a [f64])> {
     let ends = trajectory.observations.chunks_exact(first.len());
     std::iter::once(first).chain(ends.clone()).zip(ends)
@@ -141,7 +141,7 @@ fn rewards_and_metrics_follow_from_the_trajectory() {
     }
 }
 
-/// The increases of the peak sum to the peak.
+/// The increases of the peak sum up to the peak.
 #[test]
 fn cost_emissions_and_peak_penalties_match_the_metrics() {
     let case = office();

@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 pub(crate) struct Answer {
     /// HTTP status.
     pub status: u16,
-    /// What was done, or what was wrong.
+    /// What was done, or the error.
     pub message: String,
     /// Result; null with an error.
     pub payload: Value,
 }
 
-/// Why a request is not answered with a result.
+/// The reason why a request has no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     status: u16,

@@ -38,7 +38,7 @@ impl Arguments {
         }
     }
 
-    /// A name that is given several times has a list.
+    /// A name that is given several times has a list of values.
     fn of_form(body: &[u8]) -> Self {
         let mut arguments = Map::new();
         for (name, value) in form_urlencoded::parse(body) {
@@ -83,7 +83,7 @@ impl Arguments {
     /// Returns a finite number.
     ///
     /// # Errors
-    /// A refusal if it is missing or none.
+    /// A refusal if it is missing or not a number.
     pub fn number(&self, name: &str, remedy: &str) -> Result<f64, Refusal> {
         let value = self.any_number(name, remedy)?;
         match value.is_finite() {
@@ -95,7 +95,7 @@ impl Arguments {
     /// Returns a number that may be infinite.
     ///
     /// # Errors
-    /// A refusal if it is missing or none.
+    /// A refusal if it is missing or not a number.
     pub fn any_number(&self, name: &str, remedy: &str) -> Result<f64, Refusal> {
         let value = self.get(name).ok_or_else(|| Refusal::bad(format!("`{name}` is missing; {remedy}")))?;
         let number = to_number(value).filter(|number| !number.is_nan());
@@ -105,7 +105,7 @@ impl Arguments {
     /// Returns a text, if there is one.
     ///
     /// # Errors
-    /// A refusal of a value that is none.
+    /// A refusal of a value that is not text.
     pub fn text(&self, name: &str, remedy: &str) -> Result<Option<&str>, Refusal> {
         match self.get(name) {
             None => Ok(None),
@@ -117,7 +117,7 @@ impl Arguments {
     /// Returns a list of names; one name counts as a list.
     ///
     /// # Errors
-    /// A refusal if it is missing or no list of texts.
+    /// A refusal if it is missing or not a list of texts.
     pub fn names(&self, name: &str) -> Result<Vec<String>, Refusal> {
         let refused = |what: String| Refusal::bad(format!("`{name}` {what}; expected a list of point names"));
         match self.get(name) {
@@ -169,7 +169,7 @@ fn shortened(text: &str) -> String {
     end.map_or_else(|| text.to_owned(), |end| format!("{}…", &text[..end]))
 }
 
-/// Puts quotes around the words that Python's JSON has for numbers that are not finite.
+/// Puts quotes around the words that Python's JSON uses for non-finite numbers.
 fn with_quoted_numbers(text: &str) -> String {
     let mut quoted = String::with_capacity(text.len());
     let (mut rest, mut in_text) = (text, false);
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_that_is_no_object_is_refused_with_its_text() {
+    fn a_body_that_is_not_an_object_is_refused_with_its_text() {
         let refused = |body: &str| said(Arguments::read(None, body.as_bytes()));
         for body in ["{\"step\": ", "[1, 2]", "step=3", "\u{fffd}"] {
             assert!(refused(body).contains("expected a JSON object"), "{}", refused(body));
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_not_finite_is_refused_where_it_cannot_be() {
+    fn a_non_finite_number_is_refused_where_it_is_not_allowed() {
         let arguments =
             read(r#"{"step": NaN, "final_time": Infinity, "name": "NaN\" Infinity", "a": -Infinity}"#);
         assert!(

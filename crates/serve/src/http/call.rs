@@ -58,7 +58,7 @@ impl Call {
     /// Returns the call of a name and a method.
     ///
     /// # Errors
-    /// The methods that the name has; none if there is no such call.
+    /// The methods of the name; none if there is no such call.
     pub fn find(name: &str, method: &Method) -> Result<Self, Vec<&'static str>> {
         let named = || CALLS.iter().filter(|(known, ..)| *known == name);
         let found = named().find(|(_, known, _)| known == method).map(|(.., call)| *call);

@@ -28,23 +28,23 @@ use sessions::{Sessions, no_test};
 use crate::subject::Subject;
 use crate::{Error, Result};
 
-/// Largest body, bytes: names of thousands of points.
+/// Maximum size of a body, bytes: enough for the names of thousands of points.
 const LARGEST_BODY: usize = 1 << 20;
-/// Time between two looks at whether to stop.
+/// Interval of checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time that requests in progress have once the server stops.
+/// Time that requests in progress have left once the server stops.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// How a server runs.
+/// Options of a server.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The worker processes of each test. `interrupted` also ends the server.
     pub workers: WorkerOptions,
-    /// Most tests at a time.
+    /// Maximum number of tests at a time.
     pub tests: usize,
 }
 
-/// What every request needs.
+/// State shared by all requests.
 type Shared = State<Arc<Sessions>>;
 /// The body of a request.
 type Body = std::result::Result<Bytes, BytesRejection>;

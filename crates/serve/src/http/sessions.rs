@@ -1,4 +1,4 @@
-//! The tests in progress, each in a thread with worker processes of its own.
+//! The tests in progress, each in a thread with its own worker processes.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,11 +16,11 @@ use super::call::Call;
 use crate::simulation::Simulation;
 use crate::subject::Subject;
 
-/// Time without a request after which a test gives way to a new one, as in BOPTEST.
+/// Idle time after which a new test may replace a test, as in BOPTEST.
 const IDLE: Duration = Duration::from_secs(15 * 60);
-/// The test of clients that select none.
+/// Id of the test for clients that do not select one.
 const CLASSIC: &str = "";
-/// Memory for the warmed-up engines that a test may begin again from, bytes.
+/// Memory for warmed-up engines from which a test can begin again, bytes.
 const TEMPLATES: u64 = 512 << 20;
 
 /// A request to a test.
@@ -43,7 +43,7 @@ struct Session {
 pub(super) struct Sessions {
     subject: Arc<Subject>,
     workers: WorkerOptions,
-    /// Most tests at a time.
+    /// Maximum number of tests at a time.
     limit: usize,
     open: Mutex<BTreeMap<String, Session>>,
 }
@@ -57,7 +57,7 @@ impl Sessions {
     /// Begins a test and returns its id.
     ///
     /// # Errors
-    /// A refusal while there are as many as there may be.
+    /// A refusal while the maximum number of tests is in progress.
     pub(super) fn select(&self) -> Result<String, Refusal> {
         let id = random_id()?;
         self.add(&mut self.lock(), &id, true)?;
@@ -84,7 +84,7 @@ impl Sessions {
         }
     }
 
-    /// Passes a request to a test, or without an id to the one that is always there, and waits for its answer.
+    /// Passes a request to a test and waits for its answer. Without an id, passes it to the test that always exists.
     pub(super) async fn ask(&self, id: Option<&str>, call: Call, arguments: Arguments) -> Answer {
         let id = id.unwrap_or(CLASSIC);
         let (reply, answer) = oneshot::channel();
@@ -108,7 +108,7 @@ impl Sessions {
         let session = open.get_mut(id).ok_or_else(|| no_test(id))?;
         session.last_request = Instant::now();
         session.waiting.fetch_add(1, Ordering::Relaxed);
-        // A thread that has ended drops the request, and with it the reply that the caller waits for.
+        // A thread that has ended drops the request and the sender of its reply, which ends the caller's wait.
         let _ = session.requests.send(request);
         Ok(Arc::clone(&session.waiting))
     }
@@ -163,7 +163,7 @@ fn run(subject: Arc<Subject>, workers: WorkerOptions, begins_itself: bool, reque
             Ok(simulation) => simulation.answer(call, &arguments),
             Err(error) => Refusal::with_status(500, format!("the test cannot begin: {error}")).into(),
         };
-        // A client that has gone needs no answer.
+        // The client may be gone.
         let _ = reply.send(answer);
     }
 }

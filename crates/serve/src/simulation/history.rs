@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use crate::http::{Refusal, unknown};
 use crate::subject::Points;
 
-/// Values of one answer: more would take gigabytes as text.
+/// Maximum number of values in an answer, because more would take gigabytes as text.
 const MOST_VALUES: usize = 4_000_000;
 
 /// The points at every control step since the beginning of the warm-up, in the units of BOPTEST.
@@ -13,14 +13,14 @@ const MOST_VALUES: usize = 4_000_000;
 pub(super) struct History {
     /// Names of the points in the order of a row: measurements, values of inputs, activations.
     names: Vec<String>,
-    /// Time of the first row and between rows, s.
+    /// Time of the first row, and time between rows, s.
     first: f64,
     step: f64,
     rows: Vec<f64>,
 }
 
 impl History {
-    /// Returns an empty history from a time on, s.
+    /// Returns an empty history that begins at a time, s.
     pub fn new(points: &Points, first: f64, step: f64) -> Self {
         let measurements = points.measurements.iter().map(|point| point.name.clone());
         let values = points.inputs.iter().map(|input| input.value.clone());
@@ -52,7 +52,7 @@ impl History {
     /// Returns the values of points between two times, both included, with the times.
     ///
     /// # Errors
-    /// A refusal of an unknown point, and of more values than fit an answer.
+    /// A refusal of an unknown point, or of too many values for an answer.
     pub fn between(&self, points: &[String], from: f64, to: f64) -> Result<Value, Refusal> {
         let width = self.names.len();
         let times = (0..self.rows.len() / width.max(1)).map(|row| self.first + row as f64 * self.step);

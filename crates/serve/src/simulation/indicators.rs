@@ -18,7 +18,7 @@ struct ZoneSlots {
 #[derive(Debug)]
 pub(super) struct Indicators {
     zones: Vec<ZoneSlots>,
-    /// What is asked of each zone in the next step.
+    /// Setpoints of each zone for the next step.
     asked: Vec<Pair>,
     steps: Vec<ZoneStep>,
     kpis: Kpis,
@@ -35,7 +35,7 @@ pub(super) struct Indicators {
 }
 
 impl Indicators {
-    /// Begins at an observation on a day of the year.
+    /// Begins with an observation on a day of the year.
     pub fn begin(spaces: &Spaces, observation: &[f64], day_of_year: u32) -> Self {
         let zones = spaces.controlled_zones().enumerate();
         let zones = zones.map(|(controlled, zone)| ZoneSlots {
@@ -79,13 +79,13 @@ impl Indicators {
         self.ask(observation);
     }
 
-    /// Keeps what is asked for the next step.
+    /// Keeps the setpoints for the next step.
     fn ask(&mut self, observation: &[f64]) {
         self.asked.clear();
         self.asked.extend(self.zones.iter().map(|zone| zone.target.pair_of(observation, true)));
     }
 
-    /// Compares the temperatures with what was asked.
+    /// Compares the temperatures with the setpoints.
     fn look(&mut self, observation: &[f64]) {
         self.steps.clear();
         self.steps.extend(self.zones.iter().zip(&self.asked).map(|(zone, pair)| ZoneStep {

@@ -1,4 +1,4 @@
-//! A test: an episode of the building that a client initializes, advances and asks for results.
+//! A test: an episode of the building that a client initializes, advances and queries for results.
 
 mod history;
 mod indicators;
@@ -16,15 +16,15 @@ use crate::subject::{DAYS, Subject, WeatherErrors, series, times};
 use run::{Clock, Run};
 use scenario::{Change, Scenario};
 
-/// Step of a test that has not set one, s, as in most test cases of BOPTEST.
+/// Default step, s, as in most test cases of BOPTEST.
 const DEFAULT_STEP: f64 = 3600.0;
 const DAY: f64 = 86_400.0;
 const YEAR: f64 = DAYS as f64 * DAY;
 /// Warm-up and length of a scenario, days.
 const SCENARIO: [f64; 2] = [7.0, 14.0];
-/// Longest forecast with errors of the weather, s: their model was fitted to 48 hours.
+/// Longest forecast with weather errors, s, because their model was fitted to 48 hours.
 const LONGEST_UNCERTAIN: f64 = 48.0 * 3600.0;
-/// Values of one forecast.
+/// Maximum number of values in a forecast.
 const MOST_FORECASTS: f64 = 2e6;
 /// Tolerance on multiples of a control step.
 const EPSILON: f64 = 1e-6;
@@ -41,7 +41,7 @@ struct Span {
 pub(crate) struct Simulation {
     subject: Arc<Subject>,
     workers: Workers,
-    /// Whether the test begins at the start of the year when a client does not initialize it.
+    /// Whether the test begins at the start of the year if a client does not initialize it.
     begins_itself: bool,
     clock: Clock,
     /// Control steps of an advance.
@@ -224,7 +224,7 @@ impl Simulation {
             let unit = input.unit.name;
             let remedy = format!("expected a number from {low} to {high} ({unit})");
             let is_active = activation(arguments, &input.activation)?;
-            // A value that is not activated has no effect, but nonsense is still refused.
+            // A value that is not activated has no effect, but an invalid value is still refused.
             let value =
                 arguments.get(&input.value).map(|_| arguments.number(&input.value, &remedy)).transpose()?;
             overrides.push(match (is_active, value) {

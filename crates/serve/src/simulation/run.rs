@@ -1,4 +1,4 @@
-//! A run of a test: one episode, its controller, and what is kept of its steps.
+//! A run of a test: one episode, its controller, and the record of its steps.
 
 use std::time::Instant;
 
@@ -68,7 +68,7 @@ pub(super) struct Run {
     episode: Episode,
     baseline: Box<dyn AnyController>,
     action: Vec<f64>,
-    /// Control steps of the year: now, and the end of the test.
+    /// Control steps of the year, now and at the end of the test.
     now: u32,
     end: u32,
     history: History,
@@ -115,7 +115,7 @@ impl Run {
         Ok(run)
     }
 
-    /// Keeps the first row: with the inputs that the baseline is about to set.
+    /// Keeps the first row, with the inputs that the baseline is about to set.
     fn keep_first(&mut self, subject: &Subject, none: &[Option<f64>]) {
         let observation = self.episode.observation();
         self.baseline.boxed_clone().act(observation, &mut self.action);
@@ -184,7 +184,7 @@ impl Run {
     }
 }
 
-/// The time that the client takes between two advances, as a share of the step.
+/// The client's time between two advances, as a share of the step.
 #[derive(Debug, Default)]
 struct Pauses {
     since: Option<Instant>,

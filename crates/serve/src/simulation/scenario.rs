@@ -15,7 +15,7 @@ const SEED: &str = "seed";
 /// The scenario of a test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Scenario {
-    /// Two weeks; `None` in a test that began at a time.
+    /// Two weeks; `None` in a test that was initialized at a time.
     pub time_period: Option<TwoWeeks>,
     /// Prices of electricity.
     pub price: PriceScenario,
@@ -24,7 +24,7 @@ pub(super) struct Scenario {
     seed: Option<u64>,
 }
 
-/// What a request sets.
+/// The values that a request sets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Change {
     /// Two weeks to begin.
@@ -68,7 +68,7 @@ impl Change {
 }
 
 impl Scenario {
-    /// Applies a change. As in BOPTEST, prices and two weeks that are not named stay as they are, and errors that are not
+    /// Applies a change. As in BOPTEST, prices and two weeks that are not named stay the same, and errors that are not
     /// named end.
     pub fn apply(&mut self, change: &Change) {
         let Change { time_period, price, temperature, solar, seed } = *change;

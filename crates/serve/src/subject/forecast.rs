@@ -15,7 +15,7 @@ use crate::{Error, Result};
 /// Hours of a year.
 const HOURS: usize = 24 * DAYS as usize;
 
-/// What a point forecasts.
+/// The quantity that a point forecasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     OutdoorTemperature,
@@ -108,7 +108,7 @@ impl Forecasts {
     }
 
     /// Returns the values of a point at some times, s of the year, the first of which is now; `None` if there is no such
-    /// point. After the end of the year comes its beginning.
+    /// point. The end of the year is followed by its beginning.
     pub fn values(
         &self,
         name: &str,
@@ -136,7 +136,7 @@ impl Forecasts {
         })
     }
 
-    /// The value of a quantity that schedules and tariffs decide.
+    /// Returns the value of a quantity that schedules and tariffs determine.
     fn scheduled(&self, quantity: Quantity, at: Moment, prices: &AllPrices) -> f64 {
         let people = |zone| self.bands.hours_to_people(zone, at.day, at.hour) == Some(0.0);
         let pair = |zone| self.bands.at(zone, at.day, at.hour, people(zone));
@@ -209,7 +209,7 @@ fn moment(time: f64) -> Moment {
     Moment { day: day % DAYS + 1, hour: (seconds - 86_400.0 * f64::from(day)) / 3600.0 }
 }
 
-/// Hourly values from the hour of a forecast on, of which each is at the end of its hour.
+/// Hourly values from the hour of a forecast on, each at the end of its hour.
 struct HourlySeries {
     /// Hour of the year before the first value.
     first: f64,
@@ -238,7 +238,7 @@ impl HourlySeries {
     }
 }
 
-/// Returns times from now on, s, as an object of forecasts has them.
+/// Returns the times of a forecast from now on, s.
 pub(crate) fn times(now: f64, horizon: f64, interval: f64) -> Vec<f64> {
     let count = (horizon / interval + 1e-9).floor() as usize + 1;
     (0..count).map(|index| now + index as f64 * interval).collect()

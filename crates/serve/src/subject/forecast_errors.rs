@@ -6,10 +6,10 @@ use rand_chacha::ChaCha8Rng;
 
 /// Name of the random streams.
 const STREAM: &str = "boptest forecast";
-/// A forecast of solar radiation stays within these shares of it.
+/// Limits of a solar radiation forecast, as shares of the true value.
 const SOLAR_SHARES: [f64; 2] = [0.2, 2.0];
 
-/// How uncertain a forecast is.
+/// The uncertainty of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Uncertainty {
     /// Small errors.
@@ -20,7 +20,8 @@ pub(crate) enum Uncertainty {
     High,
 }
 
-/// An error that begins with a mean and a spread, and is then a share of the last error plus a mean, with a spread.
+/// An autoregressive error: the first has a mean and a spread; every other is a share of the last one plus a mean, with
+/// a spread.
 #[derive(Clone, Copy)]
 struct Model {
     first: [f64; 2],
@@ -59,7 +60,7 @@ impl Uncertainty {
         }
     }
 
-    /// Takes the error of a forecast made at an hour of the year off outdoor temperatures, one an hour.
+    /// Subtracts the errors of a forecast made at an hour of the year from hourly outdoor temperatures.
     pub fn disturb_temperatures(self, seed: u64, hour: u64, temperatures: &mut [f64]) {
         let mut random = stream(STREAM, seed, 2 * hour);
         let mut error = Errors::of(self.temperature());
@@ -68,7 +69,7 @@ impl Uncertainty {
         }
     }
 
-    /// Takes the error of a forecast made at an hour of the year off radiations, one an hour.
+    /// Subtracts the errors of a forecast made at an hour of the year from hourly radiations.
     pub fn disturb_radiations(self, seed: u64, hour: u64, radiations: &mut [f64]) {
         let mut random = stream(STREAM, seed, 2 * hour + 1);
         let mut error = Errors::of(self.solar());

@@ -1,4 +1,4 @@
-//! What is served: a building with its weather, task and baseline controller.
+//! The served building, with its weather, task and baseline controller.
 
 mod forecast;
 mod forecast_errors;
@@ -57,8 +57,8 @@ impl Subject {
     /// Returns the subject with its points, prices and forecasts.
     ///
     /// # Errors
-    /// [`Error::NoBands`], [`Error::TaskPart`] and [`Error::Plans`] for what BOPTEST's interface cannot express;
-    /// [`Error::NotOneYear`]; the errors of the weather file.
+    /// [`Error::NoBands`], [`Error::TaskPart`] and [`Error::Plans`] for tasks and controllers that BOPTEST's interface
+    /// cannot express; [`Error::NotOneYear`]; the errors of the weather file.
     pub fn new(options: SubjectOptions) -> Result<Self> {
         check(&options)?;
         let SubjectOptions { building, weather, task, steps_per_hour, .. } = options.clone();

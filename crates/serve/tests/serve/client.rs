@@ -5,7 +5,7 @@ use std::net::{SocketAddr, TcpStream};
 
 use serde_json::{Value, json};
 
-/// Sends requests, each on a connection of its own.
+/// Sends requests, each on its own connection.
 pub struct Client {
     address: SocketAddr,
     /// Added to the path of every call: `/TESTID`, or nothing.
@@ -53,7 +53,7 @@ impl Client {
         self.call("POST", "advance", inputs)
     }
 
-    /// Sends a request and returns its envelope, whose status is the response's.
+    /// Sends a request and returns its envelope, with the status of the response.
     pub fn envelope(&self, method: &str, call: &str, body: &str) -> Value {
         let response = self.send(method, &format!("/{call}{}", self.test), body);
         let envelope: Value = serde_json::from_str(&response.body).expect(&response.body);

@@ -59,7 +59,7 @@ fn the_indicators_of_a_day_equal_an_episodes_under_the_same_actions() {
     let office = Office::new();
     let mut server = office.serve(1);
     let client = server.client();
-    // 9 January, a Monday; the client takes an actuator from noon on.
+    // 9 January, a Monday; the client overrides an actuator from noon on.
     client.put("initialize", json!({"start_time": 8 * 86_400, "warmup_period": 0}));
     let inputs = client.get("inputs");
     let (name, about) = inputs.as_object().unwrap().iter().find(|(name, _)| name.ends_with("_u")).unwrap();

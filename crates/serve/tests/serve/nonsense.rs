@@ -1,4 +1,4 @@
-//! Requests that make no sense are refused with the name, the value and the remedy, and the server goes on.
+//! Invalid requests are refused with the name, the value and the remedy, and the server keeps running.
 
 use serde_json::json;
 
@@ -14,7 +14,7 @@ fn assert_refused(client: &Client, method: &str, call: &str, body: &str, words: 
 }
 
 #[test]
-fn nonsense_is_refused_and_the_server_goes_on() {
+fn invalid_requests_are_refused_and_the_server_keeps_running() {
     let office = Office::new();
     let mut server = office.serve(1);
     let client = server.client();

@@ -1,4 +1,4 @@
-//! The sequences of calls that clients of BOPTEST make.
+//! Sequences of calls made by clients of BOPTEST.
 
 use serde_json::json;
 

@@ -72,7 +72,7 @@ impl Server {
         Client::new(self.address)
     }
 
-    /// Ends the server as an interrupt does.
+    /// Ends the server like an interrupt.
     pub fn stop(&mut self) {
         STOP.store(true, Ordering::Relaxed);
         self.thread.take().map(JoinHandle::join);

@@ -1,4 +1,4 @@
-//! What holds for every bill: its steps sum up to it, and it equals the bill of the whole trajectory.
+//! Properties of every bill: its steps sum up to it, and it equals the bill of the whole trajectory.
 
 use std::collections::BTreeMap;
 
@@ -90,7 +90,7 @@ fn a_spike_of_five_minutes_counts_by_its_quarter_hour() {
     let (bill, costs) = run(&prices, 1, 31, load);
     assert_cost(part(&bill, &prices, "demand"), 50.0 * 6.5);
     let charged: Vec<usize> = (0..costs.len()).filter(|step| costs[*step].demand > 1e-9).collect();
-    // The first quarter-hour builds up 30 kW; the one of the spike exceeds it in each of its three steps.
+    // The first quarter-hour builds up to 30 kW; the spike's quarter-hour exceeds it in each of its three steps.
     assert_eq!(charged, [0, 1, 2, 288 + 145, 288 + 146]);
 }
 

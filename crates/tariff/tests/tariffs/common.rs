@@ -1,4 +1,4 @@
-//! What the tests of bills share: an episode of a load, and the bill of its trajectory by the definitions.
+//! Shared by the tests of bills: an episode of a load, and the bill of its trajectory from the definitions.
 
 use b2b_tariff::{Bill, ByFuel, Event, Fuel, Moment, Prices, StepCost, Tariff, Year};
 

@@ -1,4 +1,4 @@
-//! Files of tariffs and emission profiles: the shipped ones, and what errors say of bad ones.
+//! Files of tariffs and emission profiles: the shipped ones, and the errors for bad ones.
 
 use crate::common::{assert_cost, day};
 use b2b_tariff::{Emissions, Fuel, Moment, Tariff};
@@ -44,7 +44,7 @@ most_hours = 100
 notice = 15
 "#;
 
-/// Returns what is said of the tariff with a text in place of another.
+/// Returns the error for the tariff with one text replaced by another.
 fn with(from: &str, to: &str) -> String {
     assert!(TARIFF.contains(from), "{from}");
     let parsed = Tariff::parse("test", "test.toml", &TARIFF.replacen(from, to, 1));
@@ -118,7 +118,7 @@ fn misspelled_keys_and_values_are_refused_with_their_lines() {
 }
 
 #[test]
-fn a_file_that_is_no_toml_is_refused_with_its_line() {
+fn a_file_that_is_not_toml_is_refused_with_its_line() {
     assert_said(&with("place = \"Nowhere\"", "place = "), 2, &[]);
 }
 
