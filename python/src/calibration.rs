@@ -1,4 +1,4 @@
-//! Calibration of models to metered energy.
+//! Calibration of models against metered energy.
 
 use std::path::PathBuf;
 

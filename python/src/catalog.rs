@@ -45,13 +45,13 @@ pub fn catalog() -> PyResult<Arc<Catalog>> {
                 ..options
             })))
         }
-        // An embedded interpreter, which cannot be started again, reads models itself.
+        // An embedded interpreter cannot be started again, so it reads models in this process.
         Err(_) => catalog,
     };
     Ok(Arc::clone(known.insert(Arc::new(catalog))))
 }
 
-/// Returns whether an evaluation is to stop or, in the main thread, a signal handler raised an exception.
+/// Returns whether an evaluation must stop or, in the main thread, a signal handler raised an exception.
 fn stopped_or_interrupted() -> bool {
     stopped() || interrupted()
 }

@@ -130,7 +130,7 @@ impl Env {
         metrics.map(|metrics| control::metrics(py, &metrics)).transpose()
     }
 
-    /// Returns what the episode leaves besides its steps.
+    /// Returns the spaces and metrics of the episode, for writing its files.
     fn record(&self, py: Python<'_>) -> PyResult<Record> {
         self.owner.with(py, &self.state, |state| {
             let place = state.setting.building.place().to_owned();

@@ -60,7 +60,7 @@ pub struct Request<'py> {
 }
 
 impl Request<'_> {
-    /// Calls `run` with the policy and the episodes, as [`run_policy`] does.
+    /// Calls `run` with the policy and the episodes, like [`run_policy`].
     fn run<T: Send>(
         self,
         py: Python<'_>,
@@ -79,7 +79,7 @@ impl Request<'_> {
         })
     }
 
-    /// Returns the policy, which is given by its name or path, or written in Python.
+    /// Returns the policy, which is a name, a path or a Python callable.
     fn into_policy(self, raised: &Arc<Mutex<Option<PyErr>>>) -> PyResult<Box<dyn Policy>> {
         let Self { policy, rescale, name, identity, .. } = self;
         if let Ok(name) = policy.extract::<String>() {
@@ -183,7 +183,7 @@ pub fn run_policy<T: Send>(
         let catalog = catalog::catalog()?;
         let run = || run(&Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped }, &counter);
         let outcome = wait_for(run, || counter.report(progress));
-        // Also of a run that has ended: the policy may have raised in its last episode.
+        // Even if the run has ended, because the policy may have raised in its last episode.
         let exception = locked(raised).take();
         exception.map_or_else(|| outcome.map_err(of_evaluation), Err)
     })

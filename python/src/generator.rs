@@ -66,7 +66,7 @@ fn read_settings(settings: &[String]) -> PyResult<Vec<b2b_dataset::Setting>> {
     settings.iter().map(|text| text.parse()).collect::<Result<_, _>>().map_err(of_building)
 }
 
-/// Samples buildings of a type with a seed, as `b2b generate` does.
+/// Samples buildings of a type with a seed, like `b2b generate`.
 #[pyfunction]
 #[pyo3(signature = (building_type, count, seed, places, weather, settings))]
 pub fn generate(

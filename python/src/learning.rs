@@ -15,10 +15,10 @@ use crate::pools;
 
 /// Trains an agent in a folder, or resumes the run in the folder, and returns the result as JSON text.
 ///
-/// `options` is a JSON object with options of a run's `config.toml`; with `resume`, only `steps`. `config` is a TOML file
-/// with such options, over which these take precedence, and `preset` what both change. `callback` is called with a
-/// dictionary after every update; if it returns `False`, the run ends with a checkpoint. `stage` is called with a text
-/// before other work.
+/// `options` is a JSON object with options of a run's `config.toml`; with `resume`, only `steps`. `config` is a TOML
+/// file with such options, which `options` override; `preset` is the preset that both modify. `callback` is called with
+/// a dictionary after every update; if it returns `False`, the run ends with a checkpoint. `stage` is called with a
+/// text before other work.
 #[pyfunction]
 #[pyo3(signature = (options, out, jobs, resume, preset=None, config=None, callback=None, stage=None))]
 #[expect(clippy::too_many_arguments, reason = "the Python function passes them by name")]
@@ -48,14 +48,14 @@ pub fn train(
             || b2b_learn::train::train(&config, options),
             || listener.report(std::mem::take(&mut *locked(&events.0)), &raised),
         );
-        // Also of a run that has ended: the callback may have raised at its last update.
+        // Even if the run has ended, because the callback may have raised at its last update.
         let exception = locked(&raised).take();
         exception.map_or_else(|| trained.map_err(of_training), Err)
     });
     Ok(serde_json::to_string(&outcome?).expect("a summary is plain data"))
 }
 
-/// Returns the configuration of a file, over a preset: that which is given, that which the file names, or `residual`.
+/// Returns the configuration of a file applied to a preset: the given one, the one named in the file, or `residual`.
 fn configuration(preset: Option<&str>, file: Option<&Path>) -> b2b_learn::Result<TrainConfig> {
     let base = TrainConfig::preset(preset.unwrap_or("residual"))?;
     match (file, preset) {
@@ -72,12 +72,12 @@ pub fn agent_info(folder: PathBuf) -> PyResult<String> {
     Ok(serde_json::to_string(agent.info()).expect("plain data always serializes"))
 }
 
-/// What happened and has not been passed to Python yet.
+/// Events that have not been passed to Python yet.
 #[derive(Default)]
 struct Events(Mutex<Vec<Event>>);
 
 enum Event {
-    /// The run began other work than updates.
+    /// The run began work other than updates.
     Stage(String),
     /// An update.
     Update(Row),
@@ -97,7 +97,7 @@ impl Monitor for &Events {
     }
 }
 
-/// Functions of Python that are called as a run proceeds.
+/// Python functions called as a run proceeds.
 struct Listener {
     callback: Option<Py<PyAny>>,
     stage: Option<Py<PyAny>>,

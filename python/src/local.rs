@@ -58,7 +58,7 @@ impl LocalEnv {
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
-    /// Runs a step, as `Env.step` does.
+    /// Runs a step, like `Env.step`.
     fn step<'py>(
         &mut self,
         py: Python<'py>,
@@ -98,7 +98,7 @@ impl LocalEnv {
         control::metrics(py, self.env()?.metrics())
     }
 
-    /// Returns what the episode leaves besides its steps.
+    /// Returns the spaces and metrics of the episode, for writing its files.
     fn record(&mut self) -> PyResult<Record> {
         let (spaces, place) = (Arc::clone(&self.spaces), self.setting.building.place().to_owned());
         let env = self.env()?;

@@ -190,7 +190,7 @@ fn zones(source: &Source) -> Vec<String> {
     }
 }
 
-/// What an episode draws besides its building and its task.
+/// The weather and days that an episode draws, besides its building and task.
 pub struct Cut {
     /// Weather files to use instead of the buildings' own.
     pub weather_years: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! What an episode leaves besides its steps, to be written as `b2b run` writes it.
+//! The spaces and metrics of an episode, from which the files of `b2b run` are written.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ impl Record {
     /// Writes the files of `b2b run` to a folder and returns their paths. An episode that did not run to its end has
     /// only the time series. Observations, actions and penalties have one row per step; `wall` is the time that they
     /// took, s.
-    #[expect(clippy::too_many_arguments, reason = "they are the parts of a trajectory of Python")]
+    #[expect(clippy::too_many_arguments, reason = "they are the parts of a Python trajectory")]
     fn write(
         &self,
         py: Python<'_>,

@@ -40,7 +40,7 @@ pub struct Slot {
     quantity: String,
     /// The part of the building that it belongs to.
     owner: Py<Owner>,
-    /// Where the value comes from.
+    /// Source of the value.
     source: &'static str,
 }
 

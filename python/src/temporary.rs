@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::error::Exception;
 
-/// Creates a temporary folder for the caller to remove. Of a killed process, it is removed when another is made later.
+/// Creates a temporary folder for the caller to remove. If the process is killed, a later one removes the folder.
 #[pyfunction]
 pub fn temporary_folder(prefix: &str) -> PyResult<PathBuf> {
     let folder = b2b_base::scratch::temporary_folder(prefix);

@@ -29,7 +29,7 @@ criterion_group! {
 }
 
 fn main() {
-    // A worker is this program started once more.
+    // A worker starts this program again.
     run_if_worker();
     benches();
     Criterion::default().configure_from_args().final_summary();

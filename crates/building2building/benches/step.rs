@@ -67,7 +67,7 @@ fn step(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// What a policy for any building does in a step: the observation split into nodes, and their actions joined.
+/// The per-step work of a policy for any building: splitting the observation into nodes and joining their actions.
 fn nodes(criterion: &mut Criterion) {
     let env = make("OfficeSmall").and_then(|office| office.period("01-01..01-01").build());
     let env = env.expect("an environment");

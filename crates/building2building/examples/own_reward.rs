@@ -1,4 +1,4 @@
-//! A custom reward: the coldest zone counts alone, and energy at half the price by night.
+//! A custom reward: only the coldest zone counts, and energy costs half as much at night.
 //!
 //! `cargo run --release -p building2building --example own_reward`
 

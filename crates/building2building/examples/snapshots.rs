@@ -8,7 +8,7 @@ use building2building::{Environment, Episode, Result, make, run_if_worker};
 const STEPS: usize = 12;
 
 fn main() -> Result<()> {
-    // A worker is this program started once more.
+    // A worker starts this program again.
     run_if_worker();
     let mut episode = make("SingleFamilyHouse")?.task("constant").period("01-01..01-01").build_in_worker()?;
     let space = &episode.spaces().action;

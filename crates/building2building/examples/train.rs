@@ -7,7 +7,7 @@ use building2building::learn::train::TrainConfig;
 use building2building::{Controller, Env, Reactive, make, rollout, run_if_worker, train};
 
 fn main() -> building2building::Result<()> {
-    // A worker is this program started once more.
+    // A worker starts this program again.
     run_if_worker();
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| "runs/example".into());

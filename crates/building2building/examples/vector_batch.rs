@@ -1,11 +1,11 @@
-//! A batch of environments that step together, each in a worker process of its own.
+//! A batch of environments that step together, each in its own worker process.
 //!
 //! `cargo run --release -p building2building --example vector_batch -- 4 01-01..01-07`
 
 use building2building::{make, run_if_worker};
 
 fn main() -> building2building::Result<()> {
-    // A worker is this program started once more.
+    // A worker starts this program again.
     run_if_worker();
     let mut arguments = std::env::args().skip(1);
     let count = arguments.next().and_then(|count| count.parse().ok()).unwrap_or(2);

@@ -15,7 +15,7 @@ use b2b_workers::{
 
 use crate::{Error, Result};
 
-/// Zone time steps per hour unless told otherwise: a step is five minutes.
+/// Default number of zone time steps per hour: a step is five minutes.
 const STEPS_PER_HOUR: u32 = 12;
 
 /// Names a building: a type (`OfficeSmall`), a building of the dataset (`OfficeSmall-0042`) or a model file (`my.idf`).
@@ -33,7 +33,7 @@ pub fn make(name: &str) -> Result<EnvBuilder> {
     })
 }
 
-/// Builds environments of one building. An error in what it was told is returned when it builds.
+/// Builds environments of one building. Invalid settings are reported when it builds.
 #[derive(Debug)]
 pub struct EnvBuilder {
     name: BuildingName,
@@ -41,7 +41,7 @@ pub struct EnvBuilder {
     task: Task,
     period: RunPeriod,
     steps_per_hour: u32,
-    /// The first error in what it was told.
+    /// The first error in its settings.
     error: Option<Error>,
 }
 
@@ -107,9 +107,9 @@ impl EnvBuilder {
         Ok(Env::new(catalog.library().clone(), Arc::new(building), episode)?)
     }
 
-    /// Builds an environment that runs the engine in a worker process of its own: a crash loses one episode, a reset
-    /// takes milliseconds, and an episode has snapshots and branches. The worker is this program started once more:
-    /// call [`run_if_worker`](crate::run_if_worker) first in `main`.
+    /// Builds an environment that runs the engine in its own worker process: a crash loses one episode, a reset takes
+    /// milliseconds, and an episode has snapshots and branches. Workers start this program again, so call
+    /// [`run_if_worker`](crate::run_if_worker) first in `main`.
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`] and [`Workers::episode`].
@@ -130,8 +130,8 @@ impl EnvBuilder {
         Ok(VecEnv::new(count, Box::new(Fixed(vec![setting; count])), options)?)
     }
 
-    /// Returns the building and its episode as a setting of worker processes, and how these are started: for episodes
-    /// that share workers, and for samplers.
+    /// Returns the building and its episode as a setting for worker processes, with the options to start them, for
+    /// episodes that share workers and for samplers.
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`].

@@ -35,7 +35,7 @@ pub enum Error {
     System(#[from] std::io::Error),
 }
 
-/// Boxes the errors of a crate: an error is then small to return.
+/// Boxes the errors of a crate, so that an error is small to return.
 macro_rules! boxed {
     ($($variant:ident: $error:ty),*) => {$(
         impl From<$error> for Error {

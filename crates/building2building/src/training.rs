@@ -9,10 +9,10 @@ use b2b_workers::Launcher;
 use crate::Result;
 use crate::builder::catalog;
 
-/// Trains an agent in a folder, as `b2b train` does, or continues the run that the folder has. The folder is the agent's then:
-/// [`Agent::read`](crate::agent::Agent::read). Workers are this program started once more: call
-/// [`run_if_worker`](crate::run_if_worker) first in `main`. For a progress report and interrupts, call
-/// [`learn::train::train`](crate::learn::train::train) with [`RunOptions`] of your own.
+/// Trains an agent in a folder like `b2b train`, or continues the folder's run.
+/// [`Agent::read`](crate::agent::Agent::read) then reads the agent from the folder. Workers start this program again,
+/// so call [`run_if_worker`](crate::run_if_worker) first in `main`. For progress reports and interrupts, call
+/// [`learn::train::train`](crate::learn::train::train) with your own [`RunOptions`].
 ///
 /// # Errors
 /// [`Error::Training`](crate::Error::Training) for an invalid configuration, a folder that holds another run, or a

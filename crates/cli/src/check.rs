@@ -99,7 +99,7 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 impl Arguments {
-    /// Checks the buildings, each in worker processes of its own.
+    /// Checks the buildings, each in its own worker processes.
     fn reports(&self) -> Result<Vec<Report>> {
         let ids = self.buildings.ids()?;
         let catalog = program::catalog(&mut Download::new(self.json))?;

@@ -16,8 +16,8 @@ use crate::{program, stdout};
 /// epJSON file, which `b2b import` and `b2b run` accept. The model itself is not changed. At least one change is
 /// required.
 ///
-/// U-factors of walls and roofs include the air films of ASHRAE 90.1 (0.15 and 0.14 m²K/W) and are those that `b2b show`
-/// prints. Surfaces that shared a construction, and skylights that shared a glazing, keep theirs.
+/// U-factors of walls and roofs include the air films of ASHRAE 90.1 (0.15 and 0.14 m²K/W), as in `b2b show`. Other
+/// surfaces that shared a construction, and skylights that shared a glazing, keep theirs.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -88,7 +88,7 @@ struct Changes {
     equipment: Option<f64>,
 }
 
-/// What `--json` prints.
+/// The object that `--json` prints.
 #[derive(Serialize)]
 struct Edited<'a> {
     model: &'a PathBuf,

@@ -15,8 +15,9 @@ use crate::stdout;
 /// Write an agent as an ONNX file
 ///
 /// Only agents trained with `--direct` and the observation raw or roles can be exported. The network takes the unscaled
-/// observation of the environment (the values that `b2b show BUILDING --observations` lists, or those by roles) and
-/// returns actions from -1 to 1. The file of a graph network is for one building, whose nodes and edges it contains.
+/// observation of the environment (the values that `b2b show BUILDING --observations` lists, or the observation by
+/// roles) and returns actions from -1 to 1. The file of a graph network is for one building, whose nodes and edges it
+/// contains.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

@@ -39,7 +39,7 @@ pub struct Parameter {
     pub unit: &'static str,
 }
 
-/// How a table lists the zones that a system serves.
+/// How a table lists the zones served by a system.
 #[derive(Clone, Copy)]
 pub enum Served {
     /// A single zone by name, several by their count.
@@ -263,7 +263,7 @@ fn parameters(name: &BuildingName) -> Vec<Parameter> {
     let mut table = manifest([b2b_dataset::row(*id)]);
     let cells = table.rows.pop().unwrap_or_default();
     let columns = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
-    // Shown in the other lines.
+    // Omits what other lines show.
     let redundant =
         |name: &str| matches!(name, "id" | "type" | "place" | "climate_zone" | "heating_degree_days");
     columns

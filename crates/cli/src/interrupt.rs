@@ -1,5 +1,5 @@
-//! Signals. Interrupts (Ctrl-C, SIGTERM) set a flag that long-running work polls to stop cleanly; a file that is too large
-//! is an error of its writer instead of the end of the process.
+//! Signals. Interrupts (Ctrl-C, SIGTERM) set a flag that long-running work polls to stop cleanly. A file beyond the
+//! size limit is an error for its writer and does not end the process.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock, OnceLock};
@@ -8,19 +8,19 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-/// Id of the process that started this one, if this one is a command of an experiment's job.
+/// Id of the process that started this one, if this is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
 /// Whether a file exceeded the size limit of this process.
 static TOO_LARGE: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
-/// Time that a command has to stop before it is ended, s.
+/// Time for a command to stop before it is killed, s.
 const GRACE: u32 = 10;
 /// Whether the command may take longer to stop.
 static PATIENT: AtomicBool = AtomicBool::new(false);
 
-/// Installs the handlers: an interrupt or a termination request only sets the flag. A second one ends the process
-/// immediately, and its workers with it, and so does the first after [`GRACE`].
+/// Installs the handlers. An interrupt or a termination request only sets the flag; a second one, or [`GRACE`] after
+/// the first, ends the process and its workers immediately.
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
@@ -40,15 +40,15 @@ pub fn listen() -> Result<()> {
     .context("cannot install the Ctrl-C handler")
 }
 
-/// Ends a process with work that does not poll the flag, such as a network that never ends. Time in which the process is
-/// stopped does not count.
+/// Ends a process whose work does not poll the flag, such as a network that never ends. Time during which the process
+/// is stopped does not count.
 fn end_after_grace() {
     (0..GRACE).for_each(|_| std::thread::sleep(Duration::from_secs(1)));
-    eprintln!("interrupted; what did not stop within {GRACE} s was ended");
+    eprintln!("interrupted; work that did not stop within {GRACE} s was killed");
     end();
 }
 
-/// Ends the process, and with it its workers, without its temporary folders.
+/// Ends the process and its workers, after removing its temporary folders.
 fn end() -> ! {
     b2b_base::scratch::remove_all();
     std::process::exit(crate::ExitCode::Interrupted as i32)

@@ -122,8 +122,8 @@ enum Command {
 
 /// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is started for workers and the jobs of experiments, so it must call this function as well. Must be called before
-/// any thread is started. Does not return if this process was started as a worker.
+/// `program` is also started for workers and the jobs of experiments, so it must call this function. Must be called
+/// before any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     #[cfg(target_os = "linux")]
     b2b_learn::fragments::run_if_worker();
@@ -203,7 +203,7 @@ fn execute(command: Command) -> Result<ExitCode> {
     Ok(ExitCode::Success)
 }
 
-/// Prints help, or what is wrong with the arguments, within the width of the terminal.
+/// Prints help, or an error in the arguments, within the width of the terminal.
 fn print_usage(usage: &clap::Error) {
     let text = usage.to_string();
     let wrapped = wrap::message(&text);

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tempfile::TempDir;
 
-/// A folder of output files. The files are staged in the destination, or next to it while it does not exist, and moved to their places by
-/// [`OutputFolder::keep`]; dropping the folder before that removes them.
+/// A folder of output files. Files are staged in the destination, or next to it if it does not exist, and moved into
+/// place by [`OutputFolder::keep`]. Dropping the folder before that removes them.
 pub struct OutputFolder {
     staging: Option<TempDir>,
     destination: PathBuf,

@@ -36,7 +36,7 @@ impl Prepared {
         Self::find(&program::catalog(&mut Download::new(quiet))?, controls, name, location, quiet)
     }
 
-    /// Like [`Prepared::new`], with a catalog that others use too.
+    /// Like [`Prepared::new`], with a shared catalog.
     pub fn of(catalog: &Catalog, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
         Self::find(catalog, Controls::default(), name, location, quiet)
     }

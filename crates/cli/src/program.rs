@@ -50,8 +50,8 @@ pub fn command() -> Command {
     command
 }
 
-/// Loads the engine, which is downloaded if it is missing. Worker processes read and size models with it: a crash of theirs is an
-/// error.
+/// Loads the engine, which is downloaded if it is missing. Worker processes read and size models with it, so a crash is
+/// an error.
 pub fn catalog(download: &mut Download) -> Result<Catalog> {
     let catalog = Catalog::open(download)?;
     #[cfg(target_os = "linux")]

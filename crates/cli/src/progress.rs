@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::interrupt;
 
-/// Time between two pictures of a spinner.
+/// Time between two frames of a spinner.
 const TURN: Duration = Duration::from_millis(120);
 
 const MONTHS: [&str; 12] =

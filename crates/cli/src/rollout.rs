@@ -24,7 +24,7 @@ pub struct Rollout {
     pub metrics: Metrics,
     /// Every step.
     pub trajectory: Trajectory,
-    /// The controller's decisions behind every action; none of an episode that was stepped from outside.
+    /// The controller's decisions behind every action; none for an episode that was stepped from outside.
     pub decisions: DecisionLog,
     /// Messages, meters and occupancy of the engine's run.
     pub engine: EngineReport,
@@ -37,7 +37,7 @@ pub struct Rollout {
 }
 
 impl Rollout {
-    /// Combines an episode with the report of its worker. The CPU time of this process is that up to now.
+    /// Combines an episode with the report of its worker. The CPU time of this process is counted up to now.
     #[cfg(target_os = "linux")]
     pub fn new(metrics: Metrics, trajectory: Trajectory, report: EpisodeReport, wall: Duration) -> Self {
         let EpisodeReport { engine, cpu: env_cpu } = report;

@@ -193,8 +193,8 @@ impl Trajectory {
         })
     }
 
-    /// Returns the metrics that scores need, and the amount of the resource of a task with its scale. Discomfort follows from the
-    /// penalties, at the ends of steps: half a step's short of the integral at most.
+    /// Returns the metrics that scores need, and the amount of the resource of a task with its scale. Discomfort is
+    /// computed from the penalties at the ends of steps, which differs from the integral by at most half a step.
     fn scored(&self, task: &Task, steps_per_hour: u32) -> (EpisodeMetrics, Option<f64>) {
         let tdis_tot = match task.comfort {
             Comfort::Band { weight } if task.is_operation() && weight > 0.0 => {
@@ -228,7 +228,7 @@ impl Trajectory {
 }
 
 impl Arguments {
-    /// Returns the building given as an argument, else the one named in the file.
+    /// Returns the building given as an argument, otherwise the one named in the file.
     fn subject(&self, building: &str, place: &str) -> Result<Subject> {
         let mut placement = self.location.placement();
         let hint = "specify it with --building and --weather";

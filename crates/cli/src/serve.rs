@@ -37,13 +37,13 @@ pub struct Arguments {
     /// Control steps per hour
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
-    /// Address to listen on; others than loopback let anyone on the network run simulations here
+    /// Address to listen on; any other than loopback lets anyone on the network run simulations here
     #[arg(long, default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST), value_name = "ADDRESS")]
     host: IpAddr,
     /// Port to listen on; 0 for a free one
     #[arg(long, default_value_t = 8000, value_name = "PORT")]
     port: u16,
-    /// Most tests at a time, each with an engine of its own
+    /// Maximum number of tests at a time, each with its own engine
     #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     tests: u32,
 }

@@ -5,8 +5,8 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
 use crate::Cli;
 
-/// Adds the most similar command to an error about an unknown one: swapped letters, as in `rnu`, are none of the errors that
-/// clap finds.
+/// Adds the most similar command to an error about an unknown one, because clap does not recognize swapped letters, as
+/// in `rnu`.
 pub fn add(mut usage: Error) -> Error {
     if usage.kind() != ErrorKind::InvalidSubcommand || usage.get(ContextKind::SuggestedSubcommand).is_some() {
         return usage;

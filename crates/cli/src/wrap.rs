@@ -8,7 +8,7 @@ const HELP_WIDTH: usize = 80;
 /// Maximum width of help texts: longer lines are hard to read.
 const WIDEST_HELP: usize = 100;
 
-/// Minimum width of a description beside its term.
+/// Minimum width of a description next to its term.
 const NARROWEST_COLUMN: usize = 30;
 
 /// Returns the width of the terminal that standard output is connected to, else the environment variable `COLUMNS`;
@@ -19,7 +19,8 @@ pub fn width() -> Option<usize> {
     terminal.map(|(terminal_size::Width(columns), _)| columns.into()).or_else(columns)
 }
 
-/// Returns a message for standard error, wrapped at the width of the terminal, if there is one: a terminal cuts words.
+/// Returns a message for standard error, wrapped at the width of the terminal if there is one, because a terminal cuts
+/// words.
 pub fn message(text: &str) -> String {
     let terminal = || terminal_size::terminal_size_of(std::io::stderr()).map(|(width, _)| width.0.into());
     let columns = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);

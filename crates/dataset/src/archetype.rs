@@ -8,7 +8,7 @@ use b2b_energyplus::install::Engine;
 use crate::house::{self, House};
 use crate::{Error, Result};
 
-/// Returns the base model of a type: for houses generated for the site, otherwise the [`prototype`].
+/// Returns the base model of a type: a house generated for the site, or the [`prototype`].
 ///
 /// # Errors
 /// The errors of [`prototype`].
@@ -24,8 +24,8 @@ pub fn base_model(
     }
 }
 
-/// Returns the model that buildings of a type are derived from: the ASHRAE 90.1-2019 prototype that ships with the
-/// engine; an empty model for the house, which is generated only from its parameters.
+/// Returns the model from which buildings of a type are derived: the ASHRAE 90.1-2019 prototype that ships with the
+/// engine, or an empty model for the house, which is generated from its parameters alone.
 ///
 /// # Errors
 /// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Building`] when the engine cannot

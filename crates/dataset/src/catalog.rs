@@ -84,7 +84,7 @@ impl Catalog {
         })
     }
 
-    /// Has another process read and size models, which may crash the engine.
+    /// Lets other processes read and size models, because a model may crash the engine.
     #[must_use]
     pub fn hosted_by(self, host: Arc<dyn Host>) -> Self {
         Self { library: self.library.hosted_by(host), ..self }
@@ -189,7 +189,7 @@ impl Catalog {
     }
 }
 
-/// Returns the cached value of a key; computes it at first use.
+/// Returns the cached value of a key, computed on first use.
 fn remembered<K: Clone + Eq + std::hash::Hash, V>(
     known: &Mutex<HashMap<K, Arc<V>>>,
     key: &K,
@@ -319,7 +319,7 @@ impl FromStr for BuildingName {
     }
 }
 
-/// Adds the extensions of model files to the error about a name that resembles no type.
+/// Adds the extensions of model files to the error for a name that resembles no type.
 fn or_model_file(error: Error) -> Error {
     let is_unlike = |unknown: &b2b_building::Error| {
         matches!(unknown, b2b_building::Error::UnknownType { near: None, .. })

@@ -17,7 +17,7 @@ pub enum Error {
     /// Text that is neither the name of a building nor a model file.
     #[error("{why}; the name of a model file ends in .idf or .epJSON")]
     NoBuilding {
-        /// What is wrong with it as the name of a building.
+        /// Why it is not the name of a building.
         why: String,
     },
     /// A building number outside the dataset.

@@ -57,7 +57,7 @@ const HEAD: [Column; 6] = [
 ];
 /// Split.
 const SPLIT: [Column; 2] = [column("split", Kind::Text, ""), column("test_small", Kind::Flag, "")];
-/// Parameters of the commercial types, of both, and of the house.
+/// Parameters of the commercial types, parameters shared with the house, and parameters of the house.
 const PARAMETERS: [Column; 32] = [
     column("wall_u", Kind::Number, "W/m²K"),
     column("roof_u", Kind::Number, "W/m²K"),

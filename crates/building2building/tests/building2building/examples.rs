@@ -33,7 +33,7 @@ fn a_batch_gives_every_environment_the_same_episode() {
 }
 
 #[test]
-fn a_custom_reward_is_what_the_return_sums() {
+fn the_return_sums_a_custom_reward() {
     assert!(output_of("own_reward", &[]).starts_with("return -"));
 }
 

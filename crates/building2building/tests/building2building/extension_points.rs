@@ -1,4 +1,4 @@
-//! Adding a kind of something touches few files: the files that know an existing kind are counted.
+//! Adding a kind touches few files, tested by counting the files that know an existing kind.
 
 use std::path::{Path, PathBuf};
 

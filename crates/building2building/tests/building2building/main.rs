@@ -1,4 +1,4 @@
-//! The crate as a Rust program uses it.
+//! Tests of the crate from a Rust program's point of view.
 
 mod builder;
 mod examples;

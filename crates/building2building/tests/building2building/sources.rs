@@ -1,4 +1,4 @@
-//! What docs/trust.md says of the sources, and what runs on other people's machines on every change.
+//! Statements of docs/trust.md about the sources, and actions of the workflows that run on every change.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -161,8 +161,8 @@ impl FromStr for Parameters {
 }
 
 impl Parameters {
-    /// Returns the values of a kind's parameters for the building and the task of an environment. Without parameters, only
-    /// a file is an error.
+    /// Returns the values of a kind's parameters for the building and the task of an environment. For a kind without
+    /// parameters, only a file is an error.
     fn of(&self, kind: &dyn Kind, spaces: &Spaces) -> Result<Value> {
         Ok(match self {
             Self::Default => kind.defaults(),

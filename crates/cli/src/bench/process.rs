@@ -11,7 +11,7 @@ pub(super) fn cpu_seconds(process: u32) -> Result<f64> {
     Ok(nanoseconds / 1e9)
 }
 
-/// Returns the memory that a process shares with no other, MB.
+/// Returns the memory that a process does not share with others, MB.
 pub(super) fn private_mb(process: u32) -> Result<f64> {
     let text = read(process, "smaps_rollup")?;
     Ok(kilobytes(&text, |field| field.starts_with("Private_")) / 1e3)

@@ -250,7 +250,7 @@ struct Single {
     process: Child,
     ask: ChildStdin,
     answers: BufReader<ChildStdout>,
-    /// Removed after the process has been killed, which cannot do it.
+    /// Temporary folder of the process, which is killed and cannot remove it.
     _temporary: TempDir,
 }
 

@@ -43,7 +43,7 @@ impl Metric {
     }
 }
 
-/// Returns the metrics of which not all values are zero or missing, with their values; without those that lead.
+/// Returns the metrics that are not zero or missing in all runs, with their values, except the leading ones.
 pub fn relevant(runs: &[Recorded]) -> impl Iterator<Item = (Metric, Vec<Option<f64>>)> {
     let with_values = |metric: Metric| {
         let values = metric.values(runs);

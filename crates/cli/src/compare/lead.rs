@@ -1,4 +1,4 @@
-//! What counts in operation, first: cost, energy, discomfort and peak of every run, against the first.
+//! The leading metrics of operation: cost, energy, discomfort and peak of every run, compared with the first.
 
 use b2b_env::{Display, EpisodeMetrics};
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::recorded::Recorded;
 use crate::table::Table;
 
-/// Columns of the metrics that lead, and whether they compare by their ratio: discomfort may be next to nothing.
+/// Columns of the leading metrics, and whether they are compared as ratios, which does not suit discomfort near 0.
 const LEAD: [(&str, bool); 4] =
     [("cost_tot", true), ("ener_tot", true), ("tdis_tot", false), ("pele_tot", true)];
 
@@ -18,7 +18,7 @@ struct Lead {
     cells: Vec<(Option<f64>, String)>,
 }
 
-/// Returns the leading metrics; none of tasks without bands.
+/// Returns the leading metrics; none for tasks without bands.
 fn leading(runs: &[Recorded]) -> Vec<Lead> {
     if !runs[0].described.task_definition.is_operation() {
         return Vec::new();
@@ -54,7 +54,7 @@ impl Lead {
     }
 }
 
-/// Returns the difference of a value from the first, in percent of it or in its unit.
+/// Returns the difference of a value from the first, as a percentage or in its unit.
 fn difference(value: f64, first: f64, by_ratio: bool, decimals: usize) -> String {
     match by_ratio {
         true if first > 0.0 => format!("{:+.0} %", 100.0 * (value / first - 1.0)),
@@ -63,7 +63,7 @@ fn difference(value: f64, first: f64, by_ratio: bool, decimals: usize) -> String
     }
 }
 
-/// Returns the table of the terminal, with an empty line behind: a row per run. Empty for tasks without bands.
+/// Returns the table for the terminal, a row per run, followed by an empty line. Empty for tasks without bands.
 pub fn table(runs: &[Recorded]) -> String {
     let leading = leading(runs);
     if leading.is_empty() {

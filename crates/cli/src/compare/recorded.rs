@@ -1,4 +1,4 @@
-//! A run as `b2b run` recorded it.
+//! A run recorded by `b2b run`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::run::operation::asked;
 use crate::run::summary::Summary;
 use crate::run::trajectory_file::{self, Stored};
 
-/// What the hash of the model is called.
+/// Name of the model's hash.
 const MODEL: &str = "model (SHA-256)";
 
 /// A run: its summary and its trajectory.
@@ -25,7 +25,7 @@ pub struct Recorded {
     pub described: Described,
     pub period: RunPeriod,
     pub zones: Vec<ZoneRecord>,
-    /// At the end of each step, °C.
+    /// Outdoor air temperature at the end of each step, °C.
     pub outdoor: Vec<f64>,
     /// HVAC electricity and gas of each step, Wh/m².
     pub energy: [Vec<f64>; 2],
@@ -150,7 +150,7 @@ impl Recorded {
         )
     }
 
-    /// Returns whether the recorded temperatures have errors of sensors, which the metrics do not have.
+    /// Returns whether the recorded temperatures have sensor errors, which the metrics do not have.
     pub fn has_faulty_sensors(&self) -> bool {
         let faults = &self.described.task_definition.faults;
         faults.noise > 0.0 || faults.bias > 0.0
@@ -175,7 +175,7 @@ impl Described {
         b2b_control::kind(&self.controller).map_or(Controls::Actuators, |kind| kind.controls())
     }
 
-    /// Returns what identifies the episode: each property's name, its value, and its value in messages.
+    /// Returns the properties that identify the episode: name, value, and value in messages.
     fn identity(&self) -> [(&'static str, String, String); 7] {
         let plain = |name, value: &str| (name, value.to_owned(), value.to_owned());
         let hash = |name, hash: &Option<String>| {
@@ -209,7 +209,7 @@ impl ZoneRecord {
         })
     }
 
-    /// Returns the target of a step, °C; in a task with bands, the temperature or the setpoint that it is beyond. The
+    /// Returns the target of a step, °C; in a task with bands, the temperature in the band nearest to the zone's. The
     /// first step's target is not recorded, so the second step's is used.
     pub fn target_of(&self, step: usize, constant: Option<f64>) -> f64 {
         match (&self.band, &self.target) {
@@ -243,8 +243,8 @@ impl BandRecord {
     }
 }
 
-/// Errors unless all runs are of the same episode. The model of a building that keeps its own controls is another than the one
-/// with actuators.
+/// Errors unless all runs are of the same episode. The model may differ between a building under its own controls and
+/// the same building with actuators.
 pub fn check_same(runs: &[Recorded]) -> Result<()> {
     let Some((first, others)) = runs.split_first() else { return Ok(()) };
     for other in others {

@@ -17,9 +17,9 @@ const SMALL: f64 = 0.005;
 pub struct WorstHour {
     /// Date, as `01-31`.
     pub date: String,
-    /// The hour of the day at its beginning, 0 to 23.
+    /// Hour of the day at which it begins, 0 to 23.
     pub hour: usize,
-    /// The hour since the beginning of the episode.
+    /// Hours since the beginning of the episode.
     pub index: usize,
     pub zone: String,
     /// Mean deviation from target, K.

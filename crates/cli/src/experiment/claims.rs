@@ -9,8 +9,9 @@ use crate::stdout;
 
 /// Judge the claims of the paper by results, as a table in Markdown
 ///
-/// Prints one row per claim: holds here, does not hold, cannot be told, or no results yet. Trainings with fewer steps than
-/// the paper's do not count. With several folders of one experiment, each claim is judged by the first that tells it.
+/// Prints one row per claim: holds here, does not hold, cannot be told, or no results yet. Training runs with fewer
+/// steps than the paper's do not count. With several folders of one experiment, each claim is judged by the first
+/// folder that decides it.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

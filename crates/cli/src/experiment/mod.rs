@@ -51,7 +51,7 @@ enum Command {
 
 /// Runs the command.
 pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
-    // Its trainings write checkpoints first.
+    // Training runs write checkpoints first.
     crate::interrupt::be_patient();
     match &arguments.command {
         Command::List(arguments) => show::list(arguments)?,

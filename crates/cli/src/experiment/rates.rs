@@ -8,11 +8,11 @@ use serde_json::json;
 
 use crate::stdout;
 
-/// Print how fast the trainings in folders of results were, by building type and preset
+/// Print the speed of training runs in folders of results, by building type and preset
 ///
 /// Prints the table behind the estimates of `show` and `run` (crates/experiment/data/rates.csv): the 75th percentile of the
-/// steps per second of trainings, without evaluations, where their job folders are available, otherwise of whole jobs;
-/// and the speed of environments, from results of the experiment `speed`.
+/// steps per second of training runs, without evaluations, where their job folders are available, otherwise of whole
+/// jobs; and the speed of environments, from results of the experiment `speed`.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

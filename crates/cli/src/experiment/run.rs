@@ -21,7 +21,7 @@ pub struct Arguments {
     /// Name of an experiment, or a TOML file
     #[arg(value_name = "EXPERIMENT")]
     experiment: String,
-    /// Budget: quick (a few hours on two cores), full (as in the paper), or another that the experiment has
+    /// Budget: quick (a few hours on two cores), full (as in the paper), or another budget of the experiment
     #[arg(long, value_name = "BUDGET", default_value = "quick")]
     budget: String,
     /// Run only part I of N of the jobs, with I from 0 to N - 1; the parts may share the output folder
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::of(ended.failed == 0))
 }
 
-/// Takes over the results of other folders, and creates the folder unless nothing is to run.
+/// Takes over the results of other folders, and creates the folder unless this is a dry run.
 fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jobs: &[Job]) -> Result<()> {
     for other in &arguments.reuse {
         let count = folder.reuse(jobs, experiment.report, other)?;
@@ -93,7 +93,7 @@ fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jo
     Ok(())
 }
 
-/// Runs the jobs that are left, under a progress bar.
+/// Runs the remaining jobs, with a progress bar.
 fn run_jobs(arguments: &Arguments, folder: &Folder, jobs: &[Job], parallel: usize) -> Result<Ended> {
     let bar = counter(jobs.len(), "jobs", arguments.json);
     bar.set_position(jobs.iter().filter(|job| folder.is_done(job)).count() as u64);

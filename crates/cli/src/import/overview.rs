@@ -8,10 +8,10 @@ use super::report::Report;
 use super::trial::Trial;
 use crate::table::Table;
 
-/// Smallest RMS deviation of the worst zone at which a note names the zone, K.
+/// RMS deviation of the worst zone from which a note names the zone, K.
 const LARGE_DEVIATION: f64 = 1.0;
 
-/// Returns the names of the columns, of which one counts the systems of each kind.
+/// Returns the names of the columns, including a count of systems for each kind.
 fn columns() -> Vec<String> {
     let kinds = KINDS.iter().map(|kind| kind.plural());
     let first = ["model", "zones", "controlled"].into_iter();

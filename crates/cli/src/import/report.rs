@@ -14,7 +14,7 @@ pub struct Report {
     pub model: String,
     pub place: String,
     pub conditioned_floor_area_m2: f64,
-    /// What HVAC energy may consist of.
+    /// Energy carriers used by its HVAC.
     pub energy_carriers: Vec<Carrier>,
     pub zones: Vec<Zone>,
     /// The systems that the agent controls.

@@ -23,7 +23,7 @@ pub struct Trial {
     pub worst_zone: String,
     pub worst_zone_rms_k: f64,
     pub electricity_kwh_m2: f64,
-    /// Gas, with other fuels and district energy.
+    /// Gas, other fuels and district energy.
     pub gas_kwh_m2: f64,
     pub warnings: usize,
     pub severes: usize,

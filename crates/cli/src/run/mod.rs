@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     stdout::print_result(arguments.json, &summary, || summary.text())
 }
 
-/// The origin of an episode that is not part of its environment.
+/// Properties of a run that are not part of the environment.
 pub struct Author {
     /// Name of the place, or of the weather file.
     pub place: String,
@@ -132,7 +132,7 @@ pub struct Author {
 }
 
 impl Author {
-    /// Writes an episode that ran to its end to a folder, as `b2b run` does. Returns the files.
+    /// Writes an episode that ran to its end to a folder, like `b2b run`. Returns the files.
     ///
     /// # Errors
     /// The reason why the folder cannot be written.
@@ -143,7 +143,8 @@ impl Author {
         Ok(summary.info.files)
     }
 
-    /// Writes the steps of an episode to a folder, without the metrics that only a complete one has. Returns the files.
+    /// Writes the steps of an episode to a folder, without metrics, which only a complete episode has. Returns the
+    /// files.
     ///
     /// # Errors
     /// The reason why the folder cannot be written.

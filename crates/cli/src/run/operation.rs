@@ -1,14 +1,14 @@
-//! The part of the page of a run that a task with comfort bands has: zones in their bands, modes and prices.
+//! The part of a run's page for tasks with comfort bands: zones in their bands, modes and prices.
 
 use b2b_env::{DecisionLog, ElectricityPrice, ObservationSpace, Spaces, Target, Trajectory};
 use serde::Serialize;
 
 use crate::time_series::{Steps, TimeAxis};
 
-/// The state of a zone with people.
+/// The name of the state of an occupied zone.
 const PRESENCE: &[&str] = &["present"];
 
-/// What the page draws.
+/// The data drawn by the page.
 #[derive(Serialize)]
 pub struct Operation {
     /// The controlled zones, in the order of the panel of temperatures.
@@ -23,7 +23,7 @@ pub struct Operation {
     currency: String,
 }
 
-/// What is asked of a controlled zone, and what the controller makes of it.
+/// The band of a controlled zone, and the controller's setpoints.
 #[derive(Serialize)]
 struct ZoneView {
     comfort: Comfort,
@@ -54,7 +54,7 @@ impl Comfort {
 }
 
 impl Operation {
-    /// Returns the part of an episode; `None` in a task without bands.
+    /// Returns this part for an episode; `None` in a task without bands.
     ///
     /// # Errors
     /// The errors of [`ElectricityPrice::of`].
@@ -105,12 +105,12 @@ impl View<'_> {
         ZoneView { comfort, in_use: self.in_use(index, name).collect() }
     }
 
-    /// Returns what was asked in each step, from a slot of the observation.
+    /// Returns the setpoint of each step, from a slot of the observation.
     fn asked(&self, slot: usize) -> Vec<f64> {
         asked(self.trajectory.observed(slot).collect())
     }
 
-    /// Returns the temperatures that the controller has decided on for a zone.
+    /// Returns the temperatures that the controller decided on for a zone.
     fn in_use<'b>(&'b self, index: usize, zone: &'b str) -> impl Iterator<Item = Steps> + 'b {
         let slots = self.decisions.slots().iter().enumerate();
         let own = slots.filter(move |(_, slot)| slot.zone.as_deref() == Some(zone) && slot.unit == "°C");
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_asked_of_a_step_is_in_the_observation_before_it() {
+    fn the_setpoints_of_a_step_are_in_the_observation_before_it() {
         assert_eq!(asked(vec![21.0, 22.0, 23.0]), [21.0, 21.0, 22.0]);
     }
 }

@@ -35,7 +35,7 @@ impl Summary {
         ]
     }
 
-    /// Returns the parts of the bill, with an empty line behind; empty without a tariff.
+    /// Returns the parts of the bill, followed by an empty line; empty without a tariff.
     pub(super) fn bill_text(&self) -> String {
         if self.bill.is_empty() {
             return String::new();

@@ -19,9 +19,9 @@ use crate::time_series::{Series, TimeAxis, fill};
 pub const NAME: &str = "picture.html";
 
 const PAGE: &str = include_str!("picture.html");
-/// What tasks with bands show.
+/// The script for tasks with bands.
 const OPERATION: &str = include_str!("operation.js");
-/// What tasks with targets show.
+/// The script for tasks with targets.
 const TRACKING: &str = include_str!("tracking.js");
 
 /// Series of one unit over the time axis.
@@ -38,7 +38,7 @@ struct Panel {
     band: Option<f64>,
 }
 
-/// The metrics of the reactive controllers under the names of their columns.
+/// The reactive controllers' metrics, by column name.
 #[derive(Serialize)]
 struct Beside {
     #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
@@ -46,7 +46,7 @@ struct Beside {
 }
 
 /// Writes the page. If the episode of the reactive controllers is given, their zone temperatures, power and metrics are
-/// beside the agent's.
+/// shown next to the agent's.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
@@ -119,8 +119,8 @@ impl Picture<'_> {
         targets.collect()
     }
 
-    /// Returns the temperatures of the outdoor air and of the zones that are not controlled: unconditioned ones, such as
-    /// attics and plenums, and those with their own controls.
+    /// Returns the temperatures of the outdoor air and of uncontrolled zones: unconditioned zones, such as attics and
+    /// plenums, and zones with their own controls.
     fn outdoor(&self) -> Panel {
         let outdoor = self.spaces.observation.outdoor_temperature();
         let mut series =

@@ -12,7 +12,7 @@ use super::trajectory_file::Identity;
 use crate::rollout::Rollout;
 use crate::table::Table;
 
-/// The content of `summary.json`, which `--json` prints too. Means over zones are over those with both heating and
+/// The content of `summary.json`, which `--json` prints too. Means over zones include only zones with both heating and
 /// cooling.
 #[derive(Serialize)]
 pub struct Summary {
@@ -41,13 +41,14 @@ pub struct Summary {
     /// Metrics of the episode, each under the name of its column.
     #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
     pub metrics: EpisodeMetrics,
-    /// Currency of the costs of a task with bands; `None` of others, and where a task's own prices do not say theirs.
+    /// Currency of the costs in a task with bands; `None` in other tasks, and for a task's own prices, which do not
+    /// state one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub currency: Option<String>,
     /// Parts of the bill of the whole building; none without a tariff.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bill: Vec<BillPart>,
-    /// What HVAC energy may consist of; all but electricity count as gas in the metrics.
+    /// Energy carriers used by its HVAC; all but electricity count as gas in the metrics.
     pub energy_carriers: Vec<Carrier>,
     /// Controlled zones that are never occupied.
     pub never_occupied: Vec<String>,
@@ -108,7 +109,7 @@ pub struct ZoneSummary {
 }
 
 impl ZoneSummary {
-    /// Returns what conditions the zone.
+    /// Returns the zone's equipment.
     pub fn equipment(&self) -> &'static str {
         if self.heating_and_cooling { "heating and cooling" } else { "heating only" }
     }
@@ -151,7 +152,7 @@ impl Summary {
         })
     }
 
-    /// Returns what the file of the trajectory repeats.
+    /// Returns the identity that the trajectory file repeats.
     pub fn identity(&self) -> Identity {
         Identity {
             place: self.info.place.clone(),
@@ -242,7 +243,7 @@ impl Summary {
         }
     }
 
-    /// Returns the outdoor air that systems bring to people, which is none in houses.
+    /// Returns the outdoor air that systems supply to people; there is none in houses.
     fn outdoor_air_text(&self) -> String {
         match self.metrics.outdoor_air_per_person {
             0.0 => "none through the systems".to_owned(),
@@ -354,7 +355,7 @@ impl Summary {
     }
 }
 
-/// Returns a warning about zones that were never within the comfort band, which begins with `what`.
+/// Returns a warning, beginning with `what`, about zones that were never within the comfort band.
 fn never_near_target(zones: &[ZoneSummary], what: &str) -> Option<String> {
     let names: Vec<&str> =
         zones.iter().filter(|zone| zone.never_near_target).map(|zone| zone.name.as_str()).collect();

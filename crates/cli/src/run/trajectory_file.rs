@@ -57,10 +57,10 @@ pub fn write(
     columns.write(file, spaces, identity)
 }
 
-/// What the names of the columns with the controller's decisions begin with.
+/// Prefix of the columns with the controller's decisions.
 const DECISION: &str = "decision: ";
 
-/// What identifies a trajectory besides its spaces.
+/// The identity of a trajectory, besides its spaces.
 pub struct Identity {
     /// Name of the place, or of the weather file.
     pub place: String,

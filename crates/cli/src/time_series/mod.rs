@@ -55,10 +55,10 @@ pub struct Steps {
     /// Whether the line is dashed.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub dashed: bool,
-    /// Names of the states 1, 2, …; empty of a quantity.
+    /// Names of the states 1, 2, …; empty for a quantity.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub states: &'static [&'static str],
-    /// Points from which on it has a value, and the value.
+    /// Points at which the value changes, and the new value.
     pub changes: Vec<(usize, f64)>,
 }
 
@@ -112,7 +112,7 @@ impl TimeAxis {
         Steps { name, color: None, dashed: false, states: &[], changes }
     }
 
-    /// Returns what a point covers.
+    /// Returns a sentence about the time that a point covers.
     pub fn resolution(self) -> String {
         match self.span {
             1 => "Each point is one step.".to_owned(),

@@ -39,13 +39,13 @@ pub struct Arguments {
     /// network for buildings of several types) [default: residual]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
-    /// TOML file with any of the options that a run's config.toml has; other arguments take precedence
+    /// TOML file with any options of a run's config.toml; other arguments take precedence
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Algorithm: ppo or sac [default: ppo]
     #[arg(long, value_name = "ALGORITHM")]
     algorithm: Option<String>,
-    /// Task, as for `b2b run`, or several, separated by commas: every episode has another one [default: constant]
+    /// Task, as for `b2b run`, or several, separated by commas, of which every episode draws one [default: constant]
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
     /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]
@@ -219,7 +219,7 @@ impl Arguments {
 /// Parses a number of steps: 400000, 400_000 or 4e5.
 fn steps(text: &str) -> Result<u64, String> {
     let number = text.replace('_', "").parse().unwrap_or(f64::NAN);
-    // Larger numbers of f64 are not exact.
+    // Larger f64 numbers are not exact.
     if (0.0..=2f64.powi(53)).contains(&number) && number.fract() == 0.0 {
         Ok(number as u64)
     } else {
@@ -227,7 +227,7 @@ fn steps(text: &str) -> Result<u64, String> {
     }
 }
 
-/// Returns a building as a configuration names it: a model by its path.
+/// Returns the name of a building for a configuration: a model's path is made absolute.
 fn in_config(building: &BuildingName) -> String {
     match building {
         BuildingName::Model(path) => absolute(path).to_string_lossy().into_owned(),
@@ -235,7 +235,7 @@ fn in_config(building: &BuildingName) -> String {
     }
 }
 
-/// Returns the path of a file that a run finds when it is resumed from another folder, too.
+/// Returns an absolute path, so that a run resumed from another folder finds the file too.
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

@@ -83,9 +83,9 @@ struct ClassRow {
     comfort_set_return: f64,
     /// Median return under the energy set.
     energy_set_return: f64,
-    /// Median loss under the comfort set relative to that under the defaults.
+    /// Median loss under the comfort set relative to the defaults.
     comfort_set_relative_loss: f64,
-    /// Median loss under the energy set relative to that under the defaults.
+    /// Median loss under the energy set relative to the defaults.
     energy_set_relative_loss: f64,
 }
 

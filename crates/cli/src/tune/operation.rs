@@ -21,7 +21,7 @@ use crate::progress::Download;
 use crate::table::Table;
 use crate::{program, stdout};
 
-/// Measure what the rewards of operation are scaled by, and rank controllers under several weights of discomfort
+/// Measure the scales of the rewards of operation, and rank controllers under several weights of discomfort
 ///
 /// Runs the guideline controller in training buildings of each type and climate zone over the five two-week periods, at
 /// constant prices. Its mean cost of an hour is the cost scale of the class, and the weight of discomfort is balanced if
@@ -50,7 +50,7 @@ pub struct Arguments {
 
 /// Name of the file with the scales.
 const SCALES: &str = "cost_scale.json";
-/// Controllers that are ranked beside the guideline.
+/// Controllers that are ranked along with the guideline.
 const OTHERS: [&str; 4] = ["own", "reactive", "hold", "off"];
 
 /// Runs the command.
@@ -87,7 +87,7 @@ impl Arguments {
         let (mut all, mut first) = (Vec::new(), Vec::<BuildingId>::new());
         for class in self.classes.list()? {
             let drawn = TrainingBuildings::draw(class, self.buildings as usize, 0, self.seed)?.search;
-            // In the middle of the climates where there are several.
+            // The middle of the climates, where there are several.
             let represents = class.climate_zone.is_none_or(|zone| zone == 5);
             first.extend(drawn.first().filter(|_| represents));
             all.extend(drawn);

@@ -12,7 +12,8 @@ use crate::workers::worker_options;
 /// Default run periods of tuning: Sunday to Tuesday in winter and in summer, to include the end of a weekend.
 pub const DAYS: [&str; 2] = ["01-08..01-10", "07-09..07-11"];
 
-/// The episodes of a class on its training buildings, which are prepared on first use: a finished plan needs none.
+/// The episodes of a class on its training buildings, which are prepared on first use because a finished plan needs
+/// none.
 pub struct TrainingRollouts<'a> {
     catalog: &'a Catalog,
     buildings: &'a TrainingBuildings,

@@ -95,7 +95,7 @@ const PAPER: [(&str, [usize; 2], usize); 6] = [
     ("OfficeSmall", [13, 13], 10),
     ("OfficeMedium", [25, 25], 36),
 ];
-/// Its table of action-space transfers.
+/// The paper's table of action-space transfers.
 const TRANSFERS: [(&str, [usize; 2]); 4] = [
     ("unitary-5-10", [5, 10]),
     ("unitary-10-5", [10, 5]),
@@ -242,7 +242,7 @@ fn withheld_actuators_change_neither_the_building_nor_the_score_of_the_reactive_
         assert!(scores_one(line), "{line}");
         let (_, stages) = read_result(&folder.path().join(name)).unwrap();
         let hash = |stage: usize| &stages[stage].1[0].outcome.as_ref().unwrap().trajectory_hash;
-        // Both sides: what is taken away, the reactive controllers drive as they drive all.
+        // On both sides, the reactive controllers drive the withheld actuators as if they drove all.
         assert_eq!(hash(0), hash(1), "{sizes:?}");
     }
     // A network of each side's shape acts on its side, and is refused on the other.
@@ -262,7 +262,7 @@ fn withheld_actuators_change_neither_the_building_nor_the_score_of_the_reactive_
         &format!("run unitary-5-10 {day} --policy 5.onnx --out other"),
         &["returns 5", "has 10", "supply air temperature"],
     );
-    // Pinned, they are no longer those that the baseline is of.
+    // With pinned actuators, the controllers no longer match the baseline.
     let printed =
         run(folder.path(), &format!("unitary-10-5 {day} --fallback pin --policy reactive --out pinned"));
     let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// Names of the browser on the path.
 const NAMES: [&str; 5] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
 
-/// A script that names what is outside its card, but for what scrolls or is a drawing.
+/// A script that names elements outside their card, except scrolling elements and drawings.
 pub const OUTSIDE: &str = "
     [...document.querySelectorAll('section, .tile')].flatMap(card => {
         const edges = card.getBoundingClientRect();

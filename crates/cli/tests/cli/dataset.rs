@@ -99,7 +99,7 @@ fn files_of_unchanged_buildings_are_kept_and_others_are_replaced() {
     };
     assert_eq!(generate(2), (2, 0));
     assert_eq!(generate(2), (0, 2));
-    // Another count is another hypercube: the same names stand for other buildings.
+    // A different count gives a different hypercube, in which the same names mean other buildings.
     assert_eq!(generate(3), (3, 0));
     let manifest = folder.path().join("w/manifest.csv");
     let old = std::fs::read_to_string(&manifest).unwrap().replace(",v1,", ",v0,");
@@ -183,7 +183,7 @@ fn the_manifest_records_the_weather_file_and_the_parameters() {
         assert!((0.5..=0.6).contains(&row["infiltration"].parse::<f64>().unwrap()));
         assert_eq!(row["weather_sha256"].len(), 64);
     }
-    // Nothing is made twice; another zone, and another file of the same name, make other buildings.
+    // Nothing is generated twice; another zone, or another file of the same name, gives other buildings.
     assert_eq!(generate("").0, 0);
     let (written, said) = generate("--zone 6A");
     assert!(written == 4 && !said.contains("climate zone"), "{said}");

@@ -71,7 +71,7 @@ fn more_infiltration_and_less_insulation_take_more_gas() {
     assert!(of_bare > 1.2 * of_base, "{of_bare} {of_base}");
 }
 
-/// Layered glazing, walls of mass with insulation between, and loads in all forms.
+/// Layered glazing, massive walls with insulation between layers, and loads in all forms.
 #[test]
 fn an_example_of_the_engine_takes_every_change_and_can_be_imported() {
     let folder = tempfile::tempdir().unwrap();

@@ -107,7 +107,7 @@ fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
     assert!(first.rows.iter().all(|row| row.score().is_some_and(|score| score > 1.0)), "{first:?}");
     assert_eq!(table(&case.run("second", &BuiltIn::random(), &episodes, &())), table(&first));
 
-    // Interrupted once two episodes are kept.
+    // Interrupts once two episodes are kept.
     static KEPT: AtomicUsize = AtomicUsize::new(0);
     struct Kept;
     impl Progress for Kept {
@@ -139,7 +139,7 @@ fn the_reactive_controllers_score_one_and_match_a_single_environment() {
             (hash.as_str(), episode_return)
         );
     }
-    // What it has done is the baseline of others: theirs is not run again.
+    // Its episodes are the baseline of others, so the baseline is not run again.
     struct NoBaseline;
     impl Progress for NoBaseline {
         fn begin(&self, what: &str, episodes: usize, _: u64) {
@@ -233,7 +233,7 @@ fn an_environment_that_dies_is_reported_and_does_not_stop_the_others() {
     assert!(other.score().is_some(), "{other:?}");
     let summary = results.summary(&Killer);
     assert_eq!((summary.lost.len(), summary.windows[0].all.scores.as_ref().unwrap().episodes), (1, 1));
-    // It is not kept: the next start runs it once more, and nothing else.
+    // It is not kept, so the next start runs only this episode again.
     let count = Count::default();
     case.run("killed", &Killer, &episodes, &count);
     assert_eq!(count.episodes.load(Ordering::Relaxed), 1);

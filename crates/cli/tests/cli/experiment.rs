@@ -56,7 +56,7 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     }
     assert_eq!(results(path, "parts"), results(path, "whole"));
 
-    // Without the jobs' folders, their results are still known.
+    // The results are still known without the jobs' folders.
     let agents = path.join("whole/jobs/specialist");
     std::fs::rename(path.join("whole/jobs/reactive"), path.join("reactive")).unwrap();
     let output = b2b(path, "experiment run small.toml --out whole");
@@ -74,7 +74,7 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     assert_eq!(results(path, "other"), results(path, "whole"));
     assert_rejected(path, "experiment run other.toml --out x --reuse nowhere", &["nowhere has no results"]);
 
-    // Agents give their results again, unless they or the results were changed.
+    // Agents reproduce their results, unless they or the results were changed.
     let checked = json(path, "experiment check whole");
     assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(2), Some(2)), "{checked}");
     let jobs: Vec<_> = std::fs::read_dir(&agents).unwrap().map(|job| job.unwrap().path()).collect();

@@ -1,8 +1,8 @@
-//! Trajectories, generated models and a result folder, held against recorded hashes.
+//! Trajectories, generated models and a result folder, compared with recorded hashes.
 //!
-//! A change that moves no number leaves `golden.json` alone. One that means to change physics, the dataset or a file
-//! format records new hashes with `B2B_RECORD_GOLDEN=1 cargo test --release -p b2b-cli --test cli golden`, and says why in
-//! its commit.
+//! A change that affects no number leaves `golden.json` unchanged. A change that is meant to affect physics, the
+//! dataset or a file format records new hashes with
+//! `B2B_RECORD_GOLDEN=1 cargo test --release -p b2b-cli --test cli golden`, and says why in its commit.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ fn result_folder(folder: &Path) -> Hashes {
     succeed(folder, &format!("benchmark run {problem} --policy random --out result"));
     let result = folder.join("result/result.json");
     let mut content: Value = serde_json::from_slice(&std::fs::read(&result).unwrap()).unwrap();
-    // Equal numbers come from machines with different names.
+    // Machines with different names can give equal numbers.
     assert!(content.as_object_mut().unwrap().remove("machine").is_some());
     std::fs::write(&result, content.to_string()).unwrap();
     files(&folder.join("result"))
@@ -81,7 +81,7 @@ fn succeed(folder: &Path, arguments: &str) {
     assert!(output.status.success(), "b2b {arguments}: {}", stderr(&output));
 }
 
-/// The SHA-256 of each file of a folder, but for `manifest.csv`, which all folders of models have.
+/// The SHA-256 of each file in a folder, except `manifest.csv`, which all folders of models have.
 fn files(folder: &Path) -> Hashes {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();

@@ -38,7 +38,7 @@ fn import_reports_what_is_controlled_and_the_next_steps() {
     }
 }
 
-/// Programs of other tools read fans and coils, and importing replaces these.
+/// Programs in models from other tools read fans and coils, which importing replaces.
 #[test]
 fn a_model_whose_programs_read_replaced_equipment_runs() {
     let folder = tempfile::tempdir().unwrap();

@@ -25,7 +25,7 @@ fn a_dataset_is_collected_cloned_and_evaluated() {
     );
     assert_rejected(path, collect, &["datasets/b2b/small-v0 exists", "another name"]);
 
-    // What the reactive controllers did is learned, and acts in the building.
+    // The reactive controllers' actions are learned, and the clone acts in the building.
     let output = b2b(
         path,
         "collect b2b/reactive-v0 OfficeSmall-0042 --task occupancy --period 01-08..01-12 --out datasets",

@@ -4,14 +4,14 @@ use serde_json::Value;
 
 use crate::program::json;
 
-/// What an engineer reads of a policy in January and in July.
+/// The figures of a policy in January and in July.
 struct Read {
     score: f64,
-    /// Cost over the baseline's.
+    /// Cost divided by the baseline's.
     cost: f64,
     /// K·h per zone.
     discomfort: f64,
-    /// Whether discomfort is beyond the baseline's and the free one.
+    /// Whether discomfort exceeds the baseline's by more than the free allowance.
     marked: bool,
 }
 
@@ -48,11 +48,12 @@ fn nobody_gains_by_freezing_people_or_by_holding_one_temperature() {
         // Everything off costs least, and is the worst of all.
         assert!(off[season].cost < 0.5 && off[season].marked, "{}", off[season].cost);
         assert!(scores[..4].iter().all(|score| *score < 0.5 * scores[4]), "{scores:?}");
-        // 22.5 °C day and night is comfortable, and dearer than setbacks.
+        // 22.5 °C day and night is comfortable, and costs more than setbacks.
         assert!(!hold[season].marked && hold[season].discomfort < 2.0, "{}", hold[season].discomfort);
         assert!(scores[3] > 1.2 && scores[2] > 1.2, "{scores:?}");
         assert!((scores[3] - hold[season].cost).abs() < 1e-9, "comfort gains nothing");
     }
-    // The model's own thermostats save a seventh in January, because people freeze in the morning: it does not pay.
+    // The model's own thermostats save a seventh in January by letting people freeze in the morning, which does not
+    // pay.
     assert!(own[0].cost < 0.95 && own[0].marked && own[0].score > 1.0, "{} {}", own[0].cost, own[0].score);
 }

@@ -75,12 +75,12 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
         }
     }
 
-    // All zones have their targets.
+    // All zones show their targets.
     browser.open(&folder.path().join("a/picture.html"), DRAWN);
     let legend =
         "[...document.querySelectorAll('.legend')[0].querySelectorAll('em')].map(name => name.textContent)";
     assert!(browser.value(legend).to_string().contains("target"), "{}", browser.value(legend));
-    // An agent's values are beside the baseline's.
+    // An agent's values are next to the baseline's.
     browser.open(&folder.path().join("c/picture.html"), DRAWN);
     let beside = browser.value("document.querySelectorAll('.tile small').length");
     assert!(beside.as_u64().is_some_and(|count| count >= 10), "{beside}");
@@ -90,7 +90,7 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
         "['.tile', '.tables table', '.tables tbody tr'].map(what => document.querySelectorAll(what).length)",
     );
     assert_eq!(counts, json!([0, 1, 4]));
-    // The result of a training is before its curves.
+    // The result of a training run comes before its curves.
     browser.open(&folder.path().join("t/curve.html"), PAGES[9].2);
     let result = browser.value("document.querySelector('.tile').textContent");
     assert!(result.to_string().contains("resolved score, whole run period"), "{result}");

@@ -42,7 +42,7 @@ fn a_server_outlives_a_killed_engine_and_ends_with_its_folders_on_a_termination_
     assert!(begin().contains("\"time\":0.0"));
     assert!(advance().contains("\"time\":3600.0"));
     for worker in workers_of(server.id()) {
-        // One may end with another.
+        // Ending one may end another.
         let _ = kill_process(Pid::from_raw(worker as i32).unwrap(), Signal::KILL);
     }
     assert!(advance().starts_with("HTTP/1.1 500"), "its engine was killed");

@@ -278,7 +278,7 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     let info: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
     let known = ["weather", "calendar", "energy", "unitary zone", "uncontrolled zone"];
     assert_eq!(info["node_types"], serde_json::json!(known));
-    // The first agent, which corrects nothing, is evaluated before the first step.
+    // The first agent, which makes no corrections, is evaluated before the first step.
     let [steps, score] = ["steps", "score"].map(|name| column(path, "run", name).swap_remove(0));
     assert_eq!((&steps[..], &score[..]), ("0", "1"));
 

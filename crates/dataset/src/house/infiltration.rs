@@ -18,8 +18,8 @@ const EXPONENT: f64 = 0.65;
 const STACK: [f64; 3] = [0.054, 0.078, 0.098];
 /// Wind coefficient for one, two and three levels on a basement or slab, without flue, (Pa·s²/m²)ⁿ (ibid.).
 const WIND: [f64; 3] = [0.156, 0.170, 0.170];
-/// Wind coefficient on a crawlspace (ibid.). The value for three levels, which no house on a crawlspace has, is with a
-/// flue; without a flue it is 0.151.
+/// Wind coefficient on a crawlspace (ibid.). The value for three levels, which no house on a crawlspace has, is for
+/// houses with a flue; without a flue it is 0.151.
 const WIND_CRAWLSPACE: [f64; 3] = [0.128, 0.142, 0.154];
 /// Shelter class 3: neighbors across the street (ibid.).
 const SHELTER: f64 = 0.7;

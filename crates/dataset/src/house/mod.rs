@@ -18,8 +18,8 @@
 //!
 //! # Engine messages
 //! The engine notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
-//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At 0.1 and less of the
-//! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
+//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At or below 0.1 of the
+//! design flow its psychrometrics leave their range, so flows must be 0, or 0.2 and more.
 //!
 //! # Scope
 //! The ducted houses of Québec. They are about a quarter of its detached stock; half of the stock heats with baseboards

@@ -9,10 +9,10 @@ const STOCK: &str = include_str!("../../data/quebec_detached_stock.csv");
 /// Values and their shares, in the order of the table.
 pub(super) type Shares = Vec<(&'static str, f64)>;
 
-/// The shares of a variable over the whole stock, or with `vintage` those among its houses.
+/// The shares of a variable over the whole stock or, with `vintage`, among the houses of that vintage.
 ///
 /// # Panics
-/// When the embedded table does not have it: a mistake in the calling code.
+/// If the embedded table lacks it, which is a mistake in the calling code.
 pub(super) fn shares(variable: &'static str, vintage: &'static str) -> &'static Shares {
     type Table = BTreeMap<(&'static str, &'static str), Shares>;
     static TABLE: LazyLock<Table> = LazyLock::new(|| {
@@ -27,7 +27,7 @@ pub(super) fn shares(variable: &'static str, vintage: &'static str) -> &'static 
     TABLE.get(&(variable, vintage)).expect("the embedded table has the variable")
 }
 
-/// The shares of a variable whose values are numbers or classes of them, in rising order.
+/// The shares of a variable whose values are numbers or ranges of numbers, in ascending order.
 pub(super) fn numbers(variable: &'static str, vintage: &'static str) -> Vec<(f64, f64)> {
     let mut numbers: Vec<_> =
         shares(variable, vintage).iter().map(|(value, share)| (number(value), *share)).collect();

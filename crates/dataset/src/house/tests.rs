@@ -210,7 +210,7 @@ fn the_heated_zone_is_the_first_of_two_to_four() {
     assert_eq!(house(&parameters, &site()).names("Zone"), [LIVING, ATTIC, CRAWLSPACE, GARAGE]);
 }
 
-/// A surface between zones and its twin look at each other through the same layers.
+/// A surface between zones and its twin have the same layers, in opposite order.
 #[test]
 fn surfaces_between_zones_are_pairs() {
     for parameters in houses() {

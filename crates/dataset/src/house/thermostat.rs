@@ -1,7 +1,7 @@
-//! A thermostat for a house that nobody else controls: it calls for the unit, whose fan runs while it heats or cools.
+//! A thermostat for a house without another controller. It calls for the unit, whose fan runs while it heats or cools.
 //!
-//! A generated house is controlled through its supply air. Under its own controls it is the house that its people live
-//! in: their [setpoints](b2b_building::band), a fan of one speed that cycles with the unit, and an open terminal.
+//! A generated house is controlled through its supply air. Under its own controls it works like an ordinary house: its
+//! people's [setpoints](b2b_building::band), a single-speed fan that cycles with the unit, and an open terminal.
 
 use b2b_building::{Model, PreparedBuilding, ZoneYear};
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ use super::zones::LIVING;
 /// Days of a year.
 const DAYS: u32 = 365;
 
-/// Puts the unit of a house under a thermostat with the setpoints of its people.
+/// Puts the unit of a house under a thermostat with its people's setpoints.
 pub fn add_thermostat(model: &mut Model, controlled: &PreparedBuilding) {
     let zones = controlled.zones.iter().zip(&controlled.years);
     for (_, year) in zones.filter(|(zone, year)| zone.name == LIVING && !year.is_empty()) {

@@ -1,4 +1,4 @@
-//! Properties of generated commercial models, read from their documents without the code that wrote them.
+//! Properties of generated commercial models, read from their epJSON without the code that wrote it.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -20,7 +20,7 @@ const TYPES: [BuildingType; 5] = [
 ];
 /// Zones 1A, 3C, 5B and 8.
 const PLACES: [&str; 4] = ["Miami", "San Diego", "Denver", "Fairbanks"];
-/// Points of the unit cube: its middle, its corners, and some of each.
+/// Points of the unit cube: its middle, two corners, and mixed points.
 const POINTS: [[f64; 9]; 6] = [
     [0.5; 9],
     [0.0; 9],

@@ -61,7 +61,7 @@ pub struct Arguments {
 #[derive(Default)]
 struct Tally {
     episodes: u64,
-    /// The reasons why episodes were lost.
+    /// Reasons for lost episodes.
     lost: Vec<String>,
     hash: Sha256,
     /// Resident memory of this process after the first tenth and at the end, MB.

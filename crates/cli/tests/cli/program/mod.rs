@@ -65,7 +65,7 @@ pub fn workers_of(owner: u32) -> Vec<u32> {
     std::fs::read_dir("/proc").unwrap().flatten().filter_map(worker).collect()
 }
 
-/// Waits until something has happened.
+/// Waits until a condition holds.
 ///
 /// # Panics
 /// If it does not happen within five minutes.

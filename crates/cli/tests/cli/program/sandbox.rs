@@ -10,7 +10,7 @@ use super::{failure_code, stderr};
 
 pub const B2B: &str = env!("CARGO_BIN_EXE_b2b");
 
-/// A folder to work in and a folder for temporary files, both new.
+/// A new working folder and a new folder for temporary files.
 pub struct Sandbox {
     pub work: TempDir,
     pub temporary: TempDir,

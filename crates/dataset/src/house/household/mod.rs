@@ -3,7 +3,7 @@
 //! 1. A household has an integer number of people: workers, students and people who are mostly at home.
 //! 2. Each person has work or school at habitual hours, days off, days of work from home, errands and evenings out,
 //!    some together with others.
-//! 3. [`Household::at_home`] counts those at home in each quarter of an hour. Everyone spends the night at home.
+//! 3. [`Household::at_home`] counts the people at home in each quarter of an hour. Everyone spends the night at home.
 //!
 //! The week repeats: the same household has the same Tuesday all year.
 //!

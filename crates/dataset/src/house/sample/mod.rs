@@ -141,7 +141,7 @@ pub struct HouseSample {
     pub house: House,
 }
 
-/// Properties of a house that are given; the others are drawn.
+/// Given properties of a house; all others are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FixedProperties {
     /// Year of construction, which determines the vintage.
