@@ -14,7 +14,7 @@ pub enum Error {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// Reason.
         why: String,
     },
     /// A missing object that the model refers to or that an edit needs.
@@ -142,7 +142,7 @@ pub enum Error {
     NothingToControl {
         /// Name of the building.
         name: String,
-        /// Its systems that are not controlled, and why; one line for all of a class with the same reason.
+        /// Its uncontrolled systems with the reason, one line for all systems of a class with the same reason.
         reasons: Vec<String>,
     },
     /// The engine rejected a model or failed.
@@ -210,7 +210,7 @@ impl Error {
         Self::Edit { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
     }
 
-    /// Names the work of a process that was lost: see [`b2b_energyplus::Error::while_doing`].
+    /// Describes the work of a lost process: see [`b2b_energyplus::Error::while_doing`].
     #[must_use]
     pub fn while_doing(self, doing: impl Into<String>) -> Self {
         match self {
@@ -238,14 +238,14 @@ impl Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The names of the two weeks that the weather decides.
+/// The names of two-week periods chosen from the weather.
 const TWO_WEEKS: [&str; TwoWeeks::ALL.len()] = {
     let [a, b, c, d, e] = TwoWeeks::ALL;
     [a.name(), b.name(), c.name(), d.name(), e.name()]
 };
 
-/// Returns the named run period that a text resembles, as a part of a message. `others` are named beside winter, summer and
-/// the full year.
+/// Returns the named run period that a text resembles, as part of a message. `others` are names in addition to winter,
+/// summer and the full year.
 fn near_period(text: &str, others: &[&str]) -> String {
     let is_near = |name: &&str| strsim::damerau_levenshtein(name, &text.to_lowercase()) <= 2;
     let names = ["winter", "summer", "full_year"].into_iter();

@@ -1,4 +1,4 @@
-//! The period of an episode as it is asked for: days of the year, or two weeks that the weather decides.
+//! The period of an episode as given by a user: days of the year, or two weeks chosen from the weather.
 
 use std::fmt;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Date, Error, Result, RunPeriod};
 
-/// Days of the year, or [two weeks](TwoWeeks) that the weather of a building decides.
+/// Days of the year, or [two weeks](TwoWeeks) chosen from a building's weather.
 ///
 /// Serialized as text, for example `winter`, `01-01..03-31` or `peak-heating`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ impl Period {
     /// Returns the days of the year in a weather file.
     ///
     /// # Errors
-    /// [`Error::Climate`] when the file cannot be read; [`Error::NotOneYear`] when it has not the hours of a year.
+    /// [`Error::Climate`] when the file cannot be read; [`Error::NotOneYear`] when it does not cover a year.
     pub fn in_weather(self, weather: &Path) -> Result<RunPeriod> {
         let two_weeks = match self {
             Self::Days(period) => return Ok(period),

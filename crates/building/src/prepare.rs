@@ -30,7 +30,7 @@ pub struct PreparedBuilding {
     pub prototype: bool,
     /// The model: [`PreparedBuilding::model_for`] gives it a run period.
     model: Model,
-    /// SHA-256 of the model, also once it has been dropped.
+    /// SHA-256 of the model, kept after the model is dropped.
     pub model_sha256: String,
     /// Every zone, in model order.
     pub zones: Vec<Zone>,
@@ -45,7 +45,7 @@ pub struct PreparedBuilding {
     pub conditioned_floor_area: f64,
     /// The engine's meters of HVAC energy, electricity and natural gas first.
     pub meters: Vec<HvacMeter>,
-    /// The year of each zone by its own schedules, in the order of the zones.
+    /// The year of each zone according to its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
     /// Outdoor air of the systems of a building under its own controls.
@@ -66,10 +66,10 @@ pub struct OutdoorAir {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Controls {
-    /// Whoever sets its actuators.
+    /// An agent or controller that sets its actuators.
     #[default]
     Actuators,
-    /// The thermostats and schedules of the model, as its author wrote them. There are no actuators.
+    /// The thermostats and schedules of the original model. There are no actuators.
     Own,
 }
 
@@ -82,8 +82,8 @@ pub struct Zone {
     pub floor_area: f64,
     /// Heating and cooling capability of its controlled equipment.
     pub conditioning: Conditioning,
-    /// Whether equipment that is not controlled conditions it, by the thermostat and the schedules of the model. Such a zone
-    /// is observed, but does not count in the reward.
+    /// Whether uncontrolled equipment conditions it, by the thermostat and schedules of the model. Such a zone is
+    /// observed but does not count in the reward.
     pub own_controls: bool,
 }
 
@@ -137,9 +137,9 @@ impl PreparedBuilding {
         Ok(Self { years, ..Self::with(name, model, discovery)? })
     }
 
-    /// Prepares a model that keeps its own controls, as its author wrote them. It has the zones, the meters and the years of
-    /// the same model under control, and no actuators. `complete` adds controls that the model lacks; it is given the
-    /// building under control.
+    /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
+    /// controlled, but no actuators. `complete` adds controls that the model lacks; it receives the controlled
+    /// building.
     ///
     /// # Errors
     /// Same as [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
@@ -196,8 +196,8 @@ impl PreparedBuilding {
         })
     }
 
-    /// Returns the outputs of fans outside systems, such as a bathroom's, by zone, J. The engine's meter of fans includes them,
-    /// HVAC energy does not. The engine does not have all.
+    /// Returns the outputs of fans outside systems, such as a bathroom's, by zone, J. The engine's meter of fans
+    /// includes them, HVAC energy does not. The engine may lack some.
     pub fn fans_outside(&self) -> impl Iterator<Item = EngineVariable> {
         let of_zones = |output: &'static str| {
             self.zones
@@ -238,7 +238,7 @@ impl PreparedBuilding {
         self.systems.iter().flat_map(|system| system.actuators())
     }
 
-    /// Returns what its HVAC energy may consist of.
+    /// Returns the energy carriers used by its HVAC.
     pub fn carriers(&self) -> impl Iterator<Item = Carrier> {
         Carrier::ALL.into_iter().filter(|carrier| self.meters.iter().any(|meter| meter.carrier == *carrier))
     }
@@ -288,7 +288,7 @@ pub fn standard_air_density(elevation: f64) -> f64 {
     pressure / (287.0 * (20.0 + 273.15))
 }
 
-/// Returns the zones of a model, with what the systems that serve them can do.
+/// Returns the zones of a model with the capabilities of their systems.
 fn prepared_zones(
     model: &Model,
     zones: Vec<zone::Zone>,
@@ -313,7 +313,7 @@ fn prepared_zones(
     zones.into_iter().enumerate().map(prepared).collect()
 }
 
-/// The outdoor air of a system whose damper the model controls.
+/// Returns the outdoor air of a system whose damper is controlled by the model.
 fn without_damper(air: Option<OutdoorAir>) -> Option<OutdoorAir> {
     air.map(|OutdoorAir { ventilation, zones }| OutdoorAir {
         ventilation: hvac::Ventilation { damper: None, ..ventilation },
@@ -321,7 +321,7 @@ fn without_damper(air: Option<OutdoorAir>) -> Option<OutdoorAir> {
     })
 }
 
-/// Edits what every episode needs, whoever controls the building.
+/// Makes the edits that every episode needs, whoever controls the building.
 fn for_episodes(model: &mut Model) {
     outputs::write_only(model, &[]);
     keep_standard_time(model);
@@ -339,7 +339,7 @@ fn years(name: &str, model: &Model, weather: &Path, library: &Library) -> Result
     years.map_err(|error| error.while_doing(format!("reading the schedules of {name}")))
 }
 
-/// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year and neither jumps.
+/// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year without jumps.
 fn keep_standard_time(model: &mut Model) {
     model.remove_class("RunPeriodControl:DaylightSavingTime");
 }
@@ -381,9 +381,9 @@ fn run_weather_alone(model: &mut Model) {
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
 }
 
-/// Minimum and maximum number of warm-up days. The warm-up controller is the same for every agent, so that their number is
-/// part of the definition of the environment: 4 almost everywhere (measured on all types in Denver, Miami and Fairbanks),
-/// up to 9 for a hall without cooling in summer and for cold zones in Fairbanks.
+/// Minimum and maximum number of warm-up days. The warm-up controller is the same for every agent, so their number is
+/// part of the environment's definition: 4 almost everywhere (measured on all types in Denver, Miami and Fairbanks), up
+/// to 9 for a hall without cooling in summer and for cold zones in Fairbanks.
 const WARMUP_DAYS: [u32; 2] = [4, 25];
 /// Convergence tolerances of warm-up days: K, and fraction of the loads. The widest that the engine accepts.
 const WARMUP_TOLERANCES: [f64; 2] = [0.5, 0.5];

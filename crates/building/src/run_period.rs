@@ -131,7 +131,7 @@ impl RunPeriod {
         Ok(Self { first, last })
     }
 
-    /// The part of `days` days that begins `after` days after the first; it is cut where the period ends.
+    /// Returns the part of `days` days that begins `after` days after the first, cut at the end of the period.
     pub fn part(self, after: u32, days: u32) -> Self {
         let whole = self.days();
         let after = after.min(whole - 1);

@@ -1,10 +1,10 @@
-//! Files that users write: texts with or without a byte order mark, and JSON objects.
+//! Files written by users: text with or without a byte order mark, and JSON objects.
 
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-/// Reads a text without the byte order mark that some editors put before it.
+/// Reads a text without the byte order mark that some editors add.
 ///
 /// # Errors
 /// Errors from [`std::fs::read_to_string`].
@@ -16,7 +16,7 @@ pub fn read(path: &Path) -> std::io::Result<String> {
     })
 }
 
-/// Parses a JSON object. A list is an error, although serde accepts one for a structure: `[]` would be all of its defaults.
+/// Parses a JSON object. A list is an error, although serde accepts one for a struct: `[]` would mean all defaults.
 ///
 /// # Errors
 /// The reason why the text is not a JSON object of this type.

@@ -58,7 +58,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A planner without an episode to try actions on.
+    /// A planner without an episode on which to try actions.
     #[error(
         "the controller `{name}` plans on copies of an episode; it can run in `b2b run` and in evaluations"
     )]

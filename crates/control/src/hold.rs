@@ -1,4 +1,4 @@
-//! One temperature day and night: the reactive controllers with a constant target, whatever the task asks for.
+//! One temperature day and night: the reactive controllers with a constant target, regardless of the task.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::kind::{self, AnyController, Case};
 use crate::parameter_set::{from_json, to_json};
 use crate::{Error, Reactive, ReactiveParameters, Result};
 
-/// The temperature that is held.
+/// The temperature to hold.
 const TARGET: Parameter = Parameter::new("target", "°C", 15.0, 30.0);
 
 /// The kind `hold`.

@@ -32,7 +32,7 @@ pub trait Kind: Sync {
         false
     }
 
-    /// Returns who controls the building that controllers are made for.
+    /// Returns who controls the building for which controllers are made.
     fn controls(&self) -> Controls {
         Controls::Actuators
     }
@@ -77,7 +77,7 @@ pub trait Kind: Sync {
     /// [`Error::NeedsEpisode`] if the kind plans episodes; [`Error::Values`].
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>>;
 
-    /// Resets an episode and plans it on copies, if the kind does that instead of acting step by step. Returns a
+    /// Resets an episode and plans it on copies, for kinds that plan instead of acting step by step. Returns a
     /// controller that carries out the plan. `step` is called for every planned step.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ pub trait Kind: Sync {
 pub struct Case<'a> {
     /// Building, spaces and task.
     pub spaces: &'a Spaces,
-    /// The actuators that are controlled: all of the building, or those that a problem leaves.
+    /// The controlled actuators: all of the building's, or the ones that a problem does not withhold.
     pub action: &'a ActionSpace,
     /// Random seed.
     pub seed: u64,
@@ -152,12 +152,12 @@ impl<T: Controller + Clone + Send + 'static> AnyController for T {
     }
 }
 
-/// Returns the kind of a name.
+/// Returns the kind with a name.
 pub fn kind(name: &str) -> Option<&'static dyn Kind> {
     KINDS.into_iter().find(|kind| kind.name() == name)
 }
 
-/// Reads the values of a case as the parameters of a kind.
+/// Reads the parameters of a kind from the values of a case.
 pub(crate) fn values<T: serde::de::DeserializeOwned>(case: &Case<'_>) -> Result<T> {
     parameter_set::from_json(case.values)
 }

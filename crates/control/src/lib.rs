@@ -1,5 +1,6 @@
-//! Controllers that do not learn: sequences of ASHRAE Guideline 36, reactive control after the paper, constant and random actions, replay of
-//! recorded actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
+//! Controllers that do not learn: the sequences of ASHRAE Guideline 36, the paper's reactive control, constant and
+//! random actions, replay of recorded actions, and a planner on copies of the simulation. Each implements
+//! [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;

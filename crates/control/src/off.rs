@@ -1,4 +1,4 @@
-//! Everything off: what a building does when nobody heats, cools or ventilates it.
+//! Everything off: a building without heating, cooling and ventilation.
 
 use std::ops::Range;
 

@@ -1,11 +1,11 @@
-//! The model's own controls: the engine runs the building as its author wrote it.
+//! The model's own controls, run by the engine.
 
 use b2b_building::Controls;
 
 use crate::kind::{self, AnyController, Case};
 use crate::{Controller, Error, Result};
 
-/// Acts on nothing, in a building that keeps its own controls.
+/// Does nothing, in a building under its own controls.
 #[derive(Clone, Debug)]
 pub struct Own;
 

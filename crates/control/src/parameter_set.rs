@@ -1,4 +1,4 @@
-//! Sets of parameters of controllers: a JSON object whose numbers a table lists with their bounds.
+//! Controller parameters: a JSON object whose numbers are listed in a table with their bounds.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ macro_rules! parameter {
 
 pub(crate) use parameter;
 
-/// Sets a parameter by its name in a table, without a check of its value. `controller` is for the message.
+/// Sets a parameter by its name in a table, without checking its value. `controller` is for the message.
 ///
 /// # Errors
 /// [`Error::UnknownParameter`].
@@ -48,14 +48,14 @@ pub(crate) fn set<P: Clone>(
 /// Checks that every value is within its bounds, and the minimum supply air temperature (°C) at most the maximum.
 ///
 /// # Errors
-/// [`Error::Parameter`] for the first that is not.
+/// [`Error::Parameter`] for the first value that is not.
 pub(crate) fn check<P: Clone>(parameters: &P, table: &[Field<P>], supply: [f64; 2]) -> Result<()> {
     table.iter().try_for_each(|field| field.check(parameters))?;
     let [min, max] = supply;
     Ok(Parameter::new("air_loop.min_supply_temperature", "°C", 5.0, max).check(min)?)
 }
 
-/// Reads parameters from a JSON file, without a check of their values.
+/// Reads parameters from a JSON file, without checking their values.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::ParameterFile`] with the reason.

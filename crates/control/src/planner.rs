@@ -73,7 +73,7 @@ struct Tried {
 }
 
 impl Planner {
-    /// A planner that varies the actions of a reactive controller.
+    /// Creates a planner that varies the actions of a reactive controller.
     pub fn new(parameters: PlannerParameters, reactive: Reactive, seed: u64) -> Self {
         Self { parameters, reactive, random: ChaCha8Rng::seed_from_u64(seed) }
     }

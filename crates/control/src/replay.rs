@@ -2,7 +2,7 @@
 
 use crate::Controller;
 
-/// Replays a sequence of actions; after its end, the last one is held.
+/// Replays a sequence of actions, and holds the last one after the end.
 #[derive(Clone, Debug)]
 pub struct Replay {
     actions: Vec<f64>,

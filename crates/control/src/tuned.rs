@@ -103,8 +103,8 @@ impl ReactiveParameters {
     }
 
     /// Returns the parameters tuned for a class and an objective, or the defaults without an entry and for prototypes,
-    /// whose dynamics differ: the kitchen of the restaurant prototype has no thermal mass but its air, and oscillates under
-    /// gains that suit the buildings of the dataset.
+    /// whose dynamics differ: the kitchen of the restaurant prototype has no thermal mass except its air, and
+    /// oscillates under gains that suit the dataset's buildings.
     pub fn tuned(class: Option<Class>, prototype: bool, objective: Objective) -> Self {
         let tuned = class.filter(|_| !prototype).and_then(|class| Tuned::of(class, objective));
         tuned.map(|tuned| tuned.parameters.clone()).unwrap_or_default()

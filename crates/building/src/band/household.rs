@@ -1,7 +1,7 @@
-//! The bands of households, for houses whose thermostats have no setpoints of their own.
+//! The bands of households, for houses whose thermostats have no setpoints.
 //!
-//! The generated houses are controlled through their air, so that their thermostats stand where no zone gets to. What
-//! people set instead is drawn from surveys, by the name of the house:
+//! The generated houses are controlled through their air, so their thermostats are set to values that no zone reaches.
+//! The setpoints that people would choose are drawn from surveys, by the name of the house:
 //!
 //! | what | values | source |
 //! |---|---|---|
@@ -78,14 +78,14 @@ fn share(random: &mut ChaCha8Rng, share: f64, low: f64, count: u32) -> f64 {
     if saves { value } else { 0.0 }
 }
 
-/// Gives the household's setpoints to the zones whose thermostat never asks for anything.
+/// Gives the household's setpoints to the zones whose thermostat is always out of reach.
 pub(super) fn furnish(building: &str, years: Vec<ZoneYear>) -> Vec<ZoneYear> {
     let household = Household::of(building);
     let furnish = |year: ZoneYear| if is_out_of_reach(&year) { furnished(&year, &household) } else { year };
     years.into_iter().map(furnish).collect()
 }
 
-/// Returns whether no zone gets to the setpoints.
+/// Returns whether no zone reaches the setpoints.
 fn is_out_of_reach(year: &ZoneYear) -> bool {
     let [low, high] = OUT_OF_REACH;
     let beyond = |span: &Span| {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_thermostat_that_asks_for_nothing_is_furnished() {
+    fn only_a_thermostat_out_of_reach_gets_a_households_setpoints() {
         let year = |heating, cooling| {
             ZoneYear::of_samples(PER_DAY, |index| Span {
                 from: 0.0,

@@ -1,8 +1,8 @@
-//! Comfort bands of zones: the heating and the cooling setpoint that a building's own thermostats ask for, and when
-//! people are present.
+//! Comfort bands of zones: the heating and cooling setpoints of a building's own thermostats, and when people are
+//! present.
 //!
-//! - [`ZoneYear`] is the year of a zone, by its own schedules.
-//! - A house has thermostats that no one set: `household` draws its bands from surveys.
+//! - [`ZoneYear`] is the year of a zone according to its own schedules.
+//! - A house's thermostats have no setpoints: `household` draws its bands from surveys.
 
 mod household;
 mod schedules;
@@ -19,14 +19,14 @@ use thermostat::Thermostat;
 /// Days of a year.
 const DAYS: usize = 365;
 
-/// What a zone's schedules ask for during a part of a day.
+/// A zone's setpoints and presence during a part of a day.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
     /// First hour of the part.
     pub from: f64,
-    /// Heating setpoint, °C; `None` if nothing asks for heat.
+    /// Heating setpoint, °C; `None` without heating.
     pub heating: Option<f64>,
-    /// Cooling setpoint, °C; `None` if nothing asks for cooling.
+    /// Cooling setpoint, °C; `None` without cooling.
     pub cooling: Option<f64>,
     /// Whether people are present.
     pub people: bool,
@@ -41,12 +41,12 @@ pub struct ZoneYear {
     days: Vec<u16>,
 }
 
-/// The next change of what a zone's schedules ask for.
+/// The next change in a zone's schedules.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     /// Hours until then.
     pub hours: f64,
-    /// What follows.
+    /// The span that follows.
     pub next: Span,
 }
 
@@ -73,7 +73,7 @@ impl ZoneYear {
         year
     }
 
-    /// Returns whether nothing is known of the zone.
+    /// Returns whether nothing is known about the zone.
     pub fn is_empty(&self) -> bool {
         self.days.is_empty()
     }
@@ -119,7 +119,7 @@ impl ZoneYear {
         self.next(day_of_year, hour, 7, |span| span.people).map(|change| change.hours)
     }
 
-    /// Returns every span that the year has.
+    /// Returns all different spans of the year.
     pub fn spans(&self) -> impl Iterator<Item = &Span> {
         self.profiles.iter().flatten()
     }
@@ -147,8 +147,8 @@ fn day_and_hour(day_of_year: u32, hour: f64) -> (usize, f64) {
     (day as usize, hour - 24.0 * days)
 }
 
-/// Returns the years of zones by the schedules of a model, in the order of their names. A house is drawn from surveys, by
-/// the name of the building.
+/// Returns the years of zones according to the schedules of a model, in the order of their names. The setpoints of a
+/// house are drawn from surveys, by the name of the building.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn a_year_has_the_days_that_differ() {
+    fn a_year_stores_each_different_day_once() {
         let year = office();
         assert_eq!(year.profiles.len(), 2);
         assert_eq!(year.spans().count(), 1 + 5);

@@ -13,10 +13,10 @@ use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
 use crate::{Error, Model, Result, RunPeriod};
 
-/// Values of a day. Changes between two of them are seen at the next.
+/// Values per day. A change between two values is seen at the next one.
 pub(super) const PER_DAY: usize = 96;
 
-/// Objects that the values of schedules depend on, by the beginnings of their classes.
+/// Prefixes of the classes that the values of schedules depend on.
 const NEEDED: [&str; 5] =
     ["Version", "Schedule", "RunPeriodControl:SpecialDays", "Site:Location", "GlobalGeometryRules"];
 
@@ -49,7 +49,7 @@ impl Sampled {
         Ok(Self { values })
     }
 
-    /// Returns the values of a schedule. One that the model does not have is 0; the engine refuses such a model.
+    /// Returns the values of a schedule; 0 for a missing schedule, although the engine rejects such a model.
     pub(super) fn of_schedule(&self, name: &str) -> Values<'_> {
         Values(self.values.get(&name.to_uppercase()).map_or(&[], Vec::as_slice))
     }
@@ -71,7 +71,7 @@ fn constant(model: &Model, name: &str) -> Option<f64> {
     number(model.get("Schedule:Constant", name)?, "hourly_value")
 }
 
-/// The model reduced to its schedules, with their values in every quarter of an hour of the year as output.
+/// Returns the model reduced to its schedules, with their quarter-hourly values over the year as output.
 fn schedules_alone(model: &Model, names: &[String]) -> Model {
     let mut alone = model.clone();
     let is_needed = |class: &str| NEEDED.iter().any(|needed| class.starts_with(needed));

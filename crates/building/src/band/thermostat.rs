@@ -1,4 +1,4 @@
-//! The thermostat of a zone as its author wrote it.
+//! The thermostat of a zone in the original model.
 
 use super::schedules::Sampled;
 use crate::Model;

@@ -1,6 +1,7 @@
-//! What is known about a building type, as data.
+//! The facts about a building type, as data.
 
-/// The facts of a building type. A type is a file with these in this folder, and one line of the list in `mod.rs`.
+/// The facts about a building type. A type is one file with these facts in this folder, and one line of the list in
+/// `mod.rs`.
 #[derive(Debug)]
 pub struct TypeData {
     /// Name, as in building ids.
@@ -9,7 +10,7 @@ pub struct TypeData {
     pub description: &'static str,
     /// The place of its base model.
     pub home: &'static str,
-    /// The prototype that its buildings are derived from; `None` if they are generated from parameters alone.
+    /// The prototype from which its buildings are derived; `None` if they are generated from parameters alone.
     pub prototype: Option<Prototype>,
     /// Whether central air loops serve its zones; otherwise units serve one zone each.
     pub has_air_loops: bool,
@@ -28,10 +29,10 @@ pub struct Prototype {
     pub conditioned_floor_area: f64,
     /// Whether the code requires energy recovery for a system, given its name, in zones 7 and 8.
     ///
-    /// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it
-    /// asks from 2,120 L/s of supply air with 10 to 20 % of outdoor air on and from 1,890 L/s with 20 to 30 % on. In the
-    /// humid zones it asks from 12,270 and 7,550 L/s on, and in the dry ones from more or not at all, which no system here
-    /// has. Kitchens and their make-up air are exempt, the other systems smaller.
+    /// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8
+    /// the threshold is 2,120 L/s of supply air with 10 to 20 % of outdoor air, and 1,890 L/s with 20 to 30 %. In humid
+    /// zones it is 12,270 and 7,550 L/s, and in dry zones higher or absent; no system here is that large. Kitchens and
+    /// their make-up air are exempt, and the other systems are smaller.
     pub recovers_heat: fn(&str) -> bool,
 }
 

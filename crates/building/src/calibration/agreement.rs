@@ -21,7 +21,7 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares metered and simulated energy of the same months, of which there are at least two.
+    /// Compares metered and simulated energy of the same months, at least two.
     pub fn of(metered: &[f64], simulated: &[f64]) -> Self {
         let months = metered.len() as f64;
         let mean = metered.iter().sum::<f64>() / months;

@@ -1,8 +1,8 @@
 //! Least squares with bounds, by the method of Levenberg and Marquardt.
 //!
 //! The unknowns are logarithms of multipliers. An iteration evaluates the derivatives, by differences, in one batch and
-//! several step lengths in another, so that the simulations of a batch can run in parallel. The result does not depend on
-//! how many do.
+//! several step lengths in another, so that the simulations of a batch can run in parallel. The result does not depend
+//! on the number of parallel simulations.
 
 use super::linear::{inverse_diagonal, solve};
 
@@ -22,9 +22,10 @@ const MAX_FAILURES: usize = 2;
 const MIN_DECREASE: f64 = 1e-3;
 /// Mean square of the residuals below which the fit ends: 0.01 % of the mean energy.
 const EXACT: f64 = 1e-8;
-/// Variance inflation above which unknowns are nearly collinear: others explain 96 % of the effect of one.
+/// Variance inflation above which an unknown is nearly collinear: the others explain 96 % of its effect.
 const MAX_INFLATION: f64 = 25.0;
-/// Root mean square effect of a change by a factor of e below which an unknown has none, relative to the mean energy.
+/// Root mean square effect of a factor of e, relative to the mean energy, below which an unknown counts as having no
+/// effect.
 const MIN_EFFECT: f64 = 1e-3;
 
 /// The limits of a fit.
@@ -47,7 +48,7 @@ pub struct Fit {
     pub iterations: usize,
     /// The unknowns at a bound.
     pub at_bound: Vec<usize>,
-    /// The unknowns whose effects others have almost as well.
+    /// The unknowns whose effects are nearly combinations of the others'.
     pub collinear: Vec<usize>,
     /// The unknowns that have almost no effect.
     pub without_effect: Vec<usize>,
@@ -96,7 +97,7 @@ impl<'a, F, E> Search<'a, F>
 where
     F: FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,
 {
-    /// Evaluates the origin and the points beside it.
+    /// Evaluates the origin and its neighbors.
     fn start(options: &'a Options, mut evaluate: F) -> Result<Self, E> {
         let origin = options.clamp(vec![0.0; options.bounds.len()]);
         let mut batch = options.all_beside(&origin);
@@ -140,7 +141,7 @@ where
     }
 }
 
-/// Returns the derivatives of the residuals by unknown, from those at points beside the best.
+/// Returns the derivatives of the residuals by unknown, from the residuals at points next to the best.
 fn derivatives(best: &Best, batch: &[Vec<f64>], residuals: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let derivative = |(j, moved): (usize, &Vec<f64>)| {
         let difference = batch[j][j] - best.point[j];
@@ -165,12 +166,12 @@ impl Options {
         point.into_iter().zip(&self.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect()
     }
 
-    /// Returns the points beside another along each unknown.
+    /// Returns the neighbors of a point along each unknown.
     fn all_beside(&self, at: &[f64]) -> Vec<Vec<f64>> {
         (0..at.len()).map(|unknown| self.beside(at, unknown)).collect()
     }
 
-    /// Returns a point beside another along an unknown, within the bounds.
+    /// Returns the neighbor of a point along an unknown, within the bounds.
     fn beside(&self, at: &[f64], unknown: usize) -> Vec<f64> {
         let mut point = at.to_vec();
         let up = at[unknown] + DIFFERENCE;

@@ -18,7 +18,7 @@ pub struct Metered {
 }
 
 impl Metered {
-    /// Reads a CSV file with the columns `month` (1 to 12), `electricity_kwh` and `gas_kwh`, one of which may be missing.
+    /// Reads a CSV file with the columns `month` (1 to 12), `electricity_kwh` and `gas_kwh`; one fuel may be missing.
     ///
     /// # Errors
     /// [`Error::Metered`] naming the line and the remedy; [`Error::Io`].

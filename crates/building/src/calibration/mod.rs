@@ -1,7 +1,7 @@
 //! Calibration of a model against monthly metered energy.
 //!
-//! A [`Calibration`] reads [`Metered`] energy from a table; [`fit`] finds the multipliers of a model's parameters for which a simulation
-//! agrees with it best, and [`Agreement`] has the statistics of ASHRAE Guideline 14.
+//! A [`Calibration`] reads [`Metered`] energy from a table; [`fit`] finds the multipliers of a model's parameters that
+//! make a simulation agree best with it, and [`Agreement`] has the statistics of ASHRAE Guideline 14.
 
 mod agreement;
 mod fit;

@@ -6,7 +6,7 @@ use super::{Agreement, Fit, Fuel, Metered};
 use crate::MonthlyEnergy;
 use crate::edit::Change;
 
-/// Everything that a report is made of.
+/// The inputs of a report.
 pub(super) struct Calibrated<'a> {
     pub(super) metered: &'a Metered,
     pub(super) parameters: &'a [Change],
@@ -30,7 +30,7 @@ pub struct Report {
     pub iterations: usize,
     /// Number of simulated years.
     pub simulations: usize,
-    /// What to check before the model is used.
+    /// Points to check before the model is used.
     pub warnings: Vec<String>,
 }
 

@@ -32,9 +32,9 @@ pub struct Calibration<'a> {
     pub jobs: usize,
 }
 
-/// Told of the simulations of a calibration.
+/// Receives the progress of a calibration's simulations.
 pub trait Progress: Sync {
-    /// Some more simulations are to be done.
+    /// A number of further simulations begin.
     fn begin(&self, simulations: usize);
 
     /// A simulation is done.
@@ -178,7 +178,7 @@ impl Simulations<'_> {
     }
 }
 
-/// Returns the edits of multipliers that are given as logarithms.
+/// Returns the edits for multipliers given as logarithms.
 fn edits(parameters: &[Change], point: &[f64]) -> Edits {
     let mut edits = Edits::default();
     for (change, logarithm) in parameters.iter().zip(point) {

@@ -43,7 +43,8 @@ pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
     FORMS.into_iter().map(of_form).sum()
 }
 
-/// Returns whether an infiltration object stands for people opening doors, by its name. Outdoor air is not a door.
+/// Returns whether an infiltration object represents doors opened by people, by its name. `Outdoor` does not count as a
+/// door.
 pub fn is_door(name: &str) -> bool {
     name.to_ascii_lowercase().replace("outdoor", "").replace("indoor", "").contains("door")
 }

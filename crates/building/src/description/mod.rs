@@ -1,8 +1,8 @@
 //! Description of a building: quantities computed from its model.
 //!
 //! [`Description::of`] a prepared building has its geometry ([`crate::shape`]), its envelope, its leakage ([`leakage`]) and its
-//! systems ([`equipment`]). A model that is not sized has no capacities; a construction that is not given by its layers
-//! has no U-factor.
+//! systems ([`equipment`]). An unsized model has no capacities; a construction that is not given by layers has no
+//! U-factor.
 
 pub mod equipment;
 pub mod leakage;
@@ -168,7 +168,7 @@ impl PreparedBuilding {
 }
 
 impl Origin {
-    /// The origin of a commercial building, in a climate zone that may be unknown.
+    /// Returns the origin of a commercial building, in a climate zone that may be unknown.
     pub fn commercial(climate_zone: Option<&str>) -> Self {
         Self { climate_zone: climate_zone.map(str::to_owned), year: Some(CODE_YEAR), vintage: None }
     }

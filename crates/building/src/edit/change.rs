@@ -29,7 +29,7 @@ pub enum Change {
     WindowShgc,
     /// Window and glass door area over gross exterior wall area.
     WindowToWall,
-    /// Multiplier of all infiltration, except that through opened doors.
+    /// Multiplier of all infiltration, except through opened doors.
     Infiltration,
     /// Multiplier of the number of people.
     People,
@@ -56,8 +56,8 @@ impl Change {
         Self::Equipment,
     ];
 
-    /// Returns its name, unit and bounds. The bounds contain every real building; U-factors end where the air films alone
-    /// have less resistance.
+    /// Returns its name, unit and bounds. The bounds contain every real building; the highest U-factors are those of
+    /// air films alone.
     pub const fn parameter(self) -> Parameter {
         match self {
             Self::XScale => Parameter::new("x_scale", "1", 0.1, 10.0),
@@ -131,7 +131,7 @@ pub struct Edits {
 }
 
 impl Edits {
-    /// Adds a change: to this value, or by this multiple if it is a multiplier.
+    /// Adds a change to this value, or by this factor if it is a multiplier.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the value is out of bounds.

@@ -3,7 +3,7 @@
 use crate::model::{Fields, text};
 use crate::{Error, Model, Result};
 
-/// Returns a name that no object of the classes with this prefix has. Materials of all classes share their names.
+/// Returns a name that is unused in the classes with this prefix. Materials of all classes share one namespace.
 pub(super) fn unused_name(model: &Model, prefix: &str, wanted: &str) -> String {
     let classes: Vec<&str> = model.classes().filter(|class| class.starts_with(prefix)).collect();
     let is_free = |name: &String| classes.iter().all(|class| !model.contains(class, name));

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::Model;
 
-/// Classes of equipment that the engine can size, with those below them.
+/// Prefixes of the classes of equipment that the engine can size.
 const EQUIPMENT: [&str; 10] = [
     "AirConditioner:",
     "AirLoopHVAC",

@@ -9,7 +9,7 @@ use super::{Edits, Report, apply};
 use crate::import::external;
 use crate::{Error, Model, Result, import};
 
-/// Applies edits to a model file (IDF or epJSON), and writes the result as epJSON to another file, at once.
+/// Applies edits to a model file (IDF or epJSON), and writes the result atomically as epJSON to another file.
 ///
 /// `allow_external` is as for [`import::read`].
 ///

@@ -127,16 +127,16 @@ fn stretch_object(class: &str, fields: &mut Fields, x: f64, y: f64) {
     }
 }
 
-/// Multiplies the x and the y field of a name with `#` in place of the axis.
+/// Multiplies the x and y fields of a name in which `#` stands for the axis.
 fn stretch_fields(fields: &mut Fields, name: &str, x: f64, y: f64) {
     multiply(fields, &name.replace('#', "x"), x);
     multiply(fields, &name.replace('#', "y"), y);
 }
 
-/// The engine's number for a value that it is to calculate.
+/// The engine's placeholder for a value that it calculates.
 const CALCULATED: f64 = -9999.0;
 
-/// Multiplies a field that is a number; other equipment may have a negative one. The engine's -9999 and `Autocalculate` stay.
+/// Multiplies a numeric field, which may be negative for other equipment. The engine's -9999 and `Autocalculate` stay.
 pub(super) fn multiply(fields: &mut Fields, field: &str, factor: f64) {
     if let Some(value) = number(fields, field).filter(|value| *value != CALCULATED) {
         fields.insert(field.to_owned(), json!(value * factor));
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn the_north_axis_is_the_parameter_whatever_the_prototype_has() {
+    fn the_north_axis_is_the_parameters_whatever_the_prototypes() {
         let mut model = model();
         assert_eq!(turn(&mut model, 30.0), 1);
         assert_eq!(number(model.require("Building", "B").unwrap(), "north_axis"), Some(30.0));

@@ -1,8 +1,8 @@
 //! Changes of a model: envelope, windows, infiltration, shape and internal gains.
 //!
 //! The generator of commercial buildings and `b2b edit` make the same changes. The generator calls the functions of the
-//! modules on prototypes; [`Edits`] apply to any model: they also check what only users' models have, and give the
-//! surfaces that change constructions of their own.
+//! modules on prototypes; [`Edits`] apply to any model: they also check for features that only users' models have, and
+//! give the changed surfaces their own constructions.
 //!
 //! The result depends only on the arguments, to the byte: only arithmetic and square roots, which IEEE 754 rounds exactly.
 
@@ -49,7 +49,7 @@ impl Amount {
 pub struct Report {
     /// The changes, in the order of [`Change::ALL`].
     pub changes: Vec<Effect>,
-    /// What the edits leave unchanged but a user may not expect.
+    /// Parts that the edits leave unchanged, which a user may not expect.
     pub warnings: Vec<String>,
 }
 

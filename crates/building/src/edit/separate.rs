@@ -10,7 +10,7 @@ use crate::{Model, Result};
 
 const SURFACE: &str = "BuildingSurface:Detailed";
 
-/// Gives exterior walls constructions of their own where other surfaces share them.
+/// Gives exterior walls their own constructions where other surfaces share them.
 ///
 /// # Errors
 /// [`crate::Error::Edit`] for a wall without corners, or a construction that is not given by layers.
@@ -22,7 +22,7 @@ pub(super) fn walls(model: &mut Model) -> Result<()> {
     separate(model, &walls, "exterior wall")
 }
 
-/// Gives roofs constructions of their own where other surfaces share them.
+/// Gives roofs their own constructions where other surfaces share them.
 ///
 /// # Errors
 /// Same as [`walls`].

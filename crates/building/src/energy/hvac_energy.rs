@@ -1,15 +1,15 @@
-//! The energy that a building's HVAC buys, and the engine's meters of it.
+//! The energy bought for a building's HVAC, and the engine's meters for it.
 //!
 //! The meters `…:HVAC` count coils, fans and zone equipment. Boilers, chillers, towers, pumps and district energy count
 //! in `…:Plant`, together with service hot water and refrigeration. In a model with such equipment, HVAC energy is
-//! therefore the sum of the meters of [`EndUse`]. These include the pumps of service hot water, which have no meter of
-//! their own.
+//! therefore the sum of the meters of [`EndUse`]. These include the pumps of service hot water, which have no separate
+//! meter.
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::{Model, text};
 
-/// What is bought.
+/// An energy carrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Carrier {
@@ -61,9 +61,9 @@ impl Carrier {
 /// A meter of the engine that counts toward HVAC energy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HvacMeter {
-    /// What it measures.
+    /// The carrier it measures.
     pub carrier: Carrier,
-    /// Name, for example `Electricity:HVAC`. The engine does not have those that nothing is metered by.
+    /// Name, for example `Electricity:HVAC`. The engine only has meters that something uses.
     pub name: String,
 }
 
@@ -121,8 +121,8 @@ impl EndUse {
 }
 
 impl HvacMeter {
-    /// Returns the names of the meters of the end uses that this meter consists of, of which the engine may not have all. They
-    /// need not add up to it: `Electricity:HVAC` includes the losses of a building's transformer.
+    /// Returns the names of the end-use meters that make up this meter; the engine may lack some. They need not add up
+    /// to it: `Electricity:HVAC` includes the losses of a building's transformer.
     pub fn end_uses(&self) -> Vec<(EndUse, String)> {
         match self.name.strip_suffix(":HVAC") {
             Some(resource) => {
@@ -138,14 +138,14 @@ impl HvacMeter {
     }
 }
 
-/// Beginnings of the classes of ventilation outside systems, with the electricity of their fans. It is in the meter of fans,
-/// and not in `Electricity:HVAC`.
+/// Prefixes of the classes of ventilation outside systems, with the output of their fans' electricity, which is in the
+/// meter of fans and not in `Electricity:HVAC`.
 const OTHER_FANS: [(&str, &str); 2] = [
     ("ZoneVentilation:", "Zone Ventilation Fan Electricity Energy"),
     ("ZoneEarthtube", "Earth Tube Fan Electricity Energy"),
 ];
 
-/// Returns the names of the outputs of zones, in J, that the end uses of these meters include and the meters do not.
+/// Returns the names of zone outputs, in J, that the end-use meters include and these meters do not.
 pub(crate) fn fans_outside(model: &Model, meters: &[HvacMeter]) -> Vec<&'static str> {
     if meters.iter().all(|meter| meter.name != "Electricity:HVAC") {
         return Vec::new();
@@ -171,8 +171,8 @@ const RESOURCES: [(&str, Carrier); 13] = [
     ("DistrictCooling", Carrier::DistrictCooling),
 ];
 
-/// Beginnings of the classes of plant equipment for HVAC. Pumps and water heaters are not among them: service hot water has
-/// them too.
+/// Prefixes of the classes of plant equipment for HVAC, without pumps and water heaters, which service hot water has
+/// too.
 const PLANT: [&str; 12] = [
     "Boiler:",
     "CentralHeatPumpSystem",

@@ -1,4 +1,4 @@
-//! Energy of a building: its meters, and what the engine writes about them.
+//! Energy of a building: its meters, and the engine's output files.
 
 pub(crate) mod hvac_energy;
 pub(crate) mod monthly_energy;

@@ -1,4 +1,4 @@
-//! The database (SQLite) of what the engine reports of a run.
+//! The database (SQLite) with the engine's reports of a run.
 
 use std::path::{Path, PathBuf};
 

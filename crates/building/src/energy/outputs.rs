@@ -9,8 +9,8 @@ const FILES: &str = "csv mtr eso eio tabular sqlite json audit space_sizing zone
                      rdd mdd mtd end shd dfs glhe delightin delighteldmp delightdfdmp edd dbg perflog sln sci \
                      wrl screen extshd tarcog";
 
-/// Removes every output and has the engine write only these files, for example `sqlite`. Results are read from memory;
-/// writing files would take a third of the time of a run.
+/// Removes every output and makes the engine write only these files, for example `sqlite`. Results are read from
+/// memory, because writing files would take a third of a run's time.
 ///
 /// `Meter:Custom` objects stay: a transformer may refer to one, and a dangling reference crashes the engine.
 pub(crate) fn write_only(model: &mut Model, files: &[&str]) {

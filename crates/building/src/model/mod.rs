@@ -219,7 +219,7 @@ impl Model {
     }
 }
 
-/// A JSON object without duplicate names at any depth. Of duplicates JSON parsers keep one silently.
+/// A JSON object without duplicate names at any depth. JSON parsers silently keep one of several duplicates.
 struct Unique(Map<String, Value>);
 
 impl<'de> Deserialize<'de> for Unique {

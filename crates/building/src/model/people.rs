@@ -1,19 +1,19 @@
-//! People in a model, as the engine divides them: each `People` object once for every zone or space that it names.
+//! People in a model, divided like in the engine: a `People` object applies once to every zone or space that it names.
 
 use crate::Result;
 use crate::model::{Fields, Model, number, text};
 use crate::zone::{self, Zone, covers_space, covers_zone};
 
-/// The people that a `People` object puts into a zone or a space.
+/// The people that a `People` object assigns to a zone or a space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeopleGroup {
     /// Name in the engine.
     pub name: String,
-    /// Zone that they are in.
+    /// Zone.
     pub zone: String,
-    /// Space that they are in, if the zone is divided.
+    /// Space, if the zone is divided.
     pub space: Option<String>,
-    /// Schedule of the share of them that is present.
+    /// Schedule of the share of people who are present.
     pub schedule: String,
     /// People at design occupancy.
     pub people: f64,
@@ -41,12 +41,12 @@ pub fn groups(model: &Model) -> Result<Vec<PeopleGroup>> {
     Ok(groups)
 }
 
-/// A part of a zone that a `People` object is for.
+/// A part of a zone to which a `People` object applies.
 struct Part {
-    /// What the engine puts before the name of the object.
+    /// Prefix that the engine adds to the name of the object.
     prefix: Option<String>,
     space: Option<String>,
-    /// Floor area for which the object counts people, m², and the share of them in this part.
+    /// Floor area for which the object counts people, m², and the share of the people in this part.
     floor_area: f64,
     share: f64,
 }
@@ -87,7 +87,7 @@ fn parts(model: &Model, place: &str, zone: &Zone) -> Vec<Part> {
     rooms.into_iter().map(part).collect()
 }
 
-/// Returns the number of people that a `People` object puts on a floor area.
+/// Returns the number of people that a `People` object assigns to a floor area.
 fn count(fields: &Fields, floor_area: f64) -> f64 {
     let value = |field: &str| number(fields, field);
     value("number_of_people")

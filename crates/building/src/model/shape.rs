@@ -1,8 +1,8 @@
 //! The geometry of a building: the faces of all zones in one coordinate system.
 //!
 //! x and y are the axes of the building, z is up; [`Shape::north_axis`] is their rotation from true north. A surface
-//! between two zones that the model gives on one side only (boundary `Zone`) is a face of the zone that has it, and
-//! bounds the other as well.
+//! between two zones that the model has on only one side (boundary `Zone`) is a face of its own zone and also bounds
+//! the other zone.
 
 use std::collections::HashMap;
 
@@ -45,7 +45,7 @@ pub struct Face {
     pub construction: String,
     /// What is on the other side.
     pub outside_boundary: OutsideBoundary,
-    /// Whether it bounds two zones but the model has it on one side only.
+    /// Whether it bounds two zones although the model has it on only one side.
     pub one_sided: bool,
     /// Corners, m.
     pub corners: Vec<Point>,

@@ -101,7 +101,7 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
     spaces_of(model, zone).map(space).collect()
 }
 
-/// Returns the floor area of the surfaces of a zone that belong to none of its spaces, of which the engine makes another, m²;
+/// Returns the floor area of a zone's surfaces outside its spaces, from which the engine makes another space, m²;
 /// `None` if there is no such surface.
 pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
@@ -208,7 +208,7 @@ fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
     total(own.map(Surface::area))
 }
 
-/// Returns a sum of areas. Not `sum`, which is -0 of nothing.
+/// Returns a sum of areas. `sum` would return -0 for an empty list.
 fn total(areas: impl Iterator<Item = f64>) -> f64 {
     areas.fold(0.0, |sum, area| sum + area)
 }

@@ -150,8 +150,8 @@ pub struct LocalSlot<Q> {
 /// The spaces of the universe, as data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Universe {
-    /// Attributes of a whole building. There are no common observations and actions: what is observed once per building has
-    /// a node.
+    /// Attributes of a whole building. There are no common observations and actions, because quantities observed once
+    /// per building have a node.
     pub common_attributes: &'static [LocalSlot<Attribute>],
     /// The node types in order, with their spaces.
     pub node_types: Vec<LocalSpaces>,

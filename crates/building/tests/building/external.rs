@@ -1,4 +1,4 @@
-//! The classes and fields that reach outside a model, compared with the schema in the engine.
+//! The classes and fields that refer to something outside a model, compared with the engine's schema.
 
 use std::collections::BTreeSet;
 

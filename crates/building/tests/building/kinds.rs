@@ -1,11 +1,11 @@
-//! Files that know the kinds of systems.
+//! The files that know each kind of system.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files of the product in which a kind of system is named, relative to the repository. Comments and tests within
-/// files do not count, nor do node types, owners, candidates and the controller's loops of the same name.
+/// Returns the product's files that name a kind of system, relative to the repository. Comments and tests within files
+/// do not count, nor do node types, owners, candidates and controller loops of the same name.
 fn files_naming(kind: &str) -> BTreeSet<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
     let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path().join("src"));
@@ -40,7 +40,7 @@ fn names(source: &str, kind: &str) -> bool {
     })
 }
 
-/// Files outside `own` and the list of kinds in which a kind is named.
+/// Returns the files outside `own` and the list of kinds that name a kind.
 fn others(kind: &str, own: &str) -> Vec<String> {
     let files = files_naming(kind);
     assert!(files.contains("crates/building/src/hvac/mod.rs"), "{kind} is not registered: {files:?}");

@@ -31,8 +31,8 @@ pub struct AirLoopParameters {
     /// Distance of the reheat setpoint below target, K; 0 to 2. At 0, reheat holds the target exactly, the damper loops
     /// see no error, and a zone may be cooled and reheated at once indefinitely.
     pub deadband: f64,
-    /// Damper opening in heating as a share of the range from minimum to open, per K below target: the reheat coil needs air flow. The larger of
-    /// this and the cooling demand counts; 1/K; 0 to 10.
+    /// Damper opening in heating per K below target, as a share of the range from minimum to open, because the reheat
+    /// coil needs air flow, 1/K. The larger of this and the cooling demand counts; 0 to 10.
     pub heating_gain: f64,
 }
 

@@ -56,7 +56,7 @@ impl Reactive {
         Self::with_targets(building, space, spaces.episode.steps_per_hour, parameters, &|_| target)
     }
 
-    /// Creates controllers that hold controlled zones, by their numbers, at these targets.
+    /// Creates controllers that hold controlled zones, given by number, at these targets.
     fn with_targets(
         building: &PreparedBuilding,
         space: &ObservationSpace,

@@ -18,7 +18,7 @@ pub struct TrimRespond {
     pub threshold: f64,
     /// Hysteresis of the threshold: a zone stops sending requests this far below it; 0.1 in Guideline 36, 5.6.8; 0 to 1.
     pub hysteresis: f64,
-    /// Ignored requests (I), so that a single zone does not move the setpoint of all; 0 to 100.
+    /// Ignored requests (I), so that a single zone does not move the setpoint for all zones; 0 to 100.
     pub ignored_requests: f64,
 }
 

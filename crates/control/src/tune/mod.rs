@@ -8,7 +8,7 @@
 //!    25th of the return, as in the paper, which tunes on its test buildings; no test building is used here),
 //!    multiplied by a factor if actuators hunt on the worst building. Buildings are simulated one after another, and a
 //!    proposal that cannot win is dropped: most are, after one building. The search ends early when it no longer lowers
-//!    the score. On central air loops, each is also simulated with constant targets.
+//!    the score. On central air loops, each building is also simulated with constant targets.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
 //!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere. If none is eligible, the next best sets are validated.
@@ -38,13 +38,13 @@ pub use selection::{Cells, measured};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
-/// The search ends when this number of evaluations in a row has lowered the best score by less than [`MIN_GAIN`].
+/// The search ends when this many consecutive evaluations have lowered the best score by less than [`MIN_GAIN`].
 const PATIENCE: usize = 20;
-/// Relative.
+/// Smallest relative gain that counts.
 const MIN_GAIN: f64 = 0.01;
-/// Number of sets that are validated at once.
+/// Number of sets validated at once.
 const FINALISTS: usize = 4;
-/// Largest number of sets that are validated.
+/// Maximum number of sets validated.
 const MAX_FINALISTS: usize = 12;
 
 /// A building of a plan.

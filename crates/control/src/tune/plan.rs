@@ -33,8 +33,8 @@ pub struct Plan {
     pub validation: Vec<String>,
     /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
-    /// Whether the search also runs constant targets, as on central air loops: gains that follow jumps of the target quickly
-    /// can let zones that share a supply temperature drift between jumps.
+    /// Whether the search also runs constant targets, as on central air loops: gains that follow target jumps quickly
+    /// can let zones with a shared supply temperature drift between jumps.
     pub constant_targets: bool,
     /// Seed of the buildings and the search.
     pub seed: u64,
@@ -78,7 +78,7 @@ impl Plan {
     }
 
     /// Creates the plan of the energy objective from the comfort plan, the comfort set and the energy scale τ_E
-    /// measured under it. The search starts from the defaults and the comfort set, each as it is and with less air.
+    /// measured under it. The search starts from the defaults and the comfort set, each unchanged and with less air.
     pub fn energy(self, comfort: &ReactiveParameters, energy_scale: f64) -> Self {
         let default = ReactiveParameters::default();
         let starts =

@@ -23,7 +23,7 @@ const fn logarithmic(name: &'static str, low: f64, high: f64) -> Axis {
     Axis { name, low, high, logarithmic: true }
 }
 
-/// Parameters of unitary systems that matter for comfort.
+/// Parameters of unitary systems that affect comfort.
 const UNITARY: [Axis; 8] = [
     logarithmic("unitary.gains.proportional", 0.05, 2.0),
     logarithmic("unitary.gains.integral", 0.1, 10.0),
@@ -35,8 +35,8 @@ const UNITARY: [Axis; 8] = [
     linear("unitary.trim_respond.threshold", 0.3, 0.95),
 ];
 
-/// The same, and those that matter for energy: air flow down to none (while a zone is occupied, the ventilation
-/// interlock sets the minimum), the deadband between heating and cooling, and how fast resets are trimmed.
+/// The same, plus parameters that affect energy: air flow down to none (while a zone is occupied, the ventilation
+/// interlock sets the minimum), the deadband between heating and cooling, and the trim rate of resets.
 const UNITARY_ENERGY: [Axis; 10] = [
     UNITARY[0],
     UNITARY[1],
@@ -54,7 +54,7 @@ const UNITARY_ENERGY: [Axis; 10] = [
 /// design flow.
 const MAX_MIN_OPENING: f64 = 0.2;
 
-/// Parameters of central air loops that matter for comfort. The deadband is not among them: with an energy weight of 0 the
+/// Parameters of central air loops that affect comfort. The deadband is not among them: with an energy weight of 0 the
 /// search would remove it, and zones would be cooled and reheated at once.
 const AIR_LOOP: [Axis; 9] = [
     logarithmic("air_loop.gains.proportional", 0.1, 4.0),
@@ -68,8 +68,8 @@ const AIR_LOOP: [Axis; 9] = [
     logarithmic("air_loop.heating_gain", 0.1, 4.0),
 ];
 
-/// The same, and those that matter for energy: dampers down to closed, outdoor air down to none, and the deadband between
-/// cooling and reheat.
+/// The same, plus parameters that affect energy: dampers down to closed, outdoor air down to none, and the deadband
+/// between cooling and reheat.
 const AIR_LOOP_ENERGY: [Axis; 11] = [
     AIR_LOOP[0],
     AIR_LOOP[1],

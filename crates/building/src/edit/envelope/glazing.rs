@@ -30,8 +30,8 @@ struct Glass {
     is_in_wall: bool,
 }
 
-/// Sets the U-factor (W/m²K) and the solar heat gain coefficient of every window and glass door in walls, those that are
-/// given. Returns the number of windows and glass doors.
+/// Sets the U-factor (W/m²K) and the solar heat gain coefficient, if given, of every window and glass door in walls.
+/// Returns the number of windows and glass doors.
 ///
 /// Skylights have separate requirements and are not changed: glazing that they share is copied. A construction that is
 /// given layer by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must be
@@ -183,7 +183,7 @@ fn is_shaded(model: &Model, glass: &Glass) -> bool {
     })
 }
 
-/// Gives the glass with a construction another one.
+/// Assigns another construction to the glass that has this one.
 fn assign(model: &mut Model, glass: &[Glass], from: &str, to: &str) -> Result<()> {
     for each in glass.iter().filter(|each| each.construction.eq_ignore_ascii_case(from)) {
         model.require_mut(each.class, &each.name)?.insert("construction_name".into(), to.into());

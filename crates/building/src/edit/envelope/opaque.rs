@@ -22,13 +22,13 @@ const SAME: f64 = 1e-9;
 /// The numbers of constructions that were insulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Insulated {
-    /// Of exterior walls.
+    /// Constructions of exterior walls.
     pub walls: usize,
-    /// Of roofs.
+    /// Constructions of roofs.
     pub roofs: usize,
 }
 
-/// What changes the resistance of a construction.
+/// The part of a construction that changes its resistance.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Lever {
     /// The resistance of a `Material:NoMass`.
@@ -50,10 +50,10 @@ struct Requirement {
 /// its insulation.
 ///
 /// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A construction
-/// without insulation that needs more resistance gets a layer of it outside. An insulation that other constructions share
+/// without insulation that needs more resistance gets a layer of it outside. Insulation that other constructions use
 /// with another resistance is copied. Other surfaces with the same construction change, too.
 ///
-/// The roof of an attic is the ceiling under it: the deck above has no insulation, and the attic is vented.
+/// Under an attic, the ceiling counts as the roof, because the deck has no insulation and the attic is vented.
 ///
 /// # Errors
 /// [`Error::Edit`] for a construction that cannot have the U-factor; [`Error::MissingObject`] for a dangling reference.
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn an_insulation_that_walls_and_roofs_share_is_copied() {
+    fn insulation_shared_by_walls_and_roofs_is_copied() {
         let mut model = model();
         let wall = model.require_mut("Construction", "Wall Con").unwrap();
         wall.insert("layer_2".into(), json!("Roof Insulation"));
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn an_insulation_that_is_shared_with_other_surfaces_keeps_its_resistance_there() {
+    fn insulation_shared_with_other_surfaces_keeps_its_resistance_there() {
         let mut model = model();
         insulate(&mut model, Some(Amount::Value(0.4)), None).unwrap();
         let partition = json!({"outside_layer": "Wall Insulation"});

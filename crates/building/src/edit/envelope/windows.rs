@@ -28,10 +28,10 @@ struct Window {
 
 /// Resizes windows to a ratio of window and glass door area to gross exterior wall area.
 ///
-/// Windows change in height and keep their width and place along the wall, so that no window meets another or a door.
-/// They stay at the height of their middle where the wall has room, and move up or down where it has not. All scale
-/// alike; when one fills its wall the others take the rest. Glass doors stay as they are. In a wall that is not a
-/// rectangle, such as a gable, windows do not grow. Returns the number of windows.
+/// Windows change in height and keep their width and place along the wall, so that no window meets another window or a
+/// door. Their centers stay at the same height where the wall has room, and move up or down otherwise. All scale alike;
+/// when one fills its wall, the others take the rest. Glass doors stay as they are. In a wall that is not a rectangle,
+/// such as a gable, windows do not grow. Returns the number of windows.
 ///
 /// # Errors
 /// [`Error::Parameter`] when the walls with windows are too small; [`Error::Edit`] for a window without corners or in a
