@@ -1,4 +1,4 @@
-"""The folder that pip installed EnergyPlus to."""
+"""The folder where pip installed EnergyPlus."""
 
 from __future__ import annotations
 

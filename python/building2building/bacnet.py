@@ -22,13 +22,13 @@ from .errors import Error, SettingError, need
 from .registration import make_env
 from .rollouts import ReactiveController
 
-#: BACnet's names of units; others are in an object's description alone.
+#: BACnet's names of units; any other is only in an object's description.
 _UNITS = {"°C": "degreesCelsius", "%": "percentRelativeHumidity", "h": "hours", "kg/s": "kilogramsPerSecond"}
 #: A vendor id that ASHRAE reserves.
 _VENDOR = 999
-#: Address by default: of this machine alone.
+#: Default address: only this machine can reach it.
 _ADDRESS = "127.0.0.1/24:47808"
-#: How long a client may take to send a request again whose answer it has not received, s.
+#: How long a client may take to repeat an unanswered request, s.
 _RESENT = 5.0
 #: How long a request may take, ms.
 _LONGEST_REQUEST = 24 * 3600 * 1000
@@ -153,8 +153,8 @@ def _read_only(base: Any, **properties: Any) -> Any:
 def _writable(
     base: Any, check: Callable[[Any], None], written: Callable[[Any], Awaitable[None]], **properties: Any
 ) -> Any:
-    """Makes an object of which clients can write the present value alone: ``check`` raises for values that are refused,
-    and ``written`` follows those that are taken."""
+    """Makes an object whose present value clients can write, and nothing else: ``check`` raises for invalid values, and
+    ``written`` is called after each write."""
     from bacpypes3.errors import PropertyError
 
     class Writable(base):
@@ -181,11 +181,11 @@ def _output(number: int, slot: Any) -> Any:
     from bacpypes3.errors import PropertyError
     from bacpypes3.local.analog import AnalogOutputObject
 
-    # As clients read them: f32.
+    # In f32, as clients read them.
     low, high = float(np.float32(slot.low)), float(np.float32(slot.high))
 
     def check(value: Any) -> None:
-        # Null relinquishes a command; NaN is in no bounds.
+        # Null relinquishes a command; NaN is out of bounds.
         if not isinstance(value, tuple) and not low <= float(value) <= high:
             raise PropertyError("valueOutOfRange")
 
@@ -268,8 +268,8 @@ def _application() -> Any:
     """Returns the class of an application in which every write is carried out once, however often a client sends it.
 
     A client sends a request again, under the same invoke id, if the answer does not come in time. Until the request is
-    answered, bacpypes3 drops such copies. A copy that crosses the answer is the client's last request once more; it is
-    answered, and nothing else.
+    answered, bacpypes3 drops such copies. A copy that crosses the answer repeats the client's last request; it is
+    answered but not carried out again.
     """
     from bacpypes3.apdu import SimpleAckPDU, WritePropertyMultipleRequest, WritePropertyRequest
     from bacpypes3.app import Application
@@ -277,7 +277,7 @@ def _application() -> Any:
     class Once(Application):
         def __init__(self, *arguments: Any, **options: Any) -> None:
             super().__init__(*arguments, **options)
-            #: Of every client whose last request was a write that was carried out: the write, and when.
+            #: For each client whose last request was a write: the write and its time.
             self._written: dict[str, tuple[bytes, float]] = {}
 
         async def indication(self, apdu: Any) -> None:

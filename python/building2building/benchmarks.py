@@ -311,7 +311,7 @@ class Problem:
         jobs: int | None = None,
         progress: bool = False,
     ) -> dict[str, Any]:
-        """Runs a policy on the problem as ``b2b benchmark run`` does, ``jobs`` episodes at a time; returns the result.
+        """Runs a policy on the problem like ``b2b benchmark run``, ``jobs`` episodes at a time; returns the result.
 
         ``policy`` is one of:
 
@@ -380,7 +380,7 @@ _LISTS = {"buildings", "train", "test", "train_tasks", "test_tasks", "windows"}
 
 
 def _without_none(changes: dict[str, Any]) -> dict[str, Any]:
-    """Removes fields that are ``None``, and makes lists of single values where the definition has lists."""
+    """Removes fields that are ``None``, and wraps single values in lists where the definition has lists."""
     return {
         name: [value] if isinstance(value, str) and name in _LISTS else value
         for name, value in changes.items()

@@ -118,7 +118,7 @@ class Generated(NamedTuple):
 class Building:
     """A building with its weather file, as an argument of :func:`make_env`.
 
-    Pickles as the arguments of the function that made it.
+    Pickled as the arguments of the function that made it.
     """
 
     def __init__(self, core: _core.Building, origin: Found | Generated):

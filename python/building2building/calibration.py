@@ -26,7 +26,7 @@ def calibrate(
     jobs: int | None = None,
     allow_external: bool = False,
 ) -> dict[str, Any]:
-    """Fits a model to monthly metered energy, as ``b2b calibrate`` does, and writes the calibrated model as epJSON.
+    """Fits a model to monthly metered energy, like ``b2b calibrate``, and writes the calibrated model as epJSON.
 
     ``model`` is a model file or a building of the dataset, with the weather of ``place`` (such as ``"Denver"``) or
     ``weather`` (an EPW file, preferably of the metered year). ``energy`` is a CSV file, a mapping or a data frame with

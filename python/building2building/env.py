@@ -205,7 +205,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
 
         ``rescale`` overrides ``rescale_action`` for this action.
         """
-        # In one piece: next to the engine's use of the cache, every call of a Python function counts.
+        # All in one function: the engine occupies the cache, so every Python call costs time.
         core = self._core
         if core is None or (self._thread is not None and self._thread != threading.get_ident()):
             core = self._open_core()
@@ -281,7 +281,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
 
     @contextmanager
     def finishing_runs(self) -> Iterator[None]:
-        """Lets the engine finish its run after an episode that begins within, so that :meth:`record` has its report."""
+        """Lets the engine finish its run after an episode that begins inside, so that :meth:`record` has its report."""
         self._finish_run = True
         try:
             yield
@@ -289,7 +289,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             self._finish_run = False
 
     def record(self) -> _core.Record:
-        """Returns what the episode leaves besides its steps, which :meth:`Trajectory.write` needs."""
+        """Returns the record of the episode, everything but its steps, for :meth:`Trajectory.write`."""
         return self._open_core().record()
 
     def snapshot(self) -> Snapshot:
@@ -376,7 +376,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             pass
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles as the arguments that it was made with; the copy has its own processes and is not reset."""
+        """Pickles the arguments that it was made with; the copy has its own processes and is not reset."""
         return _remake, (self._arguments, self.spec)
 
     def __str__(self) -> str:

@@ -44,8 +44,7 @@ class MissingExtra(Error, ImportError):
 def need(module: str, extra: str) -> Any:
     """Imports an optional dependency.
 
-    Raises :class:`MissingExtra`, which says how to install it: the packages of an extra of this package, or the package
-    ``extra``.
+    Raises :class:`MissingExtra` with how to install it: an extra of this package, or the package ``extra``.
     """
     try:
         return importlib.import_module(module)

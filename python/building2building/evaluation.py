@@ -159,7 +159,7 @@ class Request:
 
 @with_arguments_of(Request)
 def evaluate(*arguments: Any, **options: Any) -> Evaluation:
-    """Runs a policy on every building under every task, run period and seed, and scores it, as ``b2b evaluate`` does.
+    """Runs a policy on every building under every task, run period and seed, and scores it, like ``b2b evaluate``.
 
     ``policy`` is one of:
 
@@ -182,9 +182,8 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
     batched, because rounding within a batch depends on its other members.
 
     Raises the policy's own exceptions, which end the evaluation, and
-    :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation, of which an episode has
-    finished. An episode whose process
-    dies becomes a row with the reason in ``lost``.
+    :class:`~building2building.errors.EvaluationError` if the folder holds finished
+    episodes of another evaluation. An episode whose process dies becomes a row with the reason in ``lost``.
     """
     check_names("evaluate", options, (Request,))
     request = Request(*arguments, **options)
@@ -232,7 +231,7 @@ def compute_resolved_score(
     place: str | None = None,
     weather: PathLike | None = None,
 ) -> float | None:
-    """Returns the resolved score: as :func:`compute_normalized_score`, after adding an RMS deviation of 0.2 K to both.
+    """The resolved score: like :func:`compute_normalized_score`, after adding an RMS deviation of 0.2 K to both.
 
     0.2 K is the accuracy that ISO 7726 calls desirable for an air temperature sensor: differences below it count
     little.

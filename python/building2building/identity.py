@@ -22,7 +22,7 @@ import numpy as np
 from .env import BuildingEnv
 from .errors import SettingError
 
-#: Attributes of a class that Python or a decorator makes of others.
+#: Attributes of a class that Python or a decorator derives from others.
 _DERIVED = {
     "__abstractmethods__",
     "__annotate__",
@@ -57,8 +57,8 @@ def identity_of(policy: Any, version: str) -> str:
     """Returns what identifies a policy in a folder of results.
 
     Without a version, that is a digest of its code and of everything that it refers to: closures, defaults, global
-    variables, attributes, and the versions of installed packages. A version stands for all values, and the digest is of
-    the code alone. Raises :class:`SettingError` for a value that cannot be identified.
+    variables, attributes, and the versions of installed packages. A version stands for all values, so the
+    digest covers only the code. Raises :class:`SettingError` for a value that cannot be identified.
     """
     digest = _Digest(with_values=not version)
     try:
@@ -84,7 +84,7 @@ class _Digest:
     def __init__(self, with_values: bool):
         self._with_values = with_values
         self._hash = hashlib.sha256()
-        #: Number of every object by its id, and the objects, whose ids must not be given to others.
+        #: Number of every object by its id, and the objects, kept so that their ids are not reused.
         self._numbers: dict[int, int] = {}
         self._kept: list[Any] = []
 
@@ -111,7 +111,7 @@ class _Digest:
         if hasattr(value, "__wrapped__"):
             self.add(value.__wrapped__, place)
         elif not self._with_values:
-            # Of an object, its code.
+            # For an object, the code of its class.
             self.add(type(value), place)
         else:
             self._object(value, place)
@@ -210,7 +210,7 @@ class _Digest:
                 self.add(each, f"{place}.{name}")
 
     def _object(self, value: Any, place: str) -> None:
-        """Adds the data of a tensor, and of another object what would be pickled."""
+        """Adds the data of a tensor, or the pickled state of any other object."""
         try:
             if hasattr(value, "detach") and hasattr(value, "cpu"):
                 self._array(value.detach().cpu().numpy(), place)
@@ -244,7 +244,7 @@ def _builtin(digest: _Digest, value: Any, place: str) -> None:
 
 
 def _parts(*names: str) -> Callable[[_Digest, Any, str], None]:
-    """Returns what adds some attributes of an object."""
+    """Returns a function that adds some attributes of an object."""
 
     def add(digest: _Digest, value: Any, place: str) -> None:
         for name in names:
@@ -254,7 +254,7 @@ def _parts(*names: str) -> Callable[[_Digest, Any, str], None]:
     return add
 
 
-#: What adds a value of a type; the first that applies.
+#: Functions that add a value, by type; the first match applies.
 _BY_TYPE: list[tuple[Any, Callable[[Any, Any, str], None]]] = [
     ((gymnasium.Env, gymnasium.vector.VectorEnv), _Digest._environment),
     (types.ModuleType, _Digest._module),

@@ -97,13 +97,13 @@ def train(
     progress: bool = False,
     **options: Any,
 ) -> Agent:
-    """Trains an agent, as ``b2b train`` does, and returns it.
+    """Trains an agent, like ``b2b train``, and returns it.
 
     ``buildings`` are assigned to the environments in turn, at their own places, at ``place`` (such as ``"Miami"``) or
     with ``weather`` (an EPW file, which a model of your own needs); with ``building_type``, every episode draws a
     building of the type's training split, and with ``problem``, the run uses only the training side of a benchmark
     problem. Several types need the preset ``"graph"``, whose agents control buildings of any type.
-    ``task`` is a task as for :func:`make_env`, or several, of which every episode has another one.
+    ``task`` is a task as for :func:`make_env`, or several, one of which is drawn for every episode.
     ``preset`` is ``"residual"`` (the default), ``"paper"`` or ``"graph"``; ``options`` are any other options of a run's
     ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``config`` is such a file, for example of an
     earlier run; other arguments take precedence. ``out`` is the folder of the run and of the agent. If it already has a
@@ -119,7 +119,7 @@ def train(
     named = {
         "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
         "place": place,
-        # Empty in a configuration without one.
+        # A configuration without a weather file has an empty string.
         "weather": os.path.abspath(weather) if weather else weather,
         "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
         "problem": problem,
@@ -165,7 +165,7 @@ class ProgressLine:
         self._open = False
 
     def stage(self, what: str) -> None:
-        """Begins other work than updates."""
+        """Begins work other than updates."""
         self.end()
         print(what, file=sys.stderr, flush=True)
 
@@ -194,7 +194,7 @@ def _whole(steps: float | None) -> float | None:
 
 
 def _plain(value: ArrayLike) -> Any:
-    """Returns a number of NumPy as one of Python."""
+    """Converts a NumPy number to a Python number."""
     if isinstance(value, np.generic):
         return value.item()
     raise SettingError(f"{value!r} is not a valid configuration value")

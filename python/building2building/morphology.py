@@ -62,7 +62,7 @@ class Morphology:
         self.scaled_common_attributes = dict(zip(self.common_attributes, core.scaled_common_attributes))
         #: Nodes, ordered by type.
         self.nodes = core.nodes
-        #: Edges; undirected ones are listed once.
+        #: Edges; an undirected edge is listed once.
         self.edges = core.edges
         self._observation = {name: each.observation_block for name, each in self.node_types.items()}
         self._action = {name: each.action_block for name, each in self.node_types.items()}
@@ -133,7 +133,7 @@ class Morphology:
         }
 
     def _directed_edges(self) -> Iterator[tuple[str, int, int, float]]:
-        """Yields kind, source, target and attribute of every edge; of undirected ones, in both directions."""
+        """Yields kind, source, target and attribute of every edge; undirected edges in both directions."""
         for kind in self._core.edge_kinds():
             edges = [edge for edge in self.edges if edge.kind == kind]
             for edge in edges:

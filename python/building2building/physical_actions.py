@@ -1,4 +1,4 @@
-"""Warnings of actions in physical units that were not meant as such."""
+"""Warnings about actions in physical units that were probably meant otherwise."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ON_POLICY = "stable_baselines3.common.on_policy_algorithm"
 
 
 def warn_of_learner() -> None:
-    """Warns if the caller is a learner of Stable-Baselines3 that needs actions in [-1, 1] and has others."""
+    """Warns if the caller is a Stable-Baselines3 learner that needs actions in [-1, 1] but has physical units."""
     if _ON_POLICY not in sys.modules:
         return
     frame: Any = sys._getframe(1)

@@ -98,8 +98,8 @@ def train(
     """Trains agents, such as the seeds of one configuration, one task each.
 
     ``runs`` maps the name of each run to its arguments for :func:`building2building.train`, without ``out``. Every
-    agent is written to the subfolder of ``folder`` with this name. Runs that are already there are not repeated; a run
-    that was lost starts anew.
+    agent is written to the subfolder of ``folder`` with this name. Runs that are already there are not repeated; a lost
+    run starts over.
 
     >>> b2b.ray.train({f"seed-{n}": {"buildings": "OfficeSmall-0509", "seed": n} for n in range(5)}, folder="runs")
     ... # doctest: +SKIP
@@ -149,7 +149,7 @@ def tune(
     options: Sequence[str] = (),
     resources: Resources = Resources(),
 ) -> None:
-    """Tunes the reactive controllers, as ``b2b tune`` does, one task for each building type and climate zone.
+    """Tunes the reactive controllers, like ``b2b tune``, one task for each building type and climate zone.
 
     ``options`` are further arguments of the command, such as ``["--evaluations", "50"]``; the zone of a house is
     ``None``.
@@ -166,7 +166,7 @@ def tune(
     selected = [["--type", name, *([] if zone is None else ["--zone", str(zone)])] for name, zone in ordered]
     commands = [["tune", *words, *options, "--jobs", "1"] for words in selected]
     results = _commands(commands, Path(folder), "evaluations", resources)
-    # One command for all would also tune types in zones that only other types were asked for.
+    # A single command would tune every listed type in every listed zone.
     names = ("tuned.json", "energy_scale.json")
     _write_all(Path(folder), {name: _joined([files[name] for files in results]) for name in names})
 
@@ -174,7 +174,7 @@ def tune(
 def experiment(
     name: str, *, folder: PathLike, shards: int, budget: str = "full", resources: Resources = Resources()
 ) -> Path:
-    """Runs an experiment, as ``b2b experiment run`` does, in ``shards`` tasks, and returns the path of its page.
+    """Runs an experiment, like ``b2b experiment run``, in ``shards`` tasks, and returns the path of its page.
 
     A job that fails does not stop the others; the error is raised when all have ended. ``name`` may also be the path of
     an experiment's file (``.toml``), which every node must have.
@@ -277,7 +277,7 @@ def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Res
 
 
 def _joined(lists: Sequence[bytes]) -> bytes:
-    """Joins JSON lists of one item or more as texts, which keeps the digits of their numbers."""
+    """Joins non-empty JSON lists as text, which keeps the digits of their numbers."""
     items = [each.strip().removeprefix(b"[").removesuffix(b"]").strip(b"\n") for each in lists]
     return b"[\n" + b",\n".join(items) + b"\n]\n"
 

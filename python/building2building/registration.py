@@ -36,7 +36,7 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``task``: ``constant``, ``occupancy+energy0.5``, ``random:7+cost2``..., a JSON file, or a dictionary;
     - ``run_period``: ``winter``, ``summer``, ``full_year`` or days such as ``01-01..01-07``;
     - ``timesteps_per_hour``: 12 by default;
-    - ``rescale_action``: actions in [-1, 1] instead of physical units, as ``gymnasium.make`` has them by default;
+    - ``rescale_action``: actions in [-1, 1] instead of physical units; the default of ``gymnasium.make``;
     - ``window_days`` and ``window_starts``: episodes of ``window_days`` days that begin on one of ``window_starts``
       days of the run period, drawn at random;
     - ``weather_years``: EPW files, such as measured years at the site; every episode draws one. The building

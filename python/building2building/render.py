@@ -56,7 +56,7 @@ class PowerHistory:
         self._rows: deque[tuple[int, float, float]] = deque(maxlen=_HOURS * layout.steps_per_hour + 1)
 
     def add(self, step: int, observation: Array) -> None:
-        """Adds the power of a step; forgets those after it, which are of another episode."""
+        """Adds the power of a step; drops later steps, left from an earlier episode."""
         rows, layout, rate = self._rows, self._layout, self._layout.steps_per_hour
         while rows and rows[-1][0] >= step:
             rows.pop()
@@ -73,7 +73,7 @@ class PowerHistory:
 
 
 class Renderer:
-    """Draws the episodes of one environment. What does not change from step to step is drawn once per building."""
+    """Draws the episodes of one environment. The static parts are drawn once per building."""
 
     def __init__(self) -> None:
         need("matplotlib", "plots")
@@ -117,13 +117,13 @@ class Renderer:
 
 @dataclass
 class _Cell:
-    """A box of the picture, which is drawn anew when what it shows changes."""
+    """A box of the picture, redrawn when its content changes."""
 
     box: Any
     artists: list[Any]
-    #: What it shows.
+    #: Its current content.
     shown: Any = None
-    #: What is on the canvas.
+    #: The content on the canvas.
     drawn: Any = None
     #: The box without the artists.
     background: Any = None

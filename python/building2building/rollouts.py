@@ -97,8 +97,8 @@ class BuiltInController:
 class ReactiveController(BuiltInController):
     """The paper's reactive controllers, based on ASHRAE Guideline 36.
 
-    They use the parameters that are tuned for the building and the task (:meth:`tuned`), except for those given in
-    ``parameters``, such as ``{"unitary.deadband": 0.5}``.
+    They use the parameters tuned for the building and the task (:meth:`tuned`); ``parameters`` overrides some,
+    such as ``{"unitary.deadband": 0.5}``.
     """
 
     kind = "reactive"
@@ -140,7 +140,7 @@ def callable_controller(function: Callable[[Array], ArrayLike]) -> Controller:
     return CallableController(function)
 
 
-#: The arrays of a trajectory, and what else is saved of it.
+#: The arrays of a trajectory, and its other saved fields.
 _ARRAYS = ("observations", "actions", "rewards", "penalties")
 _DESCRIBED = ("truncated", "metadata", "metrics", "controller", "seed")
 

@@ -101,7 +101,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             buildings = [select_building(building_type, split, index, building_id, place, weather, building)]
         if not buildings:
             raise SettingError("buildings is empty; pass at least one")
-        #: Buildings that environments repeat; with ``resample``, those to draw from.
+        #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
         self.buildings = [
             _candidate(each, bool(resample)) for each in (buildings if resample else buildings[:num_envs])
         ]
@@ -131,7 +131,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         )
         self._core = core = self._make_core()
         close_at_exit(self)
-        #: Layouts of the buildings; with ``resample``, of some that represent the others.
+        #: Layouts of the buildings; with ``resample``, of a few representative ones.
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
         self._resample = bool(resample)
         slots, actuators = core.slots(), core.actuators()
@@ -174,11 +174,11 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         return dict(zip(("episodes", "building_changes", "waits", "waited"), self._open_core().statistics()))
 
     def observation_mask(self) -> Array:
-        """Returns which numbers of the observations are not padding, ``[N, slots]``."""
+        """Mask of the observations, ``[N, slots]``: ``False`` for padding."""
         return np.array(self._open_core().masks()[0])
 
     def action_mask(self) -> Array:
-        """Returns which numbers of the actions are read, ``[N, actuators]``."""
+        """Mask of the actions, ``[N, actuators]``: ``False`` for numbers that are not read."""
         return np.array(self._open_core().masks()[1])
 
     def reset(
@@ -186,8 +186,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """Begins an episode in every environment, or with ``options={"reset_mask": mask}`` in some.
 
-        ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. Of a list with a number
-        per environment, all numbers together are the seed.
+        ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. A list with a
+        number per environment is used as one seed.
         """
         self._open_core()
         number = self._seed_number(seed)

@@ -55,14 +55,14 @@ class Row:
 
 
 def hours(steps: Array, steps_per_hour: int) -> Array:
-    """Returns the hour of the day at which each environment's step begins; 0 for those that have not stepped."""
+    """Returns the hour of the day at which each environment's step begins; 0 before its first step."""
     return np.maximum(steps - 1, 0) % (24 * steps_per_hour) / steps_per_hour
 
 
 def step_info(
     rows: Sequence[Row], before: Array, after: Array, numbers: Array, steps: Array, steps_per_hour: int
 ) -> dict[str, Any]:
-    """Returns what the info of a single environment has, with a row for every environment.
+    """Returns the info of all environments: the keys of a single environment's info, with a row per environment.
 
     ``steps`` is 0 where an episode has just begun. Arrays with a column per controlled zone are as wide as the largest
     building; the columns that a building does not have are NaN, and ``False`` in ``zone_occupied``.

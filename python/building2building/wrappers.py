@@ -71,7 +71,7 @@ class PadObservation(ObservationWrapper):
         self._rename(names, units)
 
     def _read(self) -> None:
-        """Reads the place of every slot of the building's observation."""
+        """Reads the positions of the slots of the building's observation."""
         self._building = self._core.building
         if self._width is not None:
             slots = box_of(self.env).shape[0]
@@ -164,7 +164,7 @@ class NormalizeObservation(ObservationWrapper):
         return self._scale(observation)
 
     def denormalize(self, observation: ArrayLike) -> Array:
-        """Returns an observation in its units again, but for values out of bounds, which were clipped."""
+        """Converts a normalized observation back to its units, except that values out of bounds stay clipped."""
         return self._scale.denormalize(observation)
 
 
@@ -206,7 +206,7 @@ class AugmentObservationWithBuildingParams(ObservationWrapper):
         return np.concatenate([observation, self._values])
 
     def denormalize(self, observation: ArrayLike) -> Array:
-        """Returns an observation without the attributes, in its units again if a wrapper inside normalizes it."""
+        """Returns an observation without the attributes, in its units if an inner wrapper normalizes it."""
         own = np.asarray(observation)[..., : -len(self._names) or None]
         if self.env.has_wrapper_attr("denormalize"):
             return np.asarray(self.env.get_wrapper_attr("denormalize")(own))
@@ -282,7 +282,7 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
             )
         if self._pads:
             self._name_slots()
-        # Without the seed, which would begin the numbers that have drawn the building anew.
+        # Without the seed, which would restart the random numbers that drew the building.
         observation, info = self.env.reset(seed=None, options=options or None)
         self._check_width(len(observation))
         return self.observation(observation), info

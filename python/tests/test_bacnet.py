@@ -1,4 +1,4 @@
-"""A building as a BACnet device, driven by BAC0, a client by others."""
+"""A building as a BACnet device, driven by BAC0, a third-party client."""
 
 import asyncio
 import inspect

@@ -184,7 +184,7 @@ def interquartile_mean(scores):
     return np.sort(scores)[cut : len(scores) - cut].mean()
 
 
-def test_measures_equal_those_computed_with_numpy():
+def test_measures_equal_numpy_s():
     random = np.random.default_rng(7)
     strata = [
         [list(random.lognormal(0.1, 0.4, size=3)) for _ in range(17)],

@@ -15,7 +15,7 @@ from building2building.buildings import select_building
 
 PAGE = Path(__file__).parents[2] / "docs/coming_from.md"
 DAY = "01-01..01-01"
-#: What checks a row, by the beginning of its first cell.
+#: Functions that check a row, by the beginning of its first cell.
 CHECKS = {}
 
 

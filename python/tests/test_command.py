@@ -1,4 +1,4 @@
-"""The command ``b2b`` that the package installs, which is this extension module."""
+"""The installed command ``b2b``, which runs the extension module."""
 
 import json
 import os
@@ -62,7 +62,7 @@ def test_a_run_of_the_command_is_the_rollout_of_the_package(tmp_path):
     assert (tmp_path / "run" / "trajectory.parquet").stat().st_size > 0
 
 
-def test_the_command_starts_workers_and_children_of_its_own(tmp_path):
+def test_the_command_starts_its_own_workers_and_children(tmp_path):
     arguments = ["--policy", "random", "--period", "01-01..01-01", "--jobs", "1", "--out", "results", "--json"]
     evaluated = command("evaluate", "OfficeSmall", *arguments, folder=tmp_path)
     assert evaluated.returncode == 0, evaluated.stderr

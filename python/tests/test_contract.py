@@ -196,7 +196,7 @@ def test_a_seed_draws_the_days_and_the_targets(make):
     assert first[1].shape == other[1].shape and (first[1] != other[1]).any()
 
 
-def test_penalties_are_those_of_the_last_step_of_the_episode(make):
+def test_penalties_are_from_the_last_step_of_the_episode(make):
     env = make(timesteps_per_hour=1)
     assert np.isnan(env.penalties).all()
     env.reset()
@@ -221,7 +221,7 @@ def test_a_rollout_without_steps_has_the_observation_of_the_reset(make):
     assert trajectory.episode_return == 0 and not trajectory.truncated and trajectory.metrics is None
 
 
-def test_a_custom_reward_replaces_that_of_the_task(make):
+def test_a_custom_reward_replaces_the_task_s_reward(make):
     env = make(reward=lambda info: -float(np.abs(info["zone_deviation"]).max()))
     env.reset()
     _, reward, _, _, info = env.step(env.action_space.low)
@@ -238,7 +238,7 @@ def test_a_rendered_frame_changes_with_the_state(make):
         after = env.render()
     assert before.dtype == np.uint8 and before.shape == (540, 960, 3) and before.std() > 10
     assert (before != after).any()
-    # Cells that were drawn anew look as on an empty canvas.
+    # Redrawn cells look the same as on an empty canvas.
     env.unwrapped._renderer = None
     np.testing.assert_array_equal(env.render(), after)
 

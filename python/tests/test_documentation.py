@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 
-#: What is made shorter, so that a page takes seconds.
+#: Replacements that shorten the programs, so that a page takes seconds.
 SHORTER = {
     "steps=60_000, environments=4": "steps=1_200, environments=2",
     '"every": 15_000': '"every": 1_200',
@@ -56,7 +56,7 @@ PAGES = {
 }
 
 
-def test_every_page_with_a_program_of_its_own_is_tested():
+def test_every_page_with_a_program_is_tested():
     tested = {f"{name}.md" for name in PAGES} | {"first_agent.md"}
     written = {
         str(page.relative_to(DOCS)) for folder in ("concepts", "tutorials") for page in (DOCS / folder).glob("*.md")
@@ -84,7 +84,7 @@ def test_blocks_of_python_are_python():
             compile(block, str(page), "exec")
 
 
-def test_the_figures_are_those_of_the_script():
+def test_the_figures_come_from_the_script():
     code = "import draw, json; print(json.dumps({name: each().svg() for name, each in draw.FIGURES.items()}))"
     drawn = json.loads(run(code, DOCS / "figures"))
     assert drawn == {path.stem: path.read_text() for path in (DOCS / "figures").glob("*.svg")}

@@ -31,7 +31,7 @@ class WarmNodes:
         return self.graph.join_actions(actions)
 
 
-def test_an_own_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
+def test_a_user_s_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
     problem = CrossDomainGeneralization(
         train_types=["OfficeSmall"],
         test_types=["OfficeSmall", "Warehouse"],
@@ -57,7 +57,7 @@ def test_an_own_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
     assert "not run again: the policy `WarmNodes` is the author's own program" in again["message"]
 
 
-def test_an_own_function_has_what_a_problem_leaves_to_it(tmp_path):
+def test_a_user_s_function_gets_what_a_problem_leaves_to_the_agent(tmp_path):
     problem = ActionSpaceTransfer("unitary", "fewer", **DAY)
     widths = set()
 

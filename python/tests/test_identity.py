@@ -94,7 +94,7 @@ def test_the_value_of_a_closure_belongs_to_the_identity():
     assert identities(bias=1.0)[0] != identities(bias=2.0)[0]
 
 
-def test_with_a_version_the_identity_is_that_of_the_code():
+def test_with_a_version_the_identity_covers_only_the_code():
     before = identities("1")
     assert identities("1", bias=2.0, edit=("GAIN = 0.5", "GAIN = 0.6")) == before
     assert identities("1", edit=("min(value, 1.0)", "max(value, 1.0)"))[0] != before[0]

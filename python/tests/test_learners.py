@@ -71,7 +71,7 @@ def test_sb3_sees_the_last_observation_of_an_episode():
     envs.close()
 
 
-def test_sb3_reads_attributes_and_takes_the_episodes_for_those_of_its_monitor():
+def test_sb3_reads_attributes_and_accepts_the_episodes_as_monitored():
     import gymnasium
     from building2building.sb3 import make_sb3_vec
     from stable_baselines3 import PPO

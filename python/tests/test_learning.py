@@ -29,7 +29,7 @@ def agent(tmp_path_factory):
     return b2b.train(HOUSE, out=out, steps=np.int64(384), keep="last", **SMALL)
 
 
-def test_an_agent_controls_its_building_as_its_evaluation_does(agent):
+def test_an_agent_acts_as_in_its_evaluation(agent):
     env = b2b.make_env(building_id=HOUSE, task="occupancy", run_period=DAYS)
     trajectory = b2b.rollout(env, agent.controller(env))
     evaluation = b2b.evaluate(agent, HOUSE, "occupancy", run_periods=DAYS)

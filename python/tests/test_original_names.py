@@ -68,7 +68,7 @@ def test_padding_by_zones_gives_every_zone_its_place(make):
         PadObservation(SubsetObservation(make("OfficeSmall"), ["time of day"]), zones=8)
 
 
-def test_branches_continue_on_their_own_and_bit_for_bit(make):
+def test_branches_continue_independently_and_bit_for_bit(make):
     env = make("SingleFamilyHouse")
     with pytest.raises(EpisodeError, match="call reset"):
         env.unwrapped.branch(1)

@@ -24,7 +24,7 @@ def command(*arguments) -> str:
     return ran.stdout
 
 
-def test_a_written_rollout_is_that_of_the_command(tmp_path, make):
+def test_a_written_rollout_equals_the_command_s_run(tmp_path, make):
     ours, theirs, other = tmp_path / "python", tmp_path / "command", tmp_path / "mine"
     command("run", "OfficeSmall", "--period", DAY, "--task", "occupancy", "--out", theirs)
     env = make("OfficeSmall", run_period=DAY, task="occupancy")
@@ -62,7 +62,7 @@ def test_a_written_window_is_scored_as_an_episode_of_its_days(tmp_path, make):
     assert json.loads(command("score", tmp_path / "run/trajectory.parquet", "--json"))["period"] == summary["period"]
 
 
-def test_of_a_part_of_an_episode_the_steps_are_written(tmp_path, make):
+def test_a_partial_episode_is_written_with_its_steps(tmp_path, make):
     env = make(timesteps_per_hour=1)
     files = b2b.rollout(env, b2b.ReactiveController(env), steps=5).write(tmp_path / "part")
     assert [path.name for path in files] == ["trajectory.parquet"]
@@ -114,7 +114,7 @@ def rewritten(saved, path, **changes):
 
 
 @pytest.mark.parametrize("kind", ["missing", "folder", "empty", "text", "npy", "zip", "cut", "shape", "names", "bits"])
-def test_a_file_that_is_no_trajectory_is_an_error_of_this_package(kind, saved, tmp_path):
+def test_a_file_that_is_not_a_trajectory_raises_this_package_s_error(kind, saved, tmp_path):
     path = tmp_path / "x.npz"
     match kind:
         case "folder":

@@ -1,4 +1,4 @@
-"""What a type checker says about calls of the package."""
+"""Calls of the package under a type checker."""
 
 import subprocess
 import sys

@@ -277,7 +277,7 @@ def test_a_controller_sets_the_other_actuators_in_the_action_space_of_the_buildi
     np.testing.assert_allclose(applied[0], applied[1], rtol=1e-6, atol=1e-6)
 
 
-def test_a_copied_controller_has_a_state_of_its_own(make):
+def test_a_copied_controller_has_its_own_state(make):
     env = make(timesteps_per_hour=1)
     env.reset()
     controller = b2b.RandomController(env, seed=3)

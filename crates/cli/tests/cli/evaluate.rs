@@ -121,7 +121,7 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     assert_rejected(
         folder.path(),
         "score chicago/trajectory.parquet",
-        &["the weather of the trajectory", "--weather"],
+        &["the trajectory's weather", "--weather"],
     );
     let score = json(folder.path(), &format!("score chicago/trajectory.parquet {weather}"));
     assert!(close(&score["score"], 1.0), "{score}");
