@@ -101,7 +101,7 @@ pub enum Error {
         /// The text.
         text: String,
     },
-    /// Text that is neither a run period nor the name of two weeks.
+    /// The text is neither a run period nor a named two-week period.
     #[error(
         "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, within a \
          year, or two weeks that the weather decides: {}",

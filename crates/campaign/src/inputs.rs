@@ -39,7 +39,7 @@ const ORDER: &str = "B2B_CAMPAIGN_ORDER";
 /// A reader of files.
 struct Reader {
     name: &'static str,
-    /// The file that it reads, in a folder of its own.
+    /// The file that it reads, in its own folder.
     file: PathBuf,
     /// A valid file.
     valid: Vec<u8>,

@@ -14,7 +14,7 @@ pub enum Error {
         /// The text.
         text: String,
     },
-    /// Text that is neither the name of a building nor a model file.
+    /// The text is neither the name of a building nor a model file.
     #[error("{why}; the name of a model file ends in .idf or .epJSON")]
     NoBuilding {
         /// Why it is not the name of a building.

@@ -52,7 +52,7 @@ pub enum Error {
         doing: String,
         /// How it ended.
         end: String,
-        /// Its last messages on lines of their own, if there are any.
+        /// Its last messages, one per line, if there are any.
         last_messages: String,
     },
     /// An interrupt while waiting for another process.

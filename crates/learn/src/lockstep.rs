@@ -2,7 +2,7 @@
 //!
 //! 1. The owner samples an action for every environment.
 //! 2. Every worker makes a step with its action.
-//! 3. The owner waits for all of them, and begins the next episodes of those that are over.
+//! 3. The owner waits for all of them, and begins the next episode wherever one is over.
 //!
 //! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another. Both give
 //! the same bits.

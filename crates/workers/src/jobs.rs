@@ -24,7 +24,7 @@ const LAST_LINES: usize = 5;
 /// Number of bytes at the end of a file in which to look for them.
 const LAST_BYTES: u64 = 4000;
 
-/// Jobs for EnergyPlus, each in a worker process of its own: conversions, whole runs and response checks.
+/// Jobs for EnergyPlus, each in its own worker process: conversions, whole runs and response checks.
 ///
 /// A crash, or a job beyond the [time limit of preparations](WorkerOptions::preparation_time_limit), is an error that names the
 /// model. As the [`Host`] of a catalog's library, jobs keep users' models out of this process. Several threads may use them.
@@ -169,7 +169,7 @@ fn describe(status: ExitStatus) -> String {
     format!("crashed (signal {signal}{name})")
 }
 
-/// Returns the last lines of the engine's error file or, without one, of the log, on lines of their own.
+/// Returns the last lines of the engine's error file or, without one, of the log, one per line.
 fn last_messages(output: &Path, log: &Path) -> String {
     let error_file = error_file(output);
     let files = error_file.iter().map(PathBuf::as_path).chain([log]);

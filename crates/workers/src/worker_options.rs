@@ -14,7 +14,8 @@ pub struct WorkerOptions {
     pub library: PathBuf,
     /// Memory limit of templates without episodes, bytes. The least recently used ends first.
     pub template_memory: u64,
-    /// Number of templates prepared at the same time. Others are queued; those that an episode waits for come first.
+    /// Number of templates prepared at the same time. Others are queued; templates that an episode waits for come
+    /// first.
     pub preparations: usize,
     /// Limit of a step or a copy. A slower worker counts as hung and is killed, and its episode is lost. Only time in
     /// which its owner waits counts, not time in which the owner is stopped.

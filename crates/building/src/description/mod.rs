@@ -160,7 +160,7 @@ impl PreparedBuilding {
     }
 
     /// Returns the U-factor of an opaque construction with the code's air films of a wall, or of the glazing of a window,
-    /// W/m²K; `None` if it is given neither by layers nor by a U-factor.
+    /// W/m²K; `None` if neither layers nor a U-factor give it.
     pub fn construction_u(&self, construction: &str) -> Option<f64> {
         let model = self.model();
         glazing(model, construction).map(|glazing| glazing.u).or_else(|| u(model, construction, WALL_FILMS))

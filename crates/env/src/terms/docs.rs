@@ -53,7 +53,7 @@ fn the_example_of_a_term_is_the_file_that_it_names() {
     assert_eq!(code.join("\n").trim(), include_str!("cost.rs").trim());
 }
 
-/// A term and a metric of which nothing is told elsewhere.
+/// A term and a metric that no other file mentions.
 #[test]
 fn a_term_and_a_metric_are_two_files_each() {
     let term = files_with(&["peak_gas", "PeakGas"]);

@@ -44,7 +44,7 @@ pub fn write(
     b2b_page::write_page(file, &data)
 }
 
-/// Returns the episodes with the highest scores; without scores, those with the largest deviations.
+/// Returns the episodes with the highest scores; without scores, the largest deviations.
 fn worst(results: &Results) -> Vec<(usize, &Row)> {
     let rows = results.rows.iter().enumerate();
     let mut ran: Vec<_> = rows.filter_map(|(number, row)| Some((number, row, row.metrics()?))).collect();

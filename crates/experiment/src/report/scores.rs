@@ -61,7 +61,8 @@ fn header(policies: &[Policy<'_>]) -> Vec<String> {
     header
 }
 
-/// Returns the cells of a type, task and period, and counts the policies whose median beats the baseline among those with scores.
+/// Returns the cells of a type, task and period, and counts, among policies with scores, the ones whose median beats
+/// the baseline.
 fn cells(
     results: &Results,
     policies: &[Policy<'_>],

@@ -28,7 +28,7 @@ use super::toy::{Local, Room, Toy as _, mean_return};
 struct RandomSearchConfig {
     /// Steps per environment for which an actor is tried.
     n_steps: usize,
-    /// Standard deviation of the difference between the best parameters and those that are tried next.
+    /// Standard deviation of the steps from the best parameters to the next candidates.
     deviation: f32,
 }
 

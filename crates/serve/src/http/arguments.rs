@@ -16,7 +16,7 @@ impl Arguments {
     /// Reads a body. An empty one has no arguments.
     ///
     /// # Errors
-    /// A refusal of a body that is neither a JSON object nor a form.
+    /// The error for a body that is neither a JSON object nor a form.
     pub fn read(content_type: Option<&str>, body: &[u8]) -> Result<Self, Refusal> {
         let text = String::from_utf8_lossy(body);
         let is_form = content_type.is_some_and(|kind| kind.contains("application/x-www-form-urlencoded"));

@@ -209,7 +209,7 @@ impl Simulation {
         Ok(Answer::new(notes, run.measurements()))
     }
 
-    /// The values of the activated inputs in the units of the action, with notes on those that were clamped.
+    /// The values of the activated inputs in the units of the action, with notes on clamped values.
     fn overrides(&self, arguments: &Arguments) -> Result<(Vec<Option<f64>>, String), Refusal> {
         let inputs = &self.subject.points.inputs;
         let names = || inputs.iter().flat_map(|input| [&input.value, &input.activation]).map(String::as_str);

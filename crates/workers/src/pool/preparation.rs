@@ -63,8 +63,7 @@ impl Pool {
         }
     }
 
-    /// Starts preparations up to the concurrency limit: first those that episodes wait for, then in the order of
-    /// requests.
+    /// Starts preparations up to the concurrency limit: first for waiting episodes, then in the order of requests.
     pub(super) fn start_queued(&mut self) {
         loop {
             let preparing = |template: &&Template| matches!(template.phase, Phase::Preparing(_));

@@ -198,7 +198,8 @@ mod tests {
         }
     }
 
-    /// Runs all interleavings of an owner and one worker per slot, or those with a maximum number of preemptions.
+    /// Runs all interleavings of an owner and one worker per slot, optionally limited to a maximum number of
+    /// preemptions.
     fn explore(slots: usize, commands: usize, preemptions: Option<usize>) {
         let mut model = loom::model::Builder::new();
         model.preemption_bound = preemptions;

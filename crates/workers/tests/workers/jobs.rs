@@ -1,4 +1,4 @@
-//! Jobs: conversions and runs of models in worker processes of their own.
+//! Jobs: conversions and runs of models in separate worker processes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -14,7 +14,7 @@
 //! 2000; the model's starting states and transition probabilities give the shares, which the tests compare with the
 //! households. The time-use surveys of Canada (GSS) and of the United States (ATUS) interview one person of each
 //! household, and cannot tell when all are out. ATUS 2012 gives the workers' days: 83 % of the employed work on a
-//! weekday, for 8.0 hours, and 34 % on a weekend day; 23 % of those who work do some of it at home. The occupations by
+//! weekday, for 8.0 hours, and 34 % on a weekend day; 23 % of workers do some of it at home. The occupations by
 //! household size, and the errands and evenings out that reproduce the shares, are engineering judgment.
 
 mod person;

@@ -245,7 +245,7 @@ fn interpolate(knots: &[(f64, f64)], x: f64) -> f64 {
     })
 }
 
-/// A basement with a crawlspace beside it counts as a basement.
+/// A basement next to a crawlspace counts as a basement.
 fn foundation(u: f64) -> Foundation {
     let share = |value| share("Presence_SousSol", value);
     let basement = share("Sous sol 6 pied") + share("Sous-sol et vide sanitaire");

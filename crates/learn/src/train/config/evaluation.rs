@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Result;
 use crate::limits::require;
 
-/// Evaluations during training: deterministic episodes on a window of the run period, in processes of their own.
+/// Evaluations during training: deterministic episodes on a window of the run period, in separate processes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EvaluationConfig {
@@ -13,7 +13,8 @@ pub struct EvaluationConfig {
     pub every: u64,
     /// Days of the window, in the middle of the run period.
     pub days: u32,
-    /// Whether training episodes leave these days out, where the run period has room for episodes of `window_days` beside them.
+    /// Whether training episodes leave these days out, where the run period has room for episodes of `window_days`
+    /// outside them.
     pub held_out: bool,
     /// Buildings to evaluate on, at most this many of the training buildings.
     pub buildings: usize,

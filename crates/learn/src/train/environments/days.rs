@@ -65,7 +65,7 @@ mod tests {
         // Neither side has fourteen days.
         assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
         assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");
-        // An episode of the whole run period leaves no room beside it.
+        // An episode of the whole run period leaves no other days.
         assert_eq!(of("winter", 0).1, ["winter"]);
         let seen = EvaluationConfig { held_out: false, ..EvaluationConfig::default() };
         assert_eq!(days("winter", 14, seen).1, ["winter"]);
