@@ -32,7 +32,7 @@ pub enum Error {
         class: String,
         /// Object name.
         name: String,
-        /// The reason, and what is supported.
+        /// The reason, and the supported alternatives.
         why: String,
     },
     /// An object that an edit cannot change.

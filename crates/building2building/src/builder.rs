@@ -151,7 +151,7 @@ impl EnvBuilder {
         self
     }
 
-    /// Downloads what is missing, and sizes the building and makes it controllable.
+    /// Downloads missing files, sizes the building and makes it controllable.
     fn prepare(self, catalog: &Catalog) -> Result<(PreparedBuilding, EpisodeConfig)> {
         if let Some(error) = self.error {
             return Err(error);

@@ -31,7 +31,7 @@ pub struct Emissions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rate {
-    /// The average over what the grid generates, for accounting of energy used.
+    /// The average over the grid's generation, to account for energy used.
     Average,
     /// The effect of a lasting change of the load, including new plants, for comparing controllers.
     LongRunMarginal,
@@ -64,7 +64,8 @@ impl Emissions {
     /// Reads an emission profile from a TOML file.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line for what is not a profile.
+    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line, if the file is not a
+    /// profile.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Self::parse(&name, &path.display().to_string(), &read(path)?)

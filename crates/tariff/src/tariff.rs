@@ -95,7 +95,7 @@ impl Tariff {
     /// Reads a tariff from a TOML file.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line for what is not a tariff.
+    /// [`Error::Io`](crate::Error::Io); [`Error::File`](crate::Error::File) with the line, if the file is not a tariff.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Self::parse(&name, &path.display().to_string(), &read(path)?)

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn collinear_unknowns_and_those_without_effect_are_named() {
+    fn collinear_unknowns_and_unknowns_without_effect_are_named() {
         let fit = fitted(3, |x| (0..12).map(|m| energy(x, m) - 2.0 + 1e-6 * x[2]).collect());
         assert_eq!((fit.collinear, fit.without_effect), (vec![], vec![2]));
         let fit = fitted(2, |x| vec![x[0] + x[1] - 1.0, 2.0 * x[0] + 2.01 * x[1] - 2.0]);

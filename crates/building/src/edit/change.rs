@@ -81,7 +81,7 @@ impl Change {
         self.parameter().name
     }
 
-    /// Returns whether its value multiplies what the model has.
+    /// Returns whether its value multiplies the model's value.
     pub fn is_multiplier(self) -> bool {
         matches!(
             self,

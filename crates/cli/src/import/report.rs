@@ -48,7 +48,7 @@ pub struct System {
 }
 
 impl Report {
-    /// Collects what was found in a prepared model.
+    /// Collects the systems found in a prepared model.
     pub fn new(name: &BuildingName, prepared: &Prepared, trial: Option<Trial>) -> Self {
         let building = &prepared.building;
         Self {

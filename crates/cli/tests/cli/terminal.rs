@@ -2,7 +2,7 @@
 
 use crate::program::{assert_rejected, b2b, command, json, stderr};
 
-/// Returns what a command prints in a terminal of a width.
+/// Returns the output of a command in a terminal of some width.
 fn printed(arguments: &str, width: usize) -> String {
     let folder = tempfile::tempdir().unwrap();
     let output = command(folder.path(), arguments).env("COLUMNS", width.to_string()).output().unwrap();

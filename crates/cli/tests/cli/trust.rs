@@ -81,7 +81,7 @@ fn a_file_next_to_the_model_is_read_and_one_elsewhere_on_request() {
     let model = folder.path().join("m.idf").display().to_string();
     let weather = folder.path().join("w.epw").display().to_string();
     assert!(json(Path::new("/"), &format!("import {model} --weather {weather}")).is_object());
-    // Its content is part of what is prepared, so that a changed file is not taken for the one before.
+    // Its content is part of the prepared model, so that a changed file is not mistaken for the old one.
     std::fs::write(folder.path().join("shares.csv"), "no number\n".repeat(8760)).unwrap();
     assert!(!b2b(folder.path(), import).status.success());
 
@@ -90,7 +90,7 @@ fn a_file_next_to_the_model_is_read_and_one_elsewhere_on_request() {
     assert!(json(folder.path(), &format!("{import} --allow-external")).is_object());
 }
 
-/// Runs a command, which fails because the engine crashes, and returns what it says. It leaves nothing.
+/// Runs a command, which fails because the engine crashes, and returns its output. It leaves no files.
 fn assert_crash(folder: &Path, arguments: &str, crashed: impl FnOnce(&mut Child)) -> String {
     let (files, temporary) = (names(folder), tempfile::tempdir().unwrap());
     let mut command = command(folder, arguments);
@@ -199,7 +199,7 @@ fn a_damaged_trajectory_is_never_scored() {
             }
         }
     }
-    // The others are not part of what is read.
+    // The others are not read.
     assert!(refused > 25, "{refused}");
 }
 

@@ -243,7 +243,7 @@ fn a_result_of_a_machine_that_rounds_differently_agrees_within_the_tolerance() {
 }
 
 #[test]
-fn a_sample_is_drawn_anew_unless_its_seed_is_given_and_is_never_empty() {
+fn a_sample_is_redrawn_unless_its_seed_is_given_and_is_never_empty() {
     let judged = Judged::new();
     let seed = |arguments: &str| {
         let output =

@@ -97,7 +97,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// A metric of which less is better.
+    /// A metric where lower is better.
     pub(crate) const fn lower(label: &'static str, scale: f64, decimals: usize) -> Option<Self> {
         Some(Self { label, scale, decimals, higher_is_better: Some(false) })
     }

@@ -66,7 +66,7 @@ fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 4] {
 }
 
 #[test]
-fn indicators_equal_those_computed_from_the_observations() {
+fn indicators_follow_from_the_observations() {
     let case = Case::at_home(BuildingType::OfficeSmall);
     let mut env = case.env_for("07-10..07-12", "operate:21-24/15.6-28");
     let first = env.reset().unwrap().to_vec();

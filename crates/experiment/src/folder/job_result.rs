@@ -113,7 +113,7 @@ impl JobResult {
         (self.machine, self.rows, self.deviations) = (machine, rows, deviations);
     }
 
-    /// Returns whether it contains what a report shows.
+    /// Returns whether it contains the data of a report.
     pub(super) fn serves(&self, report: ReportKind) -> bool {
         let has_all = self.policies().all(|(_, rows, deviations)| deviations.len() == rows.len());
         report != ReportKind::Weights || has_all

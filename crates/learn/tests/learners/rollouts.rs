@@ -97,7 +97,7 @@ fn a_description_of_any_length_reaches_the_worker() {
 }
 
 #[test]
-fn an_error_of_either_side_ends_the_rollout_and_the_next_reset_begins_anew() {
+fn an_error_of_either_side_ends_the_rollout_and_the_next_reset_starts_over() {
     let mut episode = episode(BuildingType::SingleFamilyHouse);
     let mut memory = RolloutMemory::new(episode.workers());
     let error = episode.rollout(&json!({"guess": {}}), &mut memory, &mut ()).unwrap_err();

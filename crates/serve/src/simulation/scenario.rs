@@ -55,7 +55,7 @@ impl Change {
         })
     }
 
-    /// Returns what was set, with the measurements at the beginning of the two weeks.
+    /// Returns the settings, with the measurements at the beginning of the two weeks.
     pub fn payload(&self, measurements: Value) -> Value {
         json!({
             PRICE: self.price.map(PriceScenario::name),

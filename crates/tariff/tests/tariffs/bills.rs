@@ -137,7 +137,7 @@ fn free_power_is_what_may_be_used_without_a_higher_bill() {
 }
 
 #[test]
-fn a_block_of_every_day_begins_anew_at_midnight() {
+fn a_daily_block_restarts_at_midnight() {
     let text = "title = \"a\"\nplace = \"b\"\ncustomers = \"any\"\ncurrency = \"USD\"\n\
         source = { document = \"c\", date = \"d\" }\n[electricity]\ndaylight_time = false\n\
         blocks = { per = \"day\", up_to = [10, 20] }\nenergy = [{ name = \"e\", price = [0.1, 0.2, 0.4] }]\n";

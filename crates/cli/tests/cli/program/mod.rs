@@ -20,12 +20,12 @@ pub fn b2b(folder: &Path, arguments: &str) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
-/// Returns what it wrote to standard error.
+/// Returns its standard error.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Returns what it wrote to both outputs.
+/// Returns its standard output and standard error.
 pub fn both_outputs(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), stderr(output))
 }

@@ -61,7 +61,7 @@ fn learner(log_std: LogStd, seed: u64) -> Ppo {
     Ppo::of_graphs(&network(), WIDTHS, config(log_std), true, seed).unwrap()
 }
 
-/// Returns random steps of two environments, the second of which goes from a building of three zones to one of two.
+/// Returns random steps of two environments; the second changes from a building of three zones to a building of two.
 fn rollout(steps: usize, seed: u64) -> Rollout {
     rollout_of(WIDTHS, steps, seed)
 }

@@ -7,7 +7,7 @@ use super::{GraphPass, Readout, initialize, reference};
 use crate::nn::reference::{assert_gradients, wide};
 use crate::random::Random;
 
-/// Features and outputs of three node types, the last of which is observed alone, and the second controlled alone.
+/// Features and outputs of three node types, the last of which is only observed, and the second only controlled.
 const TYPES: [(usize, usize); 3] = [(3, 2), (0, 1), (2, 0)];
 
 fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {

@@ -38,7 +38,7 @@ pub struct TrainingSet {
     /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
     /// steps and attributes, and none of them may go beyond its training side. Empty: none.
     pub problem: String,
-    /// Task, such as `occupancy+energy0.5`, or several, of which every episode draws one. See [`Tasks`].
+    /// Task, such as `occupancy+energy0.5`, or several, one of which is drawn for every episode. See [`Tasks`].
     pub task: Tasks,
     /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     pub period: String,

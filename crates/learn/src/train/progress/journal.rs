@@ -29,7 +29,7 @@ impl Journal {
         let written = self.file.write_all(entry);
         match written {
             Ok(()) => self.length += entry.len() as u64,
-            // Removes what was written of it; if that fails too, nothing else can be done.
+            // Removes the part that was written; if that fails too, nothing else can be done.
             Err(_) => drop(self.file.set_len(self.length)),
         }
         written.map_err(at(&self.path))
