@@ -86,6 +86,7 @@ def test_an_edited_model_is_written_and_imported(tmp_path):
             b2b.edit_model(shipped, out, **arguments)
 
 
+@pytest.mark.nightly
 def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
     model = json.loads(b2b.find_building("Warehouse-0001").to_epjson())
     model["Timestep"] = {"Timestep": {"number_of_timesteps_per_hour": 1}}

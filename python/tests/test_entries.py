@@ -31,6 +31,7 @@ class WarmNodes:
         return self.graph.join_actions(actions)
 
 
+@pytest.mark.nightly
 def test_a_user_s_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
     problem = CrossDomainGeneralization(
         train_types=["OfficeSmall"],

@@ -22,7 +22,7 @@ def run(*arguments) -> str:
     "name, words",
     [
         ("first_steps", "reactive"),
-        ("transfer", "OfficeMedium"),
+        pytest.param("transfer", "OfficeMedium", marks=pytest.mark.nightly),
         ("own_building", "actuators:"),
     ],
 )
@@ -45,6 +45,7 @@ def test_a_client_in_the_sequence_of_boptest_runs(tmp_path):
     assert server.returncode == 0 and list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.nightly
 def test_the_notebook_runs_and_plots():
     """In its own kernel, with an event loop around the cells, as in Jupyter."""
     import nbformat

@@ -161,6 +161,7 @@ def test_a_reset_without_a_seed_continues_the_random_numbers_of_the_last_seed(ma
     assert drawn() == first and first[1] != first[2]
 
 
+@pytest.mark.nightly
 def test_a_list_of_seeds_is_one_seed_and_a_list_without_numbers_is_none(make_vec):
     envs = make_vec("SingleFamilyHouse", 2, split="train", resample=True, rescale_action=True)
 
@@ -228,6 +229,7 @@ def test_buildings_of_a_split_are_drawn_by_the_seed_in_few_processes(make_vec):
     assert statistics["building_changes"] >= 4 and statistics["episodes"] >= 8
 
 
+@pytest.mark.nightly
 def test_weights_tasks_and_the_generator_are_drawn_from(make_vec):
     sources = [b2b.Generator("SingleFamilyHouse", parameters={"floor_area": (100, 120)}), "Warehouse-0001"]
     options = {"resample": True, "rescale_action": True, "task": ["constant", "occupancy"]}

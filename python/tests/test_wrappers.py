@@ -172,6 +172,7 @@ def years(make, tmp_path):
     return files
 
 
+@pytest.mark.nightly
 def test_every_episode_draws_a_weather_year_by_the_seed(make, years):
     env = wrappers.WeatherForecast(make(weather_years=years), hours=1)
     outdoors = env.metadata["observation_names"].index("outdoor air temperature")

@@ -30,6 +30,18 @@ pub struct Preparation {
 }
 
 impl Preparation {
+    /// Returns the preparation of a model of no class, under its actuators.
+    pub fn new(name: &str, model: Model) -> Self {
+        Self {
+            name: name.to_owned(),
+            class: None,
+            prototype: false,
+            own: false,
+            controls: Controls::default(),
+            model,
+        }
+    }
+
     /// Sizes the model for a weather file and makes it controllable, or returns a cached result.
     ///
     /// # Errors

@@ -23,6 +23,7 @@ mod evaluation;
 #[cfg(target_os = "linux")]
 mod experiment;
 #[cfg(target_os = "linux")]
+mod gate;
 mod golden;
 #[cfg(unix)]
 mod import;

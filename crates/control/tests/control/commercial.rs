@@ -6,8 +6,8 @@ use std::sync::Arc;
 use b2b_building::{BuildingType, Conditioning, Model, PreparedBuilding, RunPeriod};
 use b2b_climate::{Place, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
-use b2b_dataset::archetype;
 use b2b_dataset::commercial::{CommercialParameters, generate};
+use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Task};
@@ -52,7 +52,7 @@ fn building(
     let parameters = CommercialParameters::from_unit([corner; 9], building_type, place.ashrae_zone).unwrap();
     let model = generate(base, building_type, place, &site(place), &parameters).unwrap();
     let weather = place.epw(&mut Quiet).unwrap();
-    Arc::new(PreparedBuilding::new(building_type.name(), model, &weather, library).unwrap())
+    Arc::new(Preparation::new(building_type.name(), model).run(&weather, library).unwrap())
 }
 
 fn is_held(building: &Arc<PreparedBuilding>, place: &Place, period: &str, library: &Library, label: &str) {

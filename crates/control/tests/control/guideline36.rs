@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, Conditioning, PreparedBuilding};
+use b2b_building::{BuildingType, Conditioning};
 use b2b_climate::{Place, Site};
 use b2b_control::guideline36::{NextBand, SiteInput, ZoneInput};
 use b2b_control::{Controller, Guideline36, Guideline36Parameters, kind};
+use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Term};
@@ -22,8 +23,8 @@ fn env(building_type: BuildingType, period: &str) -> Env {
     let library = Library::load(&engine.library).unwrap();
     let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
     let site = Site::read(&weather).unwrap();
-    let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-    let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
+    let model = archetype::base_model(building_type, &engine, &library, &site).unwrap();
+    let building = Preparation::new(building_type.name(), model).run(&weather, &library).unwrap();
     let (period, task) = (period.parse().unwrap(), "occupancy".parse().unwrap());
     let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
     Env::new(library, Arc::new(building), episode).unwrap()

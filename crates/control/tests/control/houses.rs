@@ -6,6 +6,7 @@ use std::sync::Arc;
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_climate::{Location, Region, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::Preparation;
 use b2b_dataset::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_energyplus::install::{Cache, Engine, Quiet};
 use b2b_energyplus::{Level, Library};
@@ -51,7 +52,7 @@ fn weather(sample: &HouseSample) -> PathBuf {
 
 fn prepared(sample: &HouseSample, weather: &Path, library: &Library) -> Arc<PreparedBuilding> {
     let model = house(&sample.house, &Site::read(weather).unwrap()).unwrap();
-    Arc::new(PreparedBuilding::new("house", model, weather, library).unwrap())
+    Arc::new(Preparation::new("house", model).run(weather, library).unwrap())
 }
 
 /// Runs a period under the controller. Returns the lowest and the highest temperature of the heated zone.

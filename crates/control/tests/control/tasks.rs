@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_building::BuildingType;
 use b2b_climate::{Place, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Target, Task};
@@ -14,9 +15,8 @@ fn env(building_type: BuildingType, task: &str, period: &str) -> Env {
     let library = Library::load(&engine.library).unwrap();
     let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
     let model =
-        b2b_dataset::archetype::base_model(building_type, &engine, &library, &Site::read(&weather).unwrap())
-            .unwrap();
-    let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
+        archetype::base_model(building_type, &engine, &library, &Site::read(&weather).unwrap()).unwrap();
+    let building = Preparation::new(building_type.name(), model).run(&weather, &library).unwrap();
     let task: Task = task.parse().unwrap();
     let episode = EpisodeConfig { weather, period: period.parse().unwrap(), steps_per_hour: 12, task };
     Env::new(library, Arc::new(building), episode).unwrap()

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_building::BuildingType;
 use b2b_climate::{Place, WeatherFile};
-use b2b_dataset::{Places, archetype, sample};
+use b2b_dataset::{Places, Preparation, archetype, sample};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 
@@ -35,7 +35,7 @@ fn a_building_is_sized_by_the_hours_of_a_file_without_design_conditions() {
             let places = Places::Files(vec![Arc::clone(&file)]);
             let building = sample(building_type, 1, 0, &places, &[]).unwrap().remove(0);
             let model = building.model(&prototype, &file.site).unwrap();
-            PreparedBuilding::new("b", model, &path, &library).unwrap()
+            Preparation::new("b", model).run(&path, &library).unwrap()
         });
         assert_eq!(with.conditioned_floor_area, without.conditioned_floor_area);
         for (with, without) in with.actuators().zip(without.actuators()) {

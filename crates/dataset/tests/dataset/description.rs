@@ -8,7 +8,7 @@ use b2b_building::description::Origin;
 use b2b_building::morphology::{EdgeKind, NodeType, Owner};
 use b2b_building::{BuildingType, Conditioning, Description, Morphology, PreparedBuilding, RunPeriod};
 use b2b_climate::{Place, Site};
-use b2b_dataset::{Building, archetype};
+use b2b_dataset::{Building, Preparation, archetype};
 use b2b_energyplus::install::{Cache, Engine, Quiet};
 use b2b_energyplus::{Library, Run};
 use serde_json::json;
@@ -30,7 +30,7 @@ fn bases() -> &'static [Case] {
             let weather = Place::find(each.home()).unwrap().epw(&mut Quiet).unwrap();
             let model =
                 archetype::base_model(each, &engine, &library, &Site::read(&weather).unwrap()).unwrap();
-            let building = PreparedBuilding::new(each.name(), model, &weather, &library).unwrap();
+            let building = Preparation::new(each.name(), model).run(&weather, &library).unwrap();
             let description = Description::of(&building, &weather, Origin::default()).unwrap();
             Case { building, description, weather, library: library.clone() }
         };
@@ -115,7 +115,7 @@ fn the_envelope_matches_the_parameters_of_the_dataset() {
         let prototype = archetype::prototype(building_type, &engine, &library).unwrap();
         let model = row.building.model(&prototype, &site).unwrap();
         let label = row.id.to_string();
-        let building = PreparedBuilding::new(&label, model, &weather, &library).unwrap();
+        let building = Preparation::new(&label, model).run(&weather, &library).unwrap();
         let origin = row.building.origin();
         let description = Description::of(&building, &weather, origin).unwrap();
         let envelope = description.envelope;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use b2b_building::model::text;
-use b2b_building::{BuildingType, Model, PreparedBuilding};
+use b2b_building::{BuildingType, Model};
 use b2b_climate::{Place, Site};
-use b2b_dataset::archetype;
+use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Event, Library, Run};
 
@@ -52,7 +52,7 @@ fn exhaust_fans_keep_the_schedule_of_the_prototype_at_every_hour() {
     let site = Site::read(&weather).unwrap();
     let restaurant = BuildingType::RestaurantFastFood;
     let prototype = archetype::base_model(restaurant, &engine, &library, &site).unwrap();
-    let prepared = PreparedBuilding::new("restaurant", prototype, &weather, &library).unwrap();
+    let prepared = Preparation::new("restaurant", prototype).run(&weather, &library).unwrap();
     let day = "01-03..01-03".parse().unwrap();
     let flows = flows(&prepared.model_for(day, STEPS_PER_HOUR as u32), &weather, &library);
     assert_eq!(flows.len(), 2);

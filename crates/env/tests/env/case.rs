@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::hvac::{KINDS, Kind, Unsupported};
-use b2b_building::{BuildingType, Controls, Model, PreparedBuilding, import};
+use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
 use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
@@ -65,14 +65,7 @@ impl Case {
 
     /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
     fn prepare(name: &str, model: Model, own: bool, weather: PathBuf, library: Library) -> Self {
-        let preparation = Preparation {
-            name: name.to_owned(),
-            class: None,
-            prototype: false,
-            own,
-            controls: Controls::default(),
-            model,
-        };
+        let preparation = Preparation { own, ..Preparation::new(name, model) };
         let building = preparation.run(&weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }

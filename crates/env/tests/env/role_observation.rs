@@ -4,8 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::case::Case;
-use b2b_building::{BuildingType, Class, PreparedBuilding};
+use b2b_building::{BuildingType, Class};
 use b2b_climate::{Place, Site};
+use b2b_dataset::Preparation;
 use b2b_dataset::house::{Foundation, House, house};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -13,7 +14,7 @@ use b2b_env::{EpisodeConfig, RoleObservation, Spaces, Task};
 
 fn spaces(parameters: &House, task: &str, library: &Library, weather: &Path) -> Spaces {
     let model = house(parameters, &Site::read(weather).unwrap()).unwrap();
-    let building = PreparedBuilding::new("house", model, weather, library).unwrap();
+    let building = Preparation::new("house", model).run(weather, library).unwrap();
     let building = building.of_class(Some(Class::new(BuildingType::SingleFamilyHouse, None)));
     let (period, task) = ("01-03..01-03".parse().unwrap(), task.parse::<Task>().unwrap());
     let episode = EpisodeConfig { weather: weather.to_owned(), period, steps_per_hour: 12, task };

@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_climate::{Place, Site};
+use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_serve::{Options, Subject, SubjectOptions, serve};
@@ -33,8 +34,8 @@ impl Office {
         let building_type = BuildingType::OfficeSmall;
         let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
-        let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-        let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
+        let model = archetype::base_model(building_type, &engine, &library, &site).unwrap();
+        let building = Preparation::new(building_type.name(), model).run(&weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
 
