@@ -58,7 +58,7 @@ fn course(folder: &Path, run: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_model_of_ones_own_is_trained_with_its_weather_file() {
+fn a_users_model_is_trained_with_its_weather_file() {
     let folder = folder_with_config();
     let path = folder.path();
     let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
@@ -345,7 +345,7 @@ fn a_signal_to_all_processes_of_a_run_does_not_reach_its_episodes() {
 }
 
 #[test]
-fn a_full_disk_is_said_and_leaves_the_last_checkpoint_whole() {
+fn a_full_disk_is_reported_and_leaves_the_last_checkpoint_intact() {
     let folder = folder_with_config();
     let path = folder.path();
     assert!(b2b(path, &train("whole")).status.success());
