@@ -16,7 +16,7 @@ const PAGES: [(&str, &str, &str); 11] = [
         "document.querySelectorAll('.main-svg').length > 2",
     ),
     (
-        "evaluate SingleFamilyHouse-0014 --policy reactive --period 01-10..01-10 --out e",
+        "evaluate SingleFamilyHouse-0014 --policy reactive --task constant --period 01-10..01-10 --out e",
         "e/report.html",
         "document.querySelectorAll('.grid .main-svg').length > 5",
     ),
