@@ -65,8 +65,8 @@ fn runs_of_one_episode_are_compared_in_tables_json_and_page() {
 #[test]
 fn runs_of_operation_lead_with_cost_energy_discomfort_and_peak() {
     let folder = tempfile::tempdir().unwrap();
-    record(folder.path(), "reactive", &format!("{DAYS} --task operate+tou"));
-    record(folder.path(), "guideline", &format!("{DAYS} --task operate+tou --controller guideline36"));
+    record(folder.path(), "reactive", &format!("{DAYS} --task operate+tou --controller reactive"));
+    record(folder.path(), "guideline", &format!("{DAYS} --task operate+tou"));
     let output = b2b(folder.path(), "compare reactive guideline --out page.html");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", stderr(&output));
