@@ -2,7 +2,7 @@
 
 >>> import building2building as b2b
 >>> env = b2b.make_env("OfficeSmall", run_period="01-01..01-02")
->>> trajectory = b2b.rollout(env, b2b.ReactiveController(env))
+>>> trajectory = b2b.rollout(env, b2b.Guideline36Controller(env))
 >>> len(trajectory)
 576
 """
@@ -35,6 +35,7 @@ from .registration import make_env, make_vec, register_envs
 from .rollouts import (
     ConstantController,
     Controller,
+    Guideline36Controller,
     RandomController,
     ReactiveController,
     Trajectory,
@@ -58,6 +59,7 @@ __all__ = [
     "Error",
     "Evaluation",
     "Generator",
+    "Guideline36Controller",
     "Morphology",
     "NodeType",
     "RandomController",

@@ -353,7 +353,7 @@ def main() -> None:
     parser.add_argument("building", help="building type, id (OfficeSmall-0042) or model file")
     parser.add_argument("--place", help="place, such as Miami [default: the building's]")
     parser.add_argument("--weather", help="weather file (EPW); needed for a model file")
-    parser.add_argument("--task", default="constant", help="task [default: constant]")
+    parser.add_argument("--task", default="operate", help="task [default: operate]")
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
     parser.add_argument(
         "--address",

@@ -85,8 +85,8 @@ def single(building_type: str, days: int, turns: int) -> dict[str, float]:
     it; ``main``, ``worker`` and ``wall``: CPU times and wall time of an environment in its own process, the default.
     """
     period = f"01-01..01-{days:02d}"
-    env = b2b.make_env(building_type, run_period=period)
-    local = b2b.make_env(building_type, run_period=period, in_process=True)
+    env = b2b.make_env(building_type, run_period=period, task="constant")
+    local = b2b.make_env(building_type, run_period=period, task="constant", in_process=True)
     action = ((env.layout.action_low + env.layout.action_high) / 2).astype(np.float32)
     times, steps = _Times(), env.episode_steps - 1
     for _ in range(turns):
@@ -112,7 +112,7 @@ def single(building_type: str, days: int, turns: int) -> dict[str, float]:
 
 def vector(building_type: str, count: int, days: int, turns: int) -> tuple[float, float]:
     """Returns the throughput of a vector environment in steps per second, from Python and from Rust alone."""
-    envs = b2b.make_vec(building_type, count, run_period=f"01-01..01-{days:02d}")
+    envs = b2b.make_vec(building_type, count, task="constant", run_period=f"01-01..01-{days:02d}")
     low, high = envs.layouts[0].action_bounds()
     actions = np.broadcast_to((low + high) / 2, (count, len(low))).copy()
     hours = envs.layouts[0].episode_steps // _STEPS - 1

@@ -34,13 +34,14 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
 
     - Observation: ``Box`` f32, with names and units in ``metadata["observation_names"]`` and
       ``metadata["observation_units"]``: air temperature of every zone (°C), outdoor temperature (°C) and relative
-      humidity (%), time, HVAC electricity and gas of the step (Wh/m²); where targets change over time, occupancy and
-      target (°C) of every controlled zone for the next step. :attr:`observation` is the same in f64.
+      humidity (%), time, HVAC electricity and gas of the step (Wh/m²); for the next step and every controlled zone,
+      occupancy with the setpoints of heating and cooling (°C), or with a target that changes over time.
+      :attr:`observation` is the same in f64.
     - Action: ``Box`` f32, one value per actuator, in physical units, or in [-1, 1] with ``rescale_action``. Actions in
       f64 are not rounded.
     - Metadata: names and units of the slots, the task, the zones, and ``["morphology"]``, the building as a graph.
-    - Reward: minus the mean squared deviation from target over the controlled zones (K²), minus the weighted energy
-      use of the task. ``info["reward_terms"]`` has both terms.
+    - Reward: minus a comfort penalty, averaged over the controlled zones, minus the weighted cost or energy of the step:
+      see docs/tasks.md. ``info["reward_terms"]`` has both terms.
     - Episode end: truncated at the end of the run period; never terminated.
 
     Every environment runs its simulation in its own process, so any number can run at once, from any thread.
@@ -60,7 +61,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         building: Building | None = None,
         place: str | None = None,
         weather: PathLike | None = None,
-        task: str | dict[str, Any] = "constant",
+        task: str | dict[str, Any] = "operate",
         run_period: str = "winter",
         timesteps_per_hour: int = 12,
         rescale_action: bool = False,

@@ -98,7 +98,7 @@ class Request:
         self,
         policy: Policy,
         buildings: str | Building | Sequence[str | Building],
-        tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
+        tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] | None = None,
         *,
         run_periods: str | Sequence[str] = ("winter",),
         seeds: int | Sequence[int] = (0,),
@@ -118,6 +118,7 @@ class Request:
             raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
         if isinstance(policy, BuiltInController):
             raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
+        tasks = own_task(named) if tasks is None else tasks
         self.episodes = [
             (*found, text, period, seed, timesteps_per_hour)
             for found in (_found(building, place, weather) for building in _listed(buildings))
@@ -173,6 +174,7 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
       or the path of an ONNX file, whose actions are in [-1, 1] unless ``rescale_action=False``; these run without
       Python.
 
+    ``tasks`` are those of the episodes: by default ``operate``, and for an agent the task that it was trained for.
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
     each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
     call resumes an interrupted evaluation and gives the same bytes; it says how many episodes are reused. Two calls are
@@ -210,6 +212,7 @@ def compute_normalized_score(
 ) -> float | None:
     """Divides a return by the reactive controllers' return for the same building, task and run period.
 
+    It is for the paper's tasks; tasks of operation are scored by cost at comfort (:func:`evaluate`).
     Both are sums of penalties: lower is better, and below 1 beats the baseline. Baseline returns of the ``test_small``
     split come with the package; others take an episode to compute and are cached. ``None`` if the ratio is undefined.
 
@@ -283,6 +286,14 @@ class ProgressLine:
         if total and text != self._last:
             self._last = text
             print(text, end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+
+def own_task(policy: str | None) -> str | dict[str, Any]:
+    """Returns the task of an evaluation that names none: an agent's own, otherwise ``operate``."""
+    if policy is None or not os.path.isfile(os.path.join(policy, "agent.json")):
+        return "operate"
+    task: dict[str, Any] = json.loads(_core.agent_info(policy))["task"]
+    return task
 
 
 def _listed(given: Any) -> Iterable[Any]:

@@ -135,7 +135,7 @@ def _step_info(
     info = {
         "step": step,
         "hour": hour,
-        "reward_terms": {"temperature": -temperature_penalty, "energy": -energy_penalty},
+        "reward_terms": {"temperature": 0.0 - temperature_penalty, "energy": 0.0 - energy_penalty},
         "energy": {"electricity": electricity, "gas": gas},
         **dict(zip(_core.TERMS_IN_INFO, terms, strict=True)),
         "zone_temperature": temperatures,

@@ -51,7 +51,7 @@ class Resources:
 def evaluate(
     policy: Policy,
     buildings: str | Building | Sequence[str | Building],
-    tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
+    tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] | None = None,
     *,
     folder: PathLike,
     chunk: int = 4,

@@ -12,6 +12,9 @@ from .errors import SettingError
 from .signatures import check_names, renamed, with_arguments_of
 from .vector import BuildingVectorEnv
 
+#: The task of an id of each version, unless another one is given.
+TASKS = {"v0": "constant", "v1": "operate"}
+
 
 @renamed(
     eplus_output_dir="pass keep_engine_output",
@@ -33,7 +36,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     Further arguments:
 
-    - ``task``: ``constant``, ``occupancy+energy0.5``, ``random:7+cost2``..., a JSON file, or a dictionary;
+    - ``task``: ``operate`` (comfort bands and costs) by default; the paper's ``constant``, ``occupancy+energy0.5``,
+      ``random:7+cost2``...; a JSON file, or a dictionary;
     - ``run_period``: ``winter``, ``summer``, ``full_year`` or days such as ``01-01..01-07``;
     - ``timesteps_per_hour``: 12 by default;
     - ``rescale_action``: actions in [-1, 1] instead of physical units; the default of ``gymnasium.make``;
@@ -78,26 +82,28 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
 
 
 def register_envs() -> None:
-    """Registers an id with Gymnasium for every building type, such as ``b2b/OfficeSmall-v0``."""
+    """Registers two ids with Gymnasium for every building type: ``b2b/OfficeSmall-v1`` is operated unless a ``task`` is
+    given, and ``b2b/OfficeSmall-v0`` has the paper's task ``constant``."""
     for name in list_building_types():
-        if f"b2b/{name}-v0" not in gymnasium.registry:
-            gymnasium.register(
-                f"b2b/{name}-v0",
-                entry_point="building2building.env:BuildingEnv",
-                vector_entry_point="building2building.vector:BuildingVectorEnv",
-                # Gymnasium's checker requires actions in [-1, 1], and so do most learners.
-                kwargs={"building_type": name, "rescale_action": True},
-                disable_env_checker=True,
-                order_enforce=False,
-            )
+        for version, task in TASKS.items():
+            if f"b2b/{name}-{version}" not in gymnasium.registry:
+                gymnasium.register(
+                    f"b2b/{name}-{version}",
+                    entry_point="building2building.env:BuildingEnv",
+                    vector_entry_point="building2building.vector:BuildingVectorEnv",
+                    # Gymnasium's checker requires actions in [-1, 1], and so do most learners.
+                    kwargs={"building_type": name, "rescale_action": True, "task": task},
+                    disable_env_checker=True,
+                    order_enforce=False,
+                )
 
 
 def _env_id(building: str) -> tuple[str, dict[str, str]]:
     """Returns the id of a building type or of a dataset building's type, and the argument for the latter."""
     for name in list_building_types():
         if name.lower() == building.lower():
-            return f"b2b/{name}-v0", {}
+            return f"b2b/{name}-v1", {}
         if building.lower().startswith(f"{name.lower()}-"):
-            return f"b2b/{name}-v0", {"building_id": building}
+            return f"b2b/{name}-v1", {"building_id": building}
     find_building(building)  # raises for an unknown type and suggests the nearest
     raise SettingError(f"`{building}` is a model; pass import_building(...) as building")

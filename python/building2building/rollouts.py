@@ -110,6 +110,12 @@ class ReactiveController(BuiltInController):
         return _core.reactive_parameters(core.layout.spaces)
 
 
+class Guideline36Controller(BuiltInController):
+    """The sequences of ASHRAE Guideline 36, which hold comfort bands: the baseline in tasks of operation."""
+
+    kind = "guideline36"
+
+
 class RandomController(BuiltInController):
     """Draws every action uniformly from the action space; the same seed gives the same actions."""
 

@@ -74,7 +74,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         weights: dict[str, float] | None = None,
         place: str | None = None,
         weather: PathLike | None = None,
-        task: _Task | Sequence[_Task] = "constant",
+        task: _Task | Sequence[_Task] = "operate",
         run_period: str = "winter",
         timesteps_per_hour: int = 12,
         rescale_action: bool = False,

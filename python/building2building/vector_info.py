@@ -85,7 +85,7 @@ def step_info(
         "building": np.array([row.spaces.name for row in rows], dtype=object),
         "step": steps,
         "hour": hour,
-        "reward_terms": {"temperature": -numbers[:, 0], "energy": -numbers[:, 1]},
+        "reward_terms": {"temperature": 0.0 - numbers[:, 0], "energy": 0.0 - numbers[:, 1]},
         "energy": {"electricity": energy[:, 0], "gas": energy[:, 1]},
         **dict(zip(_core.TERMS_IN_INFO, numbers.T[2:], strict=True)),
         "zone_temperature": temperatures,

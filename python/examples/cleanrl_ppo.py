@@ -19,6 +19,7 @@ torch.set_num_threads(1)
 envs = b2b.make_vec(
     "SingleFamilyHouse",
     ENVS,
+    task="constant",
     run_period="01-01..01-28",
     window_days=7,
     window_starts=4,

@@ -15,7 +15,7 @@ building = b2b.import_building(model, weather)
 env = b2b.make_env(building=building, run_period="01-09..01-10")
 print(env.morphology)
 print("actuators:", ", ".join(env.metadata["action_names"]))
-trajectory = b2b.rollout(env, b2b.ReactiveController(env))
-deviation = trajectory.metrics["mean_abs_deviation_k"]
-print(f"return {trajectory.episode_return:.1f}, mean absolute deviation {deviation:.2f} K")
+trajectory = b2b.rollout(env, b2b.Guideline36Controller(env))
+cost, discomfort = trajectory.metrics["cost_tot"], trajectory.metrics["tdis_tot"]
+print(f"cost {100 * cost:.2f} cents/m², discomfort {discomfort:.1f} K·h per zone")
 env.close()

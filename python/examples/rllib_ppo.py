@@ -16,8 +16,8 @@ ENVS = 2
 def house(config):
     """Makes an environment with observations and actions in [-1, 1]; a vector environment for a runner."""
     if "num_envs" in config:
-        return b2b.make_vec("SingleFamilyHouse", rescale_action=True, normalize=True, **config)
-    return b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", rescale_action=True, **config))
+        return b2b.make_vec("SingleFamilyHouse", task="constant", rescale_action=True, normalize=True, **config)
+    return b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", task="constant", rescale_action=True, **config))
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ class NodePolicy:
 
 
 for building_type in b2b.list_building_types():
-    env = b2b.make_env(building_type, run_period="01-09..01-10")
+    env = b2b.make_env(building_type, run_period="01-09..01-10", task="constant")
     for name, controller in {"nodes": NodePolicy(env), "reactive": b2b.ReactiveController(env)}.items():
         trajectory = b2b.rollout(env, controller)
         print(f"{building_type:<18} {name:<9} return {trajectory.episode_return:9.1f}", end="   ")

@@ -31,11 +31,11 @@ def b2b_command():
 
 @pytest.fixture
 def make():
-    """``make_env`` for one day; closes what it made."""
+    """``make_env`` for one day with constant targets; closes what it made."""
     made = []
 
     def make(building_type="OfficeSmall", **arguments):
-        made.append(b2b.make_env(building_type, **{"run_period": DAY, **arguments}))
+        made.append(b2b.make_env(building_type, **{"run_period": DAY, "task": "constant", **arguments}))
         return made[-1]
 
     yield make
@@ -46,6 +46,6 @@ def make():
 @pytest.fixture(scope="module")
 def office():
     """A small office that the tests of a module share."""
-    env = b2b.make_env("OfficeSmall", run_period=DAY)
+    env = b2b.make_env("OfficeSmall", run_period=DAY, task="constant")
     yield env
     env.close()

@@ -54,7 +54,7 @@ def as_client(session):
 
 
 def test_a_client_reads_points_runs_steps_and_commands_actuators(plant):
-    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09")
+    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09", task="constant")
     own = b2b.rollout(env, b2b.ReactiveController(env), steps=STEPS)
     names, actuator = env.metadata["observation_names"], env.layout.action[0]
 
@@ -109,7 +109,7 @@ def test_an_invalid_argument_of_the_command_is_a_message(arguments, words, monke
 def test_a_speed_that_is_not_positive_is_refused():
     from building2building.bacnet import serve
 
-    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09")
+    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09", task="constant")
     with pytest.raises(b2b.errors.SettingError, match="speed is -1"):
         asyncio.run(serve(env, speed=-1))
 
@@ -232,7 +232,7 @@ def test_nothing_but_outputs_and_requests_can_be_written(plant):
     after = [client.read(*each) for each in ((INPUT, 1), (VALUE, 2), (VALUE, 3), (VALUE, 4), (OUTPUT, 1))]
     assert after == before
     # The bounds as clients read them can be commanded.
-    high = b2b.make_env("OfficeSmall", run_period="01-09..01-09").layout.action[0].high
+    high = b2b.make_env("OfficeSmall", run_period="01-09..01-09", task="constant").layout.action[0].high
     assert client.write(OUTPUT, 1, real(high), priority=8) is None
     assert client.read(OUTPUT, 1) == np.float32(high)
     assert client.write(OUTPUT, 1, b"\x00", priority=8) is None

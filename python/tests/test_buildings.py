@@ -35,7 +35,7 @@ def test_the_dataset_is_listed_by_type_split_and_climate_zone():
 def test_an_episode_equals_the_command_s_episode(building_type, b2b_command, tmp_path):
     command = [b2b_command, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
     ran = subprocess.run([*command, "--out", tmp_path / "run"], capture_output=True, text=True, check=True)
-    env = b2b.make_env(building_type, run_period=DAY)
+    env = b2b.make_env(building_type, run_period=DAY, task="constant")
     trajectory = b2b.rollout(env, b2b.RandomController(env, seed=5))
     env.close()
     assert trajectory.hash() == json.loads(ran.stdout)["trajectory_hash"]
@@ -133,7 +133,7 @@ def test_a_morphology_splits_observations_and_joins_actions(office):
 
 
 def test_a_morphology_converts_to_arrays_of_pytorch_geometric():
-    env = b2b.make_env("OfficeMedium", run_period=DAY)
+    env = b2b.make_env("OfficeMedium", run_period=DAY, task="constant")
     graph, arrays = env.morphology, env.morphology.to_pyg()
     env.close()
     assert arrays["x"]["vav_zone"].shape[0] == 15 and arrays["x"]["air_loop"].shape[0] == 3

@@ -56,8 +56,9 @@ def test_a_run_of_the_command_is_the_rollout_of_the_package(tmp_path):
     ran = command("run", "OfficeSmall", "--period", "01-01..01-01", "--out", "run", "--json", folder=tmp_path)
     assert ran.returncode == 0, ran.stderr
     with b2b.make_env("OfficeSmall", run_period="01-01..01-01") as env:
-        trajectory = b2b.rollout(env, b2b.ReactiveController(env))
+        trajectory = b2b.rollout(env, b2b.Guideline36Controller(env))
     summary = json.loads(ran.stdout)
+    assert (summary["task"], summary["controller"]) == ("operate", "guideline36")
     assert summary["trajectory_hash"] == trajectory.hash()
     assert (tmp_path / "run" / "trajectory.parquet").stat().st_size > 0
 

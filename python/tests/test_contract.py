@@ -18,13 +18,23 @@ from gymnasium.utils.env_checker import check_env
 DAY = "01-01..01-01"
 
 
+@pytest.mark.parametrize("version, task", [("v0", "constant"), ("v1", "operate")])
 @pytest.mark.parametrize("building_type", b2b.list_building_types())
-def test_every_id_passes_the_checker_without_a_warning(building_type):
+def test_every_id_passes_the_checker_without_a_warning(building_type, version, task):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        env = gymnasium.make(f"b2b/{building_type}-v0", run_period=DAY, render_mode="rgb_array")
+        env = gymnasium.make(f"b2b/{building_type}-{version}", run_period=DAY, render_mode="rgb_array")
         check_env(env.unwrapped)
+    assert env.unwrapped.task == task
     env.close()
+
+
+def test_an_environment_is_operated_unless_a_task_is_named(make):
+    env = make(task="operate")
+    with b2b.make_env("OfficeSmall", run_period=DAY) as plain:
+        assert plain.metadata["task"] == env.metadata["task"] and plain.spec.id == "b2b/OfficeSmall-v1"
+    names = ["occupancy", "band heating setpoint", "band cooling setpoint"]
+    assert env.metadata["observation_names"][-3:] == [f"Perimeter_ZN_4 {name}" for name in names]
 
 
 def test_a_spec_makes_the_same_environment(make):

@@ -104,7 +104,7 @@ def test_the_files_of_a_run_are_as_described(tmp_path):
     subprocess.run([*command, "--out", tmp_path / "run"], check=True, capture_output=True)
     table = (DOCS / "tasks.md").read_text().split("| metric | unit |")[1].split("\n\n")[0]
     metrics = set(re.findall(r"^\| `(\w+)`", table, re.M))
-    assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary") | metrics
+    assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary") | metrics | {"currency"}
     text = (DOCS / "formats.md").read_text()
     footer = (tmp_path / "run/trajectory.parquet").read_bytes()
     # Arrow encodes the metadata of its schema.

@@ -17,7 +17,7 @@ def one_thread():
     torch.set_num_threads(1)
 
 
-DAYS = {"run_period": "01-01..01-01", "timesteps_per_hour": 4}
+DAYS = {"run_period": "01-01..01-01", "timesteps_per_hour": 4, "task": "constant"}
 
 
 @pytest.mark.parametrize("algorithm", ["PPO", "SAC"])

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from building2building import errors
 
-DAY = {"run_period": "01-01..01-01"}
+DAY = {"run_period": "01-01..01-01", "task": "constant"}
 
 
 def episode(env) -> str:

@@ -9,7 +9,7 @@ import pytest
 from building2building import errors
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-DAY = {"run_period": "01-01..01-01", "timesteps_per_hour": 1}
+DAY = {"run_period": "01-01..01-01", "timesteps_per_hour": 1, "task": "constant"}
 
 
 @pytest.fixture

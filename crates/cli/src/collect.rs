@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Policies: reactive, random, constant, folders of agents or ONNX files; several make a mixed dataset
     #[arg(long = "policy", value_name = "POLICY", num_args = 1.., default_values = ["reactive"])]
     policies: Vec<String>,
-    /// Task (see `b2b run --help`)
+    /// Task (see `b2b run --help`); constant by default, as in training
     #[arg(long, value_name = "TASK", default_value = "constant", value_parser = Task::from_text)]
     task: Task,
     #[command(flatten)]

@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Include the number of zones and the sizes of observation and action (takes about a second per type)
     #[arg(long)]
     sizes: bool,
+    /// Task that the sizes are for (see `b2b run --help`)
+    #[arg(long, requires = "sizes", default_value = "operate", value_name = "TASK", value_parser = Task::from_text)]
+    task: Task,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -59,7 +62,8 @@ pub fn list(arguments: &Arguments) -> Result<()> {
 fn types(arguments: &Arguments) -> Result<()> {
     let mut types = Vec::new();
     for each in BuildingType::ALL {
-        let sizes = if arguments.sizes { Some(sizes(each, arguments.json)?) } else { None };
+        let Arguments { task, json: quiet, .. } = arguments;
+        let sizes = arguments.sizes.then(|| sizes(each, task, *quiet)).transpose()?;
         types.push((each, sizes));
     }
     if arguments.json {
@@ -70,9 +74,9 @@ fn types(arguments: &Arguments) -> Result<()> {
     stdout::print(&types_text(&types, arguments.sizes))
 }
 
-fn sizes(building_type: BuildingType, quiet: bool) -> Result<Sizes> {
+fn sizes(building_type: BuildingType, task: &Task, quiet: bool) -> Result<Sizes> {
     let prepared = Prepared::new(&BuildingName::Type(building_type), &Location::default(), quiet)?;
-    let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
+    let env = prepared.env(RunPeriod::WINTER, 12, task.clone())?;
     Ok(Sizes {
         zones: prepared.building.controlled_zones().count(),
         observation: env.observation_space().len(),

@@ -21,6 +21,7 @@ Examples:
   b2b show OfficeSmall
   b2b show SingleFamilyHouse-0007 --zones
   b2b show OfficeSmall --actions           every actuator with its bounds
+  b2b show OfficeSmall --observations --task occupancy   what an agent observes in a task
   b2b show Warehouse --place Fairbanks     sized for another climate, with other bounds")]
 pub struct Arguments {
     /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
@@ -28,6 +29,9 @@ pub struct Arguments {
     building: BuildingName,
     #[command(flatten)]
     location: Location,
+    /// Task that the observation is for (see `b2b run --help`)
+    #[arg(long, default_value = "operate", value_name = "TASK", value_parser = Task::from_text)]
+    task: Task,
     /// List the zones
     #[arg(long)]
     zones: bool,
@@ -51,7 +55,7 @@ const WIDTH: usize = 96;
 /// Runs the command.
 pub fn show(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
-    let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
+    let env = prepared.env(RunPeriod::WINTER, 12, arguments.task.clone())?;
     let facts = Facts::of(&prepared, &arguments.building, &arguments.location)?;
     if arguments.json {
         return stdout::print_json(&json_of(&prepared, &env, &facts));

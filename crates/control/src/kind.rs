@@ -157,6 +157,11 @@ pub fn kind(name: &str) -> Option<&'static dyn Kind> {
     KINDS.into_iter().find(|kind| kind.name() == name)
 }
 
+/// Returns the baseline of a task: Guideline 36 in operation, the reactive controllers in tracking.
+pub fn baseline(task: &Task) -> &'static dyn Kind {
+    if task.is_operation() { &crate::guideline36::Kind } else { &crate::reactive::Kind }
+}
+
 /// Reads the parameters of a kind from the values of a case.
 pub(crate) fn values<T: serde::de::DeserializeOwned>(case: &Case<'_>) -> Result<T> {
     parameter_set::from_json(case.values)

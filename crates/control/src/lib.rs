@@ -25,7 +25,7 @@ pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
 pub use guideline36::{Guideline36, Guideline36Parameters};
-pub use kind::{AnyController, Case, Kind, KindDescription, kind};
+pub use kind::{AnyController, Case, Kind, KindDescription, baseline, kind};
 pub use objective::Objective;
 pub use off::Off;
 pub use own::Own;

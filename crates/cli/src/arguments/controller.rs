@@ -9,17 +9,18 @@ use anyhow::{Result, bail};
 use b2b_agent::{Agent, AgentController};
 use b2b_building::Controls;
 use b2b_control::{Case, Controller, KINDS, Kind, Reactive, ReactiveParameters};
-use b2b_env::Spaces;
+use b2b_env::{Spaces, Task};
 use serde_json::Value;
 
+use super::task;
 use crate::prepare::Prepared;
 use crate::suggestion;
 
 /// A controller on the command line.
 #[derive(clap::Args)]
 pub struct ControllerArguments {
-    #[arg(long = "controller", value_name = "CONTROLLER", default_value = "reactive", help = controller_help())]
-    choice: Choice,
+    #[arg(long = "controller", value_name = "CONTROLLER", help = controller_help())]
+    choice: Option<Choice>,
     /// Parameters of the controller: default, tuned (for the building type, the climate zone and the task's objective:
     /// comfort, or comfort and energy), or a JSON file
     #[arg(long, default_value = "tuned", value_name = "default|tuned|FILE.json")]
@@ -31,7 +32,18 @@ pub struct ControllerArguments {
 
 fn controller_help() -> String {
     let kinds: Vec<String> = KINDS.iter().map(|kind| format!("{} ({})", kind.name(), kind.help())).collect();
-    format!("Controller: {}, or the folder of an agent that `b2b train` wrote", kinds.join(", "))
+    format!(
+        "Controller: {}, or the folder of an agent that `b2b train` wrote [default: the task's baseline, guideline36 with \
+         comfort bands and reactive with targets]",
+        kinds.join(", ")
+    )
+}
+
+/// The controller of an episode.
+pub struct Chosen<'a> {
+    choice: Choice,
+    parameters: &'a Parameters,
+    seed: u64,
 }
 
 /// The choice of a controller.
@@ -61,6 +73,26 @@ impl FromStr for Choice {
 }
 
 impl ControllerArguments {
+    /// Returns the task of an episode, if none is given: an agent's own; otherwise that of the other commands.
+    ///
+    /// # Errors
+    /// The reason why the agent cannot be read.
+    pub fn task(&self, given: Option<&Task>) -> Result<Task> {
+        #[cfg(target_os = "linux")]
+        if let (None, Some(Choice::Agent(folder))) = (given, &self.choice) {
+            return Ok(Agent::read(folder)?.info().task.clone());
+        }
+        Ok(given.cloned().unwrap_or_else(task::usual))
+    }
+
+    /// Returns the controller for a task: without a choice, the task's baseline.
+    pub fn chosen(&self, task: &Task) -> Chosen<'_> {
+        let choice = self.choice.clone().unwrap_or_else(|| Choice::Kind(b2b_control::baseline(task)));
+        Chosen { choice, parameters: &self.parameters, seed: self.seed }
+    }
+}
+
+impl Chosen<'_> {
     /// Returns the name of the controller.
     pub fn name(&self) -> String {
         match &self.choice {

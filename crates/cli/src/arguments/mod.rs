@@ -9,3 +9,4 @@ pub mod location;
 pub mod page;
 #[cfg(target_os = "linux")]
 pub mod policy;
+pub mod task;

@@ -7,11 +7,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_env::Task;
-use b2b_evaluate::{Baselines, Folder, Results, Summary};
+use b2b_evaluate::{Baselines, Episode, Folder, Policy, Results, Summary};
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
+use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
@@ -52,8 +53,8 @@ struct Run {
     policy: PolicyArguments,
     #[command(flatten)]
     episodes: Episodes,
-    /// Tasks (see `b2b run --help`)
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = Task::from_text)]
+    /// Tasks (see `b2b run --help`) [default: operate; with an agent, the task that it was trained for]
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., value_parser = Task::from_text)]
     tasks: Vec<Task>,
     #[command(flatten)]
     jobs: Jobs,
@@ -67,10 +68,10 @@ struct Run {
 
 const EXAMPLES: &str = "\
 Examples:
-  b2b evaluate --policy reactive --out b2b-out/reactive    one winter in each of the 48 buildings of test_small
+  b2b evaluate --policy own --out b2b-out/own              one winter in each of the 48 buildings of test_small
   b2b evaluate --policy ppo.onnx --type OfficeSmall --task constant occupancy --period winter summer --out ppo
   b2b evaluate --policy random --seed 0 1 2 --split test --out random
-  b2b evaluate compare reactive ppo                        several evaluations on one page
+  b2b evaluate compare own ppo                             several evaluations on one page
   b2b evaluate --policy planner OfficeSmall-0042 --period 01-01..01-01 --out planner
 
 An ONNX policy maps a float32 array [1, observation], unscaled and ordered as `b2b show BUILDING --observations`
@@ -85,20 +86,43 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
+impl Run {
+    /// Returns the tasks: without any given, the policy's own, or the one of other commands.
+    fn tasks(&self, policy: &dyn Policy) -> Vec<Task> {
+        match &self.tasks[..] {
+            [] => vec![policy.trained_task().cloned().unwrap_or_else(task::usual)],
+            given => given.to_vec(),
+        }
+    }
+}
+
 fn run(arguments: &Run) -> Result<ExitCode> {
     let policy = arguments.policy.load()?;
-    let episodes = arguments.episodes.list(&arguments.tasks)?;
+    let episodes = arguments.episodes.list(&arguments.tasks(policy.as_ref()))?;
     let out = arguments.out.as_deref().context("--out is required")?;
     let folder = Folder::open(out, policy.as_ref(), &episodes)?;
+    let evaluated = evaluate_into(&folder, arguments, policy.as_ref(), &episodes);
+    if evaluated.is_err() {
+        folder.withdraw();
+    }
+    evaluated
+}
+
+fn evaluate_into(
+    folder: &Folder,
+    arguments: &Run,
+    policy: &dyn Policy,
+    episodes: &[Episode],
+) -> Result<ExitCode> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
-    fetch_weather(&episodes, arguments.json)?;
+    fetch_weather(episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
-    let results = Results::of(&evaluation, &folder, &episodes, policy.as_ref(), &baselines, &bars)?;
+    let results = Results::of(&evaluation, folder, episodes, policy, &baselines, &bars)?;
     drop(bars);
-    let summary = results.summary(policy.as_ref());
-    let files = results.write(&folder, &summary)?;
+    let summary = results.summary(policy);
+    let files = results.write(folder, &summary)?;
     stdout::print_result(arguments.json, &summary, || text(&summary, &files))?;
     Ok(ExitCode::of(summary.lost.is_empty()))
 }

@@ -11,11 +11,13 @@ use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
 use b2b_building::{Period, RunPeriod};
+use b2b_control::Case;
 use b2b_dataset::BuildingName;
 use b2b_env::{DecisionLog, Inputs, Resource, Spaces, Task, Trajectory};
 
-use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
+use crate::arguments::controller::{Chosen, ControllerArguments};
 use crate::arguments::location::Location;
+use crate::arguments::task;
 use crate::output_folder::OutputFolder;
 use crate::prepare::Prepared;
 use crate::rollout::Rollout;
@@ -26,8 +28,7 @@ use trajectory_file::Identity;
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
 /// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and picture.html
-/// (interactive time series, opens in any browser without a network; an agent is drawn beside the reactive
-/// controllers).
+/// (interactive time series, opens in any browser without a network; an agent is drawn beside the baseline).
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = HELP.as_str())]
 pub struct Arguments {
@@ -48,9 +49,10 @@ pub struct Arguments {
     /// Zone time steps per hour; one time step is one environment step
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
-    /// Task: constant, occupancy or random setpoints, +energyW for an energy weight W; or a JSON file (see below)
-    #[arg(long, default_value = "constant", value_name = "TASK", value_parser = Task::from_text)]
-    task: Task,
+    /// Task: operate (comfort bands and costs), the paper's constant, occupancy or random targets, or a JSON file (see
+    /// below) [default: operate; the agent's own with an agent]
+    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
+    task: Option<Task>,
     /// Output folder [default: b2b-out/BUILDING-PLACE-PERIOD-CONTROLLER[-TASK]]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
@@ -65,19 +67,26 @@ const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall
   b2b run OfficeSmall-0042 --period summer
+  b2b run OfficeSmall --period peak-cooling --controller own
+  b2b run OfficeSmall --task operate:21-24/15.6-28+tou   another band, and prices by the hour
+  b2b run OfficeSmall --task occupancy+energy0.5  a task of the paper, under its reactive controllers
   b2b run Warehouse --place Miami --period summer --task constant:23
-  b2b run OfficeSmall --task occupancy+energy0.5
   b2b run OfficeSmall --task random:7             setpoints drawn per zone and day with seed 7
   b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation (PMV) plus 2 × energy cost
   b2b run OfficeSmall --task mine.json            any parameters; --json prints the task of a run
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run OfficeSmall --controller planner --hours 24
-  b2b run OfficeSmall-0509 --controller runs/x    an agent, drawn beside the reactive controllers
+  b2b run OfficeSmall-0509 --controller runs/x    an agent, drawn beside the baseline
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
-Tasks are written SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+PRESENCE][+FAULT...]. The six tasks of the paper are constant,
-occupancy and random, each with and without +energy0.5.
+Tasks of operation keep people comfortable at low cost. They are written operate[:HEATING-COOLING/HEATING-COOLING][+TARIFF]
+[+preview]: the bands of the building's own thermostats, or these with people and without; a tariff by name or as a TOML
+file; and a look ahead in the observation. Their baseline is guideline36.
+
+Tasks of tracking hold a target, as in the paper. They are written
+SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+PRESENCE][+FAULT...]. Their baseline is reactive. The six tasks of the paper
+are constant, occupancy and random, each with and without +energy0.5.
   SETPOINTS    constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
                to February and 26 °C from June to August), random, random:SEED
   COMFORT      squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
@@ -94,31 +103,41 @@ On one machine, the same arguments give the same episode bit for bit: compare tr
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::under(
-        arguments.controller.controls(),
-        &arguments.building,
-        &arguments.location,
-        arguments.json,
-    )?;
+    let task = arguments.controller.task(arguments.task.as_ref())?;
+    let chosen = arguments.controller.chosen(&task);
+    let (building, location, quiet) = (&arguments.building, &arguments.location, arguments.json);
+    let prepared = Prepared::under(chosen.controls(), building, location, quiet)?;
     let period = arguments.run_period(&prepared.weather)?;
-    let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?);
-    let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
-    let mut controller = arguments.controller.build(&prepared, &spaces, arguments.json)?;
-    let rollout = prepared.roll_out(&spaces, controller.as_mut(), arguments.json)?;
-    let reactive = match arguments.controller.is_agent() {
-        true => Some(arguments.reactive(&prepared, &spaces)?),
-        false => None,
-    };
+    let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, task)?);
+    let folder =
+        OutputFolder::stage(&arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task))?;
+    let mut controller = chosen.build(&prepared, &spaces, quiet)?;
+    let rollout = prepared.roll_out(&spaces, controller.as_mut(), quiet)?;
+    let baseline = chosen.is_agent().then(|| Baseline::run(&prepared, &spaces, quiet)).transpose()?;
 
-    let author = Author {
-        place: prepared.place,
-        controller: arguments.controller.name(),
-        seed: arguments.controller.seed(),
-    };
-    let summary = author.write(&folder, &spaces, &rollout, reactive.as_ref())?;
+    let author = Author { place: prepared.place, controller: chosen.name(), seed: chosen.seed() };
+    let summary = author.write(&folder, &spaces, &rollout, baseline.as_ref())?;
     interrupt::check()?;
     folder.keep()?;
     stdout::print_result(arguments.json, &summary, || summary.text())
+}
+
+/// The same episode under the baseline of its task.
+pub struct Baseline {
+    /// Name of the controller.
+    pub name: &'static str,
+    /// The episode.
+    pub rollout: Rollout,
+}
+
+impl Baseline {
+    fn run(prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<Self> {
+        let task = &spaces.episode.task;
+        let kind = b2b_control::baseline(task);
+        let values = kind.tuned(&spaces.building, task);
+        let mut controller = kind.make(&Case { spaces, action: &spaces.action, seed: 0, values: &values })?;
+        Ok(Self { name: kind.name(), rollout: prepared.roll_out(spaces, controller.as_mut(), quiet)? })
+    }
 }
 
 /// Properties of a run that are not part of the environment.
@@ -174,7 +193,7 @@ impl Author {
         folder: &OutputFolder,
         spaces: &Spaces,
         rollout: &Rollout,
-        reactive: Option<&Rollout>,
+        baseline: Option<&Baseline>,
     ) -> Result<Summary> {
         let Self { place, controller, seed } = self;
         let files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
@@ -183,7 +202,7 @@ impl Author {
             let Rollout { trajectory, decisions, .. } = rollout;
             trajectory_file::write(file, spaces, trajectory, decisions, summary.identity())
         })?;
-        folder.write(picture::NAME, |file| picture::write(file, spaces, rollout, reactive, &summary))?;
+        folder.write(picture::NAME, |file| picture::write(file, spaces, rollout, baseline, &summary))?;
         folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
         Ok(summary)
     }
@@ -201,19 +220,13 @@ impl Arguments {
         Ok(period.part(0, days))
     }
 
-    /// Runs the same episode under the reactive controllers.
-    fn reactive(&self, prepared: &Prepared, spaces: &Spaces) -> Result<Rollout> {
-        let mut reactive = reactive(spaces, &Parameters::Tuned)?;
-        prepared.roll_out(spaces, &mut reactive, self.json)
-    }
-
     /// Returns the output folder.
-    fn folder(&self, place: &str, period: RunPeriod) -> PathBuf {
+    fn folder(&self, place: &str, period: RunPeriod, chosen: &Chosen<'_>, task: &Task) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let mut name = format!("{}-{place}-{period}-{}", self.building, self.controller.name());
-            if self.task != Task::default() {
-                name += &format!("-{}", self.task).replace([':', '#'], "_");
+            let mut name = format!("{}-{place}-{period}-{}", self.building, chosen.name());
+            if *task != task::usual() {
+                name += &format!("-{task}").replace([':', '#'], "_");
             }
             PathBuf::from("b2b-out").join(name)
         })

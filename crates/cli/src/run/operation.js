@@ -41,7 +41,7 @@ function operationTables(s) {
     for (const part of s.bill) row([part.name, `${fixed(part.quantity, 0)} ${part.unit}`, fixed(part.cost, 2), share(part)]);
     row(["total", "", fixed(sum, 2), ""], "all");
   }
-  const { section, row } = addTable("Zones", "outside their bands; click a zone to see it below",
+  const { section, row } = addTable("Zones", `more than ${s.task_definition.comfort_band} K outside their bands; click a zone to see it below`,
     ["zone", "discomfort (K·h)", "hours outside"]);
   section.classList.add("zones");
   worstZones(s).forEach(k => {

@@ -31,7 +31,7 @@ impl Summary {
                 format!("{:.1}  (discomfort {temperature:.1}, cost {cost:.1})", metrics.episode_return),
             ),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
-            ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
+            ("outdoor air per person", self.outdoor_air_text()),
         ]
     }
 
@@ -44,9 +44,12 @@ impl Summary {
         format!("{}\n\n", bill_table(&self.bill, currency).text())
     }
 
-    /// Returns the zones with their discomfort.
+    /// Returns the zones with what counts as outside their bands.
     pub(super) fn band_table(&self) -> String {
-        let mut table = Table::new(["zone", "equipment", "discomfort (K·h)", "outside band (h)"]);
+        let beyond = format!("more than {} K outside", self.task_definition.comfort_band);
+        let columns =
+            ["zone".to_owned(), "equipment".to_owned(), format!("{beyond} (K·h)"), format!("{beyond} (h)")];
+        let mut table = Table::with_header(columns.to_vec());
         for zone in &self.zones {
             table.row([
                 zone.name.clone(),

@@ -10,6 +10,7 @@ use b2b_env::{EpisodeMetrics, Spaces, Target, Trajectory};
 use serde::Serialize;
 use serde_json::json;
 
+use super::Baseline;
 use super::operation::Operation;
 use super::summary::Summary;
 use crate::rollout::Rollout;
@@ -38,32 +39,34 @@ struct Panel {
     band: Option<f64>,
 }
 
-/// The reactive controllers' metrics, by column name.
+/// The baseline's metrics, by column name.
 #[derive(Serialize)]
 struct Beside {
+    name: &'static str,
     #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
     metrics: EpisodeMetrics,
 }
 
-/// Writes the page. If the episode of the reactive controllers is given, their zone temperatures, power and metrics are
-/// shown next to the agent's.
+/// Writes the page. If the baseline's episode is given, its zone temperatures, power and metrics are shown next to the
+/// agent's.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
     rollout: &Rollout,
-    reactive: Option<&Rollout>,
+    baseline: Option<&Baseline>,
     summary: &Summary,
 ) -> Result<()> {
     let Rollout { trajectory, decisions, .. } = rollout;
     let episode = &spaces.episode;
     let first_day = episode.period.first().day_of_year();
     let axis = TimeAxis::new(first_day, episode.steps_per_hour, trajectory.len());
-    let beside = reactive.map(|rollout| Beside { metrics: (&rollout.metrics).into() });
-    let picture = Picture { spaces, trajectory, reactive: reactive.map(|rollout| &rollout.trajectory), axis };
+    let beside =
+        baseline.map(|Baseline { name, rollout }| Beside { name, metrics: (&rollout.metrics).into() });
+    let picture = Picture { spaces, trajectory, baseline, axis };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
-        "reactive": beside,
+        "baseline": beside,
         "axis": axis,
         "resolution": axis.resolution(),
         "target": spaces.observation.constant_target(),
@@ -76,7 +79,7 @@ pub fn write(
 struct Picture<'a> {
     spaces: &'a Spaces,
     trajectory: &'a Trajectory,
-    reactive: Option<&'a Trajectory>,
+    baseline: Option<&'a Baseline>,
     axis: TimeAxis,
 }
 
@@ -100,7 +103,7 @@ impl Picture<'_> {
         let zones = |picture: &Self| {
             picture.zones(|conditioning| conditioning != Conditioning::None).collect::<Vec<_>>()
         };
-        let series = self.with_reactive(zones);
+        let series = self.with_baseline(zones);
         let has_targets = !self.spaces.episode.task.is_operation();
         let targets = Some(self.targets()).filter(|targets| has_targets && !targets.is_empty());
         Panel { title: "Zone air temperature".into(), unit: "°C", series, targets, band: Some(band) }
@@ -155,7 +158,7 @@ impl Picture<'_> {
     fn power(&self) -> Panel {
         let space = &self.spaces.observation;
         let per_hour = f64::from(self.spaces.episode.steps_per_hour);
-        let series = self.with_reactive(|picture| {
+        let series = self.with_baseline(|picture| {
             vec![
                 picture.slot("electricity".into(), 0, space.electricity(), per_hour),
                 picture.slot("gas".into(), 1, space.gas(), per_hour),
@@ -182,13 +185,13 @@ impl Picture<'_> {
         }
     }
 
-    /// Returns series, followed by the same series of the reactive controllers, dashed, if their trajectory is given.
-    fn with_reactive(&self, series: impl Fn(&Self) -> Vec<Series>) -> Vec<Series> {
+    /// Returns series, followed by the same series of the baseline, dashed, if it is given.
+    fn with_baseline(&self, series: impl Fn(&Self) -> Vec<Series>) -> Vec<Series> {
         let mut all = series(self);
-        if let Some(trajectory) = self.reactive {
-            let reactive = Self { trajectory, reactive: None, ..*self };
-            all.extend(series(&reactive).into_iter().map(|each| {
-                let name = format!("{}, reactive", each.name);
+        if let Some(Baseline { name: baseline, rollout }) = self.baseline {
+            let other = Self { trajectory: &rollout.trajectory, baseline: None, ..*self };
+            all.extend(series(&other).into_iter().map(|each| {
+                let name = format!("{}, {baseline}", each.name);
                 each.named(name).dashed()
             }));
         }

@@ -244,7 +244,7 @@ impl Summary {
     }
 
     /// Returns the outdoor air that systems supply to people; there is none in houses.
-    fn outdoor_air_text(&self) -> String {
+    pub(super) fn outdoor_air_text(&self) -> String {
         match self.metrics.outdoor_air_per_person {
             0.0 => "none through the systems".to_owned(),
             flow => format!("{flow:.1} L/s"),

@@ -45,7 +45,8 @@ pub struct Arguments {
     /// Algorithm: ppo or sac [default: ppo]
     #[arg(long, value_name = "ALGORITHM")]
     algorithm: Option<String>,
-    /// Task, as for `b2b run`, or several, separated by commas; every episode draws one [default: constant]
+    /// Task, as for `b2b run`, or several, separated by commas; every episode draws one [default: constant, because
+    /// agents correct the reactive controllers, which hold a target]
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
     /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]

@@ -70,6 +70,10 @@ fn run_prints_one_json_object_with_every_promised_key() {
         assert!(object[key].is_number(), "{key}: {object}");
     }
     assert_eq!(object["steps"], 2 * 24 * 12);
+    assert_eq!((&object["task"], &object["controller"]), (&"operate".into(), &"guideline36".into()));
+    for indicator in ["cost_tot", "ener_tot", "tdis_tot", "pele_tot", "emis_tot"] {
+        assert!(object[indicator].is_number(), "{indicator}: {object}");
+    }
     assert!(object["meter_relative_error"].as_f64().unwrap() < 1e-9, "{object}");
     for zone in object["zones"].as_array().unwrap() {
         assert!(zone["name"].is_string() && zone["rms_deviation_k"].is_number(), "{zone}");

@@ -65,8 +65,8 @@ fn runs_of_one_episode_are_compared_in_tables_json_and_page() {
 #[test]
 fn runs_of_operation_lead_with_cost_energy_discomfort_and_peak() {
     let folder = tempfile::tempdir().unwrap();
-    record(folder.path(), "reactive", &format!("{DAYS} --task operate+tou"));
-    record(folder.path(), "guideline", &format!("{DAYS} --task operate+tou --controller guideline36"));
+    record(folder.path(), "reactive", &format!("{DAYS} --task operate+tou --controller reactive"));
+    record(folder.path(), "guideline", &format!("{DAYS} --task operate+tou"));
     let output = b2b(folder.path(), "compare reactive guideline --out page.html");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{}", stderr(&output));
@@ -121,7 +121,7 @@ fn runs_that_do_not_belong_together_are_rejected() {
     rejected("compare a none", &["no run at none", "b2b run"]);
     rejected("compare a days", &["run period", "01-01..01-02 in a", "01-01..01-01 in days"]);
     rejected("compare a place", &["place", "Denver in a", "Miami in place"]);
-    rejected("compare a task", &["task", "constant in a", "occupancy in task"]);
+    rejected("compare a task", &["task", "operate in a", "occupancy in task"]);
     rejected("compare a slow", &["steps per hour", "12 in a", "6 in slow"]);
     rejected("compare a days --name one", &["--name has 1 names for 2 runs"]);
     // Folders that are not runs, and files that do not belong to each other.

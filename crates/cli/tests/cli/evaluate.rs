@@ -13,7 +13,9 @@ const HOUSES: &str = "SingleFamilyHouse-0014 SingleFamilyHouse-0042";
 fn a_killed_evaluation_resumes_and_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let evaluate = |out: &str| {
-        format!("evaluate {HOUSES} --policy random --period 01-10..01-12 07-10..07-12 --jobs 1 --out {out}")
+        format!(
+            "evaluate {HOUSES} --policy random --task constant --period 01-10..01-12 07-10..07-12 --jobs 1 --out {out}"
+        )
     };
     let summary = json(folder.path(), &evaluate("whole"));
     assert_eq!((summary["episodes"].as_u64(), summary["lost"].as_array().unwrap().len()), (Some(4), 0));
@@ -52,8 +54,9 @@ fn evaluations_of_the_same_episodes_are_compared_on_one_page() {
     for (policy, days) in
         [("reactive", "01-10..01-10"), ("random", "01-10..01-10"), ("constant", "01-11..01-11")]
     {
-        let evaluate =
-            format!("evaluate SingleFamilyHouse-0014 --policy {policy} --period {days} --out {policy}");
+        let evaluate = format!(
+            "evaluate SingleFamilyHouse-0014 --policy {policy} --task constant --period {days} --out {policy}"
+        );
         assert!(b2b(folder.path(), &evaluate).status.success());
     }
     assert!(b2b(folder.path(), "evaluate compare reactive random --out page.html").status.success());

@@ -16,7 +16,7 @@ const PAGES: [(&str, &str, &str); 11] = [
         "document.querySelectorAll('.main-svg').length > 2",
     ),
     (
-        "evaluate SingleFamilyHouse-0014 --policy reactive --period 01-10..01-10 --out e",
+        "evaluate SingleFamilyHouse-0014 --policy reactive --task constant --period 01-10..01-10 --out e",
         "e/report.html",
         "document.querySelectorAll('.grid .main-svg').length > 5",
     ),
@@ -61,7 +61,7 @@ fn every_page_opens_at_both_widths_and_in_both_schemes_without_an_error() {
         assert!(output.status.success(), "{arguments}: {}", stderr(&output));
     };
     run("run RestaurantFastFood --period 01-01..01-02 --task occupancy --controller random --out b");
-    run("run RestaurantFastFood --period 01-01..01-02 --task operate+tou --out d");
+    run("run RestaurantFastFood --period 01-01..01-02 --task operate+tou --controller reactive --out d");
     std::fs::write(folder.path().join("t.toml"), TRAINING).unwrap();
     PAGES.iter().for_each(|(arguments, ..)| run(arguments));
     let mut browser = Browser::start(&path, folder.path());

@@ -5,12 +5,13 @@ use crate::program::json;
 /// Asserts the sizes of the paper's table, and that zones stay near their target for a winter and a summer.
 fn holds_its_target_all_season(building: &str, observations: usize, actions: usize) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let shown = json(folder.path(), &format!("show {building}"));
+    let shown = json(folder.path(), &format!("show {building} --task constant"));
     assert_eq!(shown["observation"].as_array().map(Vec::len), Some(observations));
     assert_eq!(shown["action"].as_array().map(Vec::len), Some(actions));
 
     for (period, steps) in [("winter", 25_920), ("summer", 26_496)] {
-        let run = json(folder.path(), &format!("run {building} --period {period} --out {period}"));
+        let run =
+            json(folder.path(), &format!("run {building} --task constant --period {period} --out {period}"));
         assert_eq!(run["steps"], steps, "{building} {period}");
         assert_eq!(run["engine_severes"], 0, "{building} {period}");
         let number = |key: &str| run[key].as_f64().unwrap_or(f64::NAN);

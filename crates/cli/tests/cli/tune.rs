@@ -63,7 +63,7 @@ fn a_dataset_building_uses_the_set_of_its_class_and_the_tasks_objective_by_defau
     assert_ne!(hash("occupancy", "--parameters default"), hash("occupancy", ""));
 
     std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"min_flow": 1.5}}"#).unwrap();
-    let run = "run SingleFamilyHouse-0042 --parameters";
+    let run = "run SingleFamilyHouse-0042 --task constant --parameters";
     assert_rejected(folder, &format!("{run} wrong.json"), &["unitary.min_flow", "1.5"]);
     assert_rejected(folder, &format!("{run} best"), &["default, tuned or a JSON file"]);
 }

@@ -22,6 +22,8 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
+    /// Whether it was made for this evaluation.
+    is_new: bool,
     _lock: FolderLock,
 }
 
@@ -70,6 +72,7 @@ impl Folder {
         if [DEFINITION, EPISODES].iter().any(|name| path.join(name).is_symlink()) {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
+        let is_new = !path.exists();
         std::fs::create_dir_all(path).map_err(at(path))?;
         // Locked before the definition is written, so that only one of two evaluations defines a new folder.
         let lock = FolderLock::acquire(path).map_err(at(path))?;
@@ -81,7 +84,7 @@ impl Folder {
         }
         let text = std::fs::read(&file).map_err(at(&file))?;
         let there: serde_json::Result<Value> = serde_json::from_slice(&text);
-        let folder = Self { path: path.to_owned(), _lock: lock };
+        let folder = Self { path: path.to_owned(), is_new, _lock: lock };
         match there {
             Ok(there) if there == definition => {}
             Ok(_) if folder.is_empty()? => {
@@ -115,6 +118,19 @@ impl Folder {
             }
         }
         Ok(true)
+    }
+
+    /// Takes the definition back if nothing has finished, so that an evaluation that is refused leaves nothing behind.
+    pub fn withdraw(self) {
+        if !matches!(self.is_empty(), Ok(true)) {
+            return;
+        }
+        // What cannot be removed is in nobody's way: the next evaluation replaces it.
+        let _ = std::fs::remove_file(self.path.join(DEFINITION));
+        let _ = std::fs::remove_dir(self.path.join(EPISODES));
+        if self.is_new {
+            let _ = std::fs::remove_dir(&self.path);
+        }
     }
 
     /// Returns an episode by its number; `None` if it has not ended, cannot be read or was changed.
@@ -296,6 +312,20 @@ mod tests {
         drop(Folder::open(&path, &BuiltIn::constant(), &houses[..1]).unwrap());
         let other = Folder::open(&path, &BuiltIn::random(), &houses).unwrap_err();
         assert!(matches!(other, Error::OtherEvaluation { .. }), "{other}");
+    }
+
+    #[test]
+    fn an_evaluation_that_is_withdrawn_leaves_only_what_has_finished() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("results");
+        let houses = episodes(&["SingleFamilyHouse-1"]);
+        let open = || Folder::open(&path, &BuiltIn::random(), &houses).unwrap();
+        open().withdraw();
+        assert!(!path.exists());
+        let folder = open();
+        std::fs::write(episode_path(&path, 0), "").unwrap();
+        folder.withdraw();
+        assert!(path.join(DEFINITION).exists() && episode_path(&path, 0).exists());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use b2b_agent::Agent;
 use b2b_control::Controller;
+use b2b_env::Task;
 use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
@@ -19,6 +20,10 @@ impl Policy for Agent {
 
     fn ignores_interface(&self) -> bool {
         true
+    }
+
+    fn trained_task(&self) -> Option<&Task> {
+        Some(&self.info().task)
     }
 
     fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use b2b_building::Controls;
-use b2b_control::{Case, Controller, Kind, KindDescription, kind};
+use b2b_control::{Case, Controller, Kind, KindDescription, baseline, kind};
 use b2b_env::Task;
 use serde_json::Value;
 
@@ -34,7 +34,7 @@ impl BuiltIn {
 
     /// Returns the baseline that scores under a task are relative to.
     pub fn baseline_of(task: &Task) -> Self {
-        if task.is_operation() { Self::guideline36() } else { Self::reactive() }
+        Self(baseline(task))
     }
 
     /// Returns the kind.

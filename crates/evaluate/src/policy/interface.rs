@@ -35,6 +35,11 @@ pub trait Policy: Sync {
         false
     }
 
+    /// Returns the task that the policy was trained for, if it says so.
+    fn trained_task(&self) -> Option<&Task> {
+        None
+    }
+
     /// Returns the width of the observations that the policy expects, if it is known.
     fn observation_width(&self) -> Option<usize> {
         None

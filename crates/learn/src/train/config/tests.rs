@@ -91,6 +91,7 @@ fn values_that_do_not_go_together_are_errors() {
         ("environments = 0", "`environments` is 0"),
         ("window_days = 100", "0 for the whole run period"),
         ("buildings = []", "building_type"),
+        ("buildings = ['OfficeSmall-0042', 'Warehouse']", "choose the preset graph, or one type"),
         ("travel_cost = -1", "`travel_cost` is -1"),
         ("travel_cost_growth = 0.5", "`travel_cost_growth` is 0.5"),
         ("evaluation = { days = 0 }", "`evaluation.days` is 0"),

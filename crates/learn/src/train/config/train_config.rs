@@ -127,7 +127,8 @@ impl TrainConfig {
         require(is_one_task || self.agent.observation.form == ObservationForm::Features, || {
             "tasks with different observations require the observation `features`".into()
         })?;
-        require(types <= 1 || self.agent.policy != Policy::Flat, || {
+        let named = self.training_set.named_types()?;
+        require(types.max(named) <= 1 || self.agent.policy != Policy::Flat, || {
             "several building types are for graph networks; choose the preset graph, or one type".into()
         })?;
         let environments = self.budget.environments;

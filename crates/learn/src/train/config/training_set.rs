@@ -1,5 +1,6 @@
 //! Buildings, tasks and period of a training run.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use b2b_building::{BuildingType, RunPeriod};
@@ -85,6 +86,17 @@ impl TrainingSet {
     /// [`Error::Building`].
     pub fn named(&self) -> Result<Vec<BuildingName>> {
         Ok(self.buildings.iter().map(|name| name.parse()).collect::<b2b_dataset::Result<_>>()?)
+    }
+
+    /// Returns the number of types among the named buildings; a model counts as none.
+    pub(super) fn named_types(&self) -> Result<usize> {
+        let names = self.named()?;
+        let types = names.iter().filter_map(|name| match name {
+            BuildingName::Type(building_type) => Some(building_type.name()),
+            BuildingName::Id(id) => Some(id.building_type().name()),
+            BuildingName::Model(_) => None,
+        });
+        Ok(types.collect::<BTreeSet<_>>().len())
     }
 
     /// Returns the building types whose buildings are drawn; none for named buildings.
