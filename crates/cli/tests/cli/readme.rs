@@ -37,6 +37,7 @@ fn the_description_of_a_building_is_shown() {
 
 #[test]
 fn the_report_of_a_run_is_shown() {
-    let sentence = "`b2b run OfficeSmall` operates a small office for a winter under Guideline 36 and prints:";
+    let sentence =
+        "`b2b run OfficeSmall` operates a small office for a winter under Guideline 36 and prints:";
     assert_eq!(printed("run OfficeSmall"), shown(sentence));
 }
