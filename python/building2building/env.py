@@ -40,8 +40,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
     - Action: ``Box`` f32, one value per actuator, in physical units, or in [-1, 1] with ``rescale_action``. Actions in
       f64 are not rounded.
     - Metadata: names and units of the slots, the task, the zones, and ``["morphology"]``, the building as a graph.
-    - Reward: minus a comfort penalty, averaged over the controlled zones, minus the weighted cost or energy of the step:
-      see docs/tasks.md. ``info["reward_terms"]`` has both terms.
+    - Reward: minus a comfort penalty, averaged over the controlled zones, minus the weighted cost or energy of the
+      step: see docs/tasks.md. ``info["reward_terms"]`` has both terms.
     - Episode end: truncated at the end of the run period; never terminated.
 
     Every environment runs its simulation in its own process, so any number can run at once, from any thread.

@@ -176,7 +176,7 @@ impl Morphology {
         observations: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let (values, [count, width]) = arrays::rows(observations)?;
-        let expected = self.decomposition.observation_cells().len();
+        let expected = self.decomposition.observation_width();
         check_width("observation", width, expected)?;
         let nodes = self.decomposition.observation_layout().len();
         let (mut buffer, mut all) = (vec![0.0; nodes], Vec::with_capacity(count * nodes));

@@ -37,12 +37,21 @@ class Integral:
 
 def test_the_reactive_controller_in_python_gives_the_bytes_of_the_command(b2b_command, tmp_path):
     """Here, every observation and action passes through Python."""
-    command = [b2b_command, "evaluate", *HOUSES, "--policy", "reactive", "--task", "constant", "--period", DAYS, "--json"]
+    command = [
+        b2b_command,
+        "evaluate",
+        *HOUSES,
+        "--policy",
+        "reactive",
+        "--task",
+        "constant",
+        "--period",
+        DAYS,
+        "--json",
+    ]
     ran = subprocess.run([*command, "--out", tmp_path / "rust"], capture_output=True, text=True, check=True)
     folder = tmp_path / "python"
-    ours = b2b.evaluate(
-        b2b.ReactiveController, HOUSES, "constant", run_periods=DAYS, name="reactive", folder=folder
-    )
+    ours = b2b.evaluate(b2b.ReactiveController, HOUSES, "constant", run_periods=DAYS, name="reactive", folder=folder)
     assert table(folder) == table(tmp_path / "rust")
     assert ours.summary == json.loads(ran.stdout)
     assert ours.column("score").tolist() == [1, 1] and ours.rows[0]["building"] == HOUSES[0]

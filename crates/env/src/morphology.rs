@@ -1,7 +1,7 @@
 //! Translations between the flat vectors of an environment and the per-node arrays of a morphology.
 
 use b2b_building::Morphology;
-use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
+use b2b_building::morphology::{Layout, Node, NodeType, Observed, Owner};
 
 use crate::action::ActionSpace;
 use crate::observation::ObservationSpace;
@@ -10,10 +10,11 @@ use crate::{Error, Result};
 /// The paper's two translations: `split` an observation into node observations, and `join` node actions to an action.
 ///
 /// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each slot
-/// of the observation and of the action has one cell in the node arrays.
+/// of the observation and of the action has one cell in the node arrays, except for quantities that no node type has.
 ///
 /// Every controlled zone has cells for target and occupancy. With constant targets, the observation has no such slots,
-/// and `split` writes the constant target and an occupancy of 1.
+/// and `split` writes the constant target and an occupancy of 1. With comfort bands, the target is the middle of the band,
+/// or the heating setpoint of a zone without cooling; setpoints and preview have no cells.
 ///
 /// ```text
 /// decomposition.split(observation, &mut nodes);            // nodes[block.range()]: [nodes of a type, its slots]
@@ -24,8 +25,12 @@ use crate::{Error, Result};
 pub struct Decomposition {
     observation: Layout,
     action: Layout,
-    /// Cell of each slot of the observation.
-    observed: Vec<usize>,
+    /// Slots of the observation that have a cell, in order, with it.
+    observed: Vec<(usize, usize)>,
+    /// Cells of targets in the middle of a band, with the slots of its setpoints.
+    middles: Vec<(usize, [usize; 2])>,
+    /// Length of the observation.
+    width: usize,
     /// Cells without a slot in the observation, with their values.
     constant: Vec<(usize, f64)>,
     /// Cell of each slot of the action.
@@ -48,14 +53,13 @@ impl Decomposition {
         let rows = Rows::of(morphology);
         let missing =
             |slot: &str| Error::SlotWithoutNode { slot: slot.into(), building: morphology.name.clone() };
-        let observed: Vec<usize> = observation_space
-            .slots()
-            .iter()
-            .map(|slot| {
+        let slots = observation_space.slots();
+        let in_nodes = slots.iter().enumerate().filter(|(_, slot)| is_of_nodes(slot.quantity));
+        let observed: Vec<(usize, usize)> = in_nodes
+            .map(|(number, slot)| {
                 let (node_type, row) = rows.find(slot.owner).ok_or_else(|| missing(&slot.name))?;
-                let column = node_type.observation().iter().position(|local| local.quantity == slot.quantity);
-                let column = column.ok_or_else(|| missing(&slot.name))?;
-                Ok(observation.block(node_type).cell(row, column))
+                let column = column_of(node_type, slot.quantity).ok_or_else(|| missing(&slot.name))?;
+                Ok((number, observation.block(node_type).cell(row, column)))
             })
             .collect::<Result<_>>()?;
         let actuators = action_space.names().iter().zip(action_space.owners()).zip(action_space.quantities());
@@ -66,9 +70,12 @@ impl Decomposition {
                 Ok(action.block(node_type).cell(row, column.ok_or_else(|| missing(name))?))
             })
             .collect::<Result<_>>()?;
-        let constant = constants(morphology, &observation, observation_space, &observed);
+        let middles = middles(morphology, &observation, observation_space);
+        let mut constant = constants(morphology, &observation, observation_space, &observed);
+        constant.retain(|(cell, _)| middles.iter().all(|(middle, _)| middle != cell));
         let nodes = NodeType::ALL.map(|node_type| observation.block(node_type).nodes);
-        Ok(Self { observation, action, observed, constant, acted, nodes })
+        let width = observation_space.len();
+        Ok(Self { observation, action, observed, middles, width, constant, acted, nodes })
     }
 
     /// Returns the same translations for larger arrays, so that arrays of several buildings can be stacked: for layouts
@@ -84,7 +91,9 @@ impl Decomposition {
         };
         let observed = |cell: &usize| moved(observation, &self.observation, cell);
         Self {
-            observed: self.observed.iter().map(observed).collect(),
+            observed: self.observed.iter().map(|(slot, cell)| (*slot, observed(cell))).collect(),
+            middles: self.middles.iter().map(|(cell, band)| (observed(cell), *band)).collect(),
+            width: self.width,
             constant: self.constant.iter().map(|(cell, value)| (observed(cell), *value)).collect(),
             acted: self.acted.iter().map(|cell| moved(action, &self.action, cell)).collect(),
             observation: observation.clone(),
@@ -108,9 +117,14 @@ impl Decomposition {
         &self.action
     }
 
-    /// Cell of each slot of the observation, in order.
-    pub fn observation_cells(&self) -> &[usize] {
-        &self.observed
+    /// Length of the observation.
+    pub fn observation_width(&self) -> usize {
+        self.width
+    }
+
+    /// Cell of each slot of the observation that has one, in order.
+    pub fn observation_cells(&self) -> impl Iterator<Item = usize> {
+        self.observed.iter().map(|(_, cell)| *cell)
     }
 
     /// Cell of each slot of the action, in order.
@@ -124,9 +138,15 @@ impl Decomposition {
     /// If a buffer does not have the length of the observation or of its layout.
     pub fn split(&self, observation: &[f64], nodes: &mut [f64]) {
         assert_eq!(nodes.len(), self.observation.len(), "length of the node observations");
-        scatter(observation, &self.observed, nodes);
+        assert_eq!(observation.len(), self.width, "length of the observation");
+        for (slot, cell) in &self.observed {
+            nodes[*cell] = observation[*slot];
+        }
         for (cell, value) in &self.constant {
             nodes[*cell] = *value;
+        }
+        for (cell, [heating, cooling]) in &self.middles {
+            nodes[*cell] = 0.5 * (observation[*heating] + observation[*cooling]);
         }
     }
 
@@ -139,13 +159,17 @@ impl Decomposition {
         gather(nodes, &self.acted, action);
     }
 
-    /// Joins node observations to an observation: the inverse of [`Decomposition::split`].
+    /// Joins node observations to an observation: the inverse of [`Decomposition::split`]. Slots without a cell are left
+    /// unchanged.
     ///
     /// # Panics
     /// See [`Decomposition::split`].
     pub fn join_observation(&self, nodes: &[f64], observation: &mut [f64]) {
         assert_eq!(nodes.len(), self.observation.len(), "length of the node observations");
-        gather(nodes, &self.observed, observation);
+        assert_eq!(observation.len(), self.width, "length of the observation");
+        for (slot, cell) in &self.observed {
+            observation[*slot] = nodes[*cell];
+        }
     }
 
     /// Splits an action, or its bounds, into node actions: the inverse of [`Decomposition::join`]. Cells without an actuator
@@ -189,12 +213,36 @@ impl Rows {
     }
 }
 
+/// Returns whether a node type has the quantity.
+fn is_of_nodes(quantity: Observed) -> bool {
+    NodeType::ALL.into_iter().any(|node_type| column_of(node_type, quantity).is_some())
+}
+
+/// Returns the column of a quantity in the array of a node type.
+fn column_of(node_type: NodeType, quantity: Observed) -> Option<usize> {
+    node_type.observation().iter().position(|local| local.quantity == quantity)
+}
+
+/// Returns the cells of the targets of zones with a band, with the slots of its setpoints.
+fn middles(morphology: &Morphology, layout: &Layout, space: &ObservationSpace) -> Vec<(usize, [usize; 2])> {
+    let middle = |(number, node): (usize, &Node)| {
+        let column = column_of(node.node_type, Observed::TargetTemperature)?;
+        let slot = |quantity| {
+            space.slots().iter().position(|slot| (slot.owner, slot.quantity) == (node.owner, quantity))
+        };
+        let heating = slot(Observed::HeatingSetpoint)?;
+        let cooling = slot(Observed::CoolingSetpoint).unwrap_or(heating);
+        Some((layout.block(node.node_type).cell(morphology.row(number), column), [heating, cooling]))
+    };
+    morphology.nodes.iter().enumerate().filter_map(middle).collect()
+}
+
 /// Returns the cells without a slot in the observation, with their values.
 fn constants(
     morphology: &Morphology,
     layout: &Layout,
     space: &ObservationSpace,
-    observed: &[usize],
+    observed: &[(usize, usize)],
 ) -> Vec<(usize, f64)> {
     let mut constants = Vec::new();
     for (number, node) in morphology.nodes.iter().enumerate() {
@@ -205,7 +253,7 @@ fn constants(
                 _ => 0.0,
             };
             let cell = layout.block(node.node_type).cell(morphology.row(number), column);
-            if !observed.contains(&cell) {
+            if observed.iter().all(|(_, known)| *known != cell) {
                 constants.push((cell, value));
             }
         }
@@ -215,8 +263,6 @@ fn constants(
 
 #[cfg(test)]
 mod tests {
-    use b2b_building::morphology::Node;
-
     use super::*;
     use crate::observation::Slot;
 

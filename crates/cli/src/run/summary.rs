@@ -254,8 +254,8 @@ impl Summary {
     /// Returns HVAC energy by end use.
     pub(super) fn end_uses_text(&self) -> String {
         let used = Term::END_USES.into_iter().filter_map(|term| {
-            let energy = self.metrics.terms.get(term).filter(|energy| *energy > 0.0)?;
-            Some(format!("{} {:.2}", term.entry().name.replace('_', " "), energy / 1000.0))
+            let energy = format!("{:.2}", self.metrics.terms.get(term)? / 1000.0);
+            (energy != "0.00").then(|| format!("{} {energy}", term.entry().name.replace('_', " ")))
         });
         let used: Vec<_> = used.collect();
         if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }

@@ -48,11 +48,11 @@ fn every_slot_belongs_to_exactly_one_node() {
     for Case { env, morphology, decomposition } in cases {
         for (cells, layout, spaces) in [
             (
-                decomposition.observation_cells(),
+                decomposition.observation_cells().collect::<Vec<_>>(),
                 decomposition.observation_layout(),
                 env.observation_space().len(),
             ),
-            (decomposition.action_cells(), decomposition.action_layout(), env.action_space().len()),
+            (decomposition.action_cells().to_vec(), decomposition.action_layout(), env.action_space().len()),
         ] {
             assert_eq!(cells.len(), spaces, "{}", morphology.name);
             assert_eq!(cells.iter().collect::<HashSet<_>>().len(), cells.len(), "{}", morphology.name);
@@ -96,7 +96,8 @@ fn split_and_join_undo_each_other() {
 #[test]
 fn a_zone_observes_its_own_temperature_occupancy_and_target() {
     let moving = BuildingType::ALL.map(|kind| case_of(kind, "occupancy".parse().unwrap()));
-    for Case { env, morphology, decomposition } in cases().chain(moving) {
+    let bands = BuildingType::ALL.map(|kind| case_of(kind, "operate+preview".parse().unwrap()));
+    for Case { env, morphology, decomposition } in cases().chain(moving).chain(bands) {
         let observation = numbers(env.observation_space().len());
         let mut nodes = vec![0.0; decomposition.observation_layout().len()];
         decomposition.split(&observation, &mut nodes);
