@@ -17,7 +17,7 @@ use crate::{Result, SiteInfo};
 pub(super) const REVISION: u32 = 4;
 /// The same for what only the tasks of operation use: the guideline controller, bands and tariffs. Their baselines depend on
 /// both.
-const OPERATION_REVISION: u32 = 1;
+const OPERATION_REVISION: u32 = 2;
 /// Most revisions of operation for one of the others.
 const REVISIONS: u32 = 1000;
 

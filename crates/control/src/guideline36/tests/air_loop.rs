@@ -148,7 +148,8 @@ fn is(moment: &Moment, mode: Mode) -> bool {
 fn the_supply_temperature_follows_rule_5_16_2_2() {
     for (mean, amplitude) in [WINTER, SPRING, SUMMER] {
         for moment in week(mean, amplitude, |_| ()) {
-            let share = ((moment.outdoor - 16.0) / 5.0).clamp(0.0, 1.0);
+            let cools = moment.cooling_loops.iter().any(|&output| output > 0.0);
+            let share = if cools { ((moment.outdoor - 16.0) / 5.0).clamp(0.0, 1.0) } else { 0.0 };
             let expected = match () {
                 () if is(&moment, Mode::WarmUp) || is(&moment, Mode::Setback) => 35.0,
                 () if is(&moment, Mode::CoolDown) => 12.0,

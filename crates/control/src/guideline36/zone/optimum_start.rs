@@ -6,7 +6,7 @@
 //!
 //! - the time is estimated at every step from the present temperature rather than once at 3 h, so that the drift of the zone
 //!   until the start counts;
-//! - the rate is the rise that was reached rather than the one that was wanted;
+//! - the rate is the rise that was reached rather than the one that was wanted, over the first three quarters of the way;
 //! - the rate depends on the outdoor temperature, as 90.1 requires: losses take a share of the capacity that grows with the
 //!   distance between outdoors and the setpoint, to all of it at the distance for which equipment is designed.
 
@@ -20,6 +20,9 @@ const FIRST_RATE: f64 = 1.5;
 const SLOWEST: f64 = 1.0;
 /// Shortest time over which a rate is measured, h: 120 s.
 const SHORTEST: f64 = 120.0 / 3600.0;
+/// Remaining share of the gap at which the measurement of a rate ends: the loop throttles near the setpoint, so that the rate
+/// of the whole recovery would begin the next one too early.
+const TAIL: f64 = 0.25;
 /// Distance between outdoors and the setpoint at which losses take the whole capacity, K.
 const DESIGN_DISTANCE: f64 = 50.0;
 /// Least share of the capacity that is left for recovery.
@@ -108,12 +111,12 @@ impl OptimumStart {
         }
     }
 
-    /// Measures the rate of a start until the setpoint is reached, or for the longest time.
+    /// Measures the rate of a start until the zone is near its setpoint, or for the longest time.
     fn measure(&mut self, temperature: f64, hours: f64) {
         let Some(mut measured) = self.measured else { return };
         measured.hours += hours;
         let gap = self.side.gap(temperature, measured.setpoint);
-        if gap > 0.0 && measured.hours < self.limit {
+        if gap > TAIL * measured.first_gap && measured.hours < self.limit {
             self.measured = Some(measured);
             return;
         }
