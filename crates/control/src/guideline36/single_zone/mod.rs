@@ -18,7 +18,9 @@
 //! more, up to half of its flow, before the coil tempers it. Without outdoor air or without people, the fan is off between
 //! the loops (DeadbandSpeed 0).
 //!
-//! In a room with exhaust fans, the unit supplies what they take while its fan runs: the rest would infiltrate.
+//! In a room with exhaust fans, the unit supplies what they take while its fan runs in cold weather: the rest would
+//! infiltrate. Whether they run is not known. They draw outdoor air through a closed damper, which is not to be heated while
+//! the zone cools.
 
 mod staging;
 #[cfg(test)]
@@ -49,6 +51,9 @@ const COMPRESSOR_SLOPE: f64 = 0.027;
 const LEAST_SUPPLY: f64 = 10.0;
 /// Largest flow of recirculation ahead of tempering, as a share of the design flow.
 const RECIRCULATION: f64 = 0.5;
+/// Outdoor temperatures between which the unit makes up for none and for all of the exhaust, °C. In warm weather, air that
+/// infiltrates takes less energy than a faster fan.
+const MAKE_UP: [f64; 2] = [15.0, 10.0];
 /// Least limit of the heating loop.
 const LEAST_LIMIT: f64 = 0.1;
 
@@ -178,7 +183,8 @@ impl SingleZone {
     /// Returns the least flow of a running fan with a flow of outdoor air (kg/s), as a share of the design flow.
     fn running_flow(&self, outdoor_air: f64, outdoor: f64) -> f64 {
         let Unit { design_flow, exhaust, .. } = self.unit;
-        let least = (outdoor_air.max(exhaust) / design_flow).max(self.parameters.min_flow);
+        let make_up = exhaust * ((MAKE_UP[0] - outdoor) / (MAKE_UP[0] - MAKE_UP[1])).clamp(0.0, 1.0);
+        let least = (outdoor_air.max(make_up) / design_flow).max(self.parameters.min_flow);
         let temperature = self.zone.need().temperature;
         let (cools, room) = (temperature - outdoor, temperature - LEAST_SUPPLY);
         let untempered = if room > 0.0 { outdoor_air / design_flow * cools / room } else { 0.0 };
@@ -194,9 +200,12 @@ impl SingleZone {
     /// stages before the last.
     fn reaches(&self, mode: Mode, outdoor: f64) -> [Reach; 2] {
         let flow = self.least_flow(mode, outdoor);
-        let (aims, neutral) = (self.zone.aims_in(mode), self.neutral(mode, flow, outdoor));
+        let aims = self.zone.aims_in(mode);
         let full = [self.highest_lift(), aims.cooling - self.unit.supply[0]].map(|most| most.max(1.0));
-        let first = [flow * (neutral - aims.heating), flow * (aims.cooling - neutral)];
+        let first = [
+            flow * (self.neutral(mode, flow, outdoor) - aims.heating),
+            flow * (aims.cooling - self.coldest(mode, flow, outdoor)),
+        ];
         let idle = |side: usize| (first[side] / full[side]).min(0.0);
         let limit = match self.preheating_capacity(outdoor) {
             Some(capacity) => ((capacity - first[0]) / (full[0] - first[0])).clamp(LEAST_LIMIT, 1.0),
@@ -245,7 +254,7 @@ impl SingleZone {
         let least = self.least_flow(mode, outdoor);
         let aim = self.zone.aims().cooling;
         let most = (aim - self.unit.supply[0]).max(0.0);
-        let first = (aim - self.neutral(mode, least, outdoor)).min(most);
+        let first = (aim - self.coldest(mode, least, outdoor)).min(most);
         let drop = (aim - self.parameters.cooling_temperature).min(most).max(first);
         let medium = self.medium_flow(least, outdoor);
         let free = if medium > least { (aim - outdoor - FAN_RISE).min(drop).max(first) } else { drop };
@@ -273,9 +282,20 @@ impl SingleZone {
     /// Returns the temperature of the mixed air behind the fan, °C, but at least [`LEAST_SUPPLY`]: the setpoint with which both
     /// coils are off.
     fn neutral(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
+        self.mixed(self.outdoor_air(mode), flow, outdoor)
+    }
+
+    /// Returns the same if the exhaust fans may draw cold outdoor air, °C.
+    fn coldest(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
+        let drawn = self.unit.exhaust.min(self.unit.outdoor_air).max(self.outdoor_air(mode));
+        self.neutral(mode, flow, outdoor).min(self.mixed(drawn, flow, outdoor))
+    }
+
+    /// Returns the temperature of air mixed with a flow of outdoor air (kg/s), behind the fan, °C; at least [`LEAST_SUPPLY`].
+    fn mixed(&self, outdoor_air: f64, flow: f64, outdoor: f64) -> f64 {
         let temperature = self.zone.need().temperature;
         let supply = flow * self.unit.design_flow;
-        let share = if supply > 0.0 { (self.outdoor_air(mode) / supply).min(1.0) } else { 0.0 };
+        let share = if supply > 0.0 { (outdoor_air / supply).min(1.0) } else { 0.0 };
         let mixed = temperature + share * (outdoor - temperature) + FAN_RISE * flow * flow;
         mixed.max(LEAST_SUPPLY)
     }

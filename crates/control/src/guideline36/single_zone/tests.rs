@@ -96,15 +96,19 @@ fn cold_outdoor_air_is_diluted_to_10_degrees_before_the_coil_tempers_it() {
 
 #[test]
 fn a_running_unit_supplies_what_the_exhaust_fans_of_its_room_take() {
-    let flows = |input| {
+    let under_hood = |input, outdoor| {
         let mut hood = unit(0.2, None);
         hood.unit.exhaust = 0.35;
-        act(hood, 17.5, input)[0]
+        act(hood, outdoor, input)
     };
     let between = ZoneInput { temperature: 22.5, ..DAY };
-    assert_eq!(flows(between), 0.7, "between the loops");
-    assert_eq!(flows(ZoneInput { people: false, temperature: 20.95, ..DAY }), 0.7, "without people");
-    assert_eq!(flows(ZoneInput { people: false, ..between }), 0.0, "with neither");
+    let flow = |input, outdoor| under_hood(input, outdoor)[0];
+    assert_eq!(flow(between, 8.0), 0.7, "between the loops");
+    assert_eq!(flow(between, 17.5), 0.4, "in warm weather");
+    assert_eq!(flow(ZoneInput { people: false, temperature: 20.95, ..DAY }, 8.0), 0.7, "without people");
+    assert_eq!(flow(ZoneInput { people: false, ..between }, 8.0), 0.0, "with neither");
+    let supply = under_hood(ZoneInput { people: false, temperature: 24.1, ..DAY }, 16.0)[1];
+    assert!(supply <= 16.1, "outdoor air drawn by the hood is not heated: {supply}");
 }
 
 #[test]
