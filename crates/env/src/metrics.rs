@@ -268,7 +268,12 @@ mod tests {
 
     #[test]
     fn shares_of_occupied_hours_count_occupied_zones_alone() {
-        let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
+        let zone = |slot| ControlledZone {
+            slot,
+            penalize_above_target: true,
+            fully_conditioned: true,
+            least_people: 0.0,
+        };
         let mut metrics = Metrics::new(&[zone(0), zone(1)], 0, 12, 1.0);
         assert_eq!(metrics.occupied_too_cold(), None);
         let step = |temperature, occupied| ZoneStep::with_target(temperature, 21.0, occupied, true);

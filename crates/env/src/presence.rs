@@ -49,11 +49,8 @@ impl Presence {
 /// The errors of [`people::groups`].
 pub(crate) fn never_occupied(building: &PreparedBuilding, zones: &[ControlledZone]) -> Result<Vec<String>> {
     let groups = people::groups(building.model())?;
-    let people = |name: &str| -> f64 {
-        groups.iter().filter(|group| group.zone.eq_ignore_ascii_case(name)).map(|group| group.people).sum()
-    };
     let names = zones.iter().map(|zone| &building.zones[zone.slot].name);
-    Ok(names.filter(|name| people(name) == 0.0).cloned().collect())
+    Ok(names.filter(|name| people::at_design(&groups, name) == 0.0).cloned().collect())
 }
 
 /// The people of a building in an episode.

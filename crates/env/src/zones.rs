@@ -1,7 +1,8 @@
 //! The controlled zones of an environment.
 
-use b2b_building::{Conditioning, PreparedBuilding};
+use b2b_building::{Conditioning, PreparedBuilding, people};
 
+use crate::Result;
 use crate::task::{HeatingOnlyZones, Task};
 
 /// A controlled zone and how a task rewards it.
@@ -13,20 +14,25 @@ pub struct ControlledZone {
     pub penalize_above_target: bool,
     /// Whether the zone has both heating and cooling.
     pub fully_conditioned: bool,
+    /// Least number of people with which the zone is occupied; more than 0 in any case.
+    pub least_people: f64,
 }
 
-/// Returns the controlled zones of a building under a task, in model order.
-pub(crate) fn controlled_zones(building: &PreparedBuilding, task: &Task) -> Vec<ControlledZone> {
+/// Returns the controlled zones of a building under a task, in model order. In tasks of operation, a zone is occupied while
+/// it is [in use](people::least_in_use); in others, while anyone is in it.
+///
+/// # Errors
+/// The errors of [`people::groups`].
+pub(crate) fn controlled_zones(building: &PreparedBuilding, task: &Task) -> Result<Vec<ControlledZone>> {
     let both_sides = task.heating_only_zones == HeatingOnlyZones::BothSides;
-    building
-        .zones
-        .iter()
-        .enumerate()
-        .filter(|(_, zone)| zone.conditioning != Conditioning::None)
-        .map(|(slot, zone)| {
-            let fully_conditioned = zone.conditioning == Conditioning::HeatingAndCooling;
-            let penalize_above_target = fully_conditioned || both_sides;
-            ControlledZone { slot, penalize_above_target, fully_conditioned }
-        })
-        .collect()
+    let model = building.model();
+    let groups = if task.is_operation() { people::groups(model)? } else { Vec::new() };
+    let zones = building.zones.iter().enumerate();
+    let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(slot, zone)| {
+        let fully_conditioned = zone.conditioning == Conditioning::HeatingAndCooling;
+        let penalize_above_target = fully_conditioned || both_sides;
+        let least_people = people::least_in_use(model, &groups, &zone.name)?;
+        Ok(ControlledZone { slot, penalize_above_target, fully_conditioned, least_people })
+    });
+    zones.collect()
 }

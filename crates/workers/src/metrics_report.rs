@@ -49,7 +49,12 @@ mod tests {
             region.init(0, EpisodeOptions::default());
             // Previous content of the slot.
             region.write_report(0, b"an order");
-            let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
+            let zone = |slot| ControlledZone {
+                slot,
+                penalize_above_target: true,
+                fully_conditioned: true,
+                least_people: 0.0,
+            };
             let zones: Vec<ControlledZone> = (0..zones).map(zone).collect();
             let metrics = Metrics::new(&zones, 2 * zones.len(), 12, 1.0);
             write(&region, region.ticket(0), folder.path(), &metrics).unwrap();

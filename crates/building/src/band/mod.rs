@@ -13,6 +13,7 @@ use std::path::Path;
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
+use crate::people::{PeopleGroup, least_in_use};
 use crate::{Model, Result};
 use thermostat::Thermostat;
 
@@ -28,7 +29,7 @@ pub struct Span {
     pub heating: Option<f64>,
     /// Cooling setpoint, °C; `None` without cooling.
     pub cooling: Option<f64>,
-    /// Whether people are present.
+    /// Whether people use the zone, as [`least_in_use`](crate::people::least_in_use) defines.
     pub people: bool,
 }
 
@@ -161,22 +162,22 @@ pub(crate) fn years(
 ) -> Result<Vec<ZoneYear>> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
     let people = crate::people::groups(model)?;
-    let of_zone = |zone: &str| {
-        let groups =
-            people.iter().filter(|group| group.people > 0.0 && group.zone.eq_ignore_ascii_case(zone));
-        groups.map(|group| group.schedule.clone()).collect::<Vec<_>>()
+    let of_zone = |zone: &&str| -> Vec<&PeopleGroup> {
+        people.iter().filter(|group| group.people > 0.0 && group.zone.eq_ignore_ascii_case(zone)).collect()
     };
-    let present: Vec<Vec<String>> = zones.iter().map(|zone| of_zone(zone)).collect();
+    let present: Vec<_> = zones.iter().map(of_zone).collect();
     let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
-    names.extend(present.iter().flatten().map(String::as_str));
+    names.extend(present.iter().flatten().map(|group| group.schedule.as_str()));
     let sampled = schedules::Sampled::of(model, &names, weather, library)?;
-    let years = thermostats.iter().zip(&present).map(|(thermostat, present)| {
+    let least = zones.iter().map(|zone| least_in_use(model, &people, zone)).collect::<Result<Vec<_>>>()?;
+    let years = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
         let setpoints = thermostat.as_ref().map(|thermostat| thermostat.setpoints(&sampled));
-        let present: Vec<_> = present.iter().map(|schedule| sampled.of_schedule(schedule)).collect();
+        let present = present.iter().map(|group| (group.people, sampled.of_schedule(&group.schedule)));
+        let present: Vec<_> = present.collect();
         ZoneYear::of_samples(schedules::PER_DAY, |index| {
             let [heating, cooling] = setpoints.as_ref().map_or([None; 2], |setpoints| setpoints(index));
-            let people = present.iter().any(|values| values.at(index) > 0.0);
-            Span { from: 0.0, heating, cooling, people }
+            let people: f64 = present.iter().map(|(people, share)| people * share.at(index)).sum();
+            Span { from: 0.0, heating, cooling, people: people > 0.0 && people >= least }
         })
     });
     Ok(household::furnish(building, years.collect()))

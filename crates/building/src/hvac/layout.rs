@@ -63,7 +63,7 @@ fn find(name: &str, zones: &[&str]) -> Result<usize> {
 mod tests {
     use super::*;
     use crate::hvac::{
-        Actuator, AirLoop, EngineVariable, HeatingOnly, Quantity, Terminal, Unitary, Ventilation,
+        Actuator, AirLoop, EngineVariable, HeatingOnly, Packaged, Quantity, Terminal, Unitary, Ventilation,
     };
 
     fn actuator(name: &str) -> Actuator {
@@ -98,6 +98,7 @@ mod tests {
             flow: actuator("flow"),
             supply_temperature: actuator("unit supply"),
             ventilation: None,
+            packaged: Packaged::default(),
         };
         let air_loop = AirLoop {
             name: "loop".to_owned(),

@@ -30,7 +30,7 @@ use objects::{availability, schedules, setpoint_managers};
 pub(crate) use objects::{distribution, energy_management};
 pub use sequence::Sequence;
 pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
-pub use unitary::Unitary;
+pub use unitary::{HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 
 /// Every kind of system, in the order in which they claim a part of a model.

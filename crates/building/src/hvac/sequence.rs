@@ -2,6 +2,7 @@
 
 use super::actuator::Actuator;
 use super::air_loop::AirLoop;
+use super::unitary::Packaged;
 
 /// The sequence of operation that applies to a system. It depends on the actuators rather than on the equipment behind them,
 /// so that several kinds may have the same.
@@ -13,6 +14,8 @@ pub enum Sequence<'a> {
         flow: &'a Actuator,
         /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
         supply_temperature: &'a Actuator,
+        /// The unit.
+        packaged: Packaged,
     },
     /// Several zones with dampers and reheat on one air handler.
     MultipleZones(&'a AirLoop),

@@ -6,6 +6,7 @@ use b2b_building::hvac::Actuator;
 use super::modes::ZoneGroup;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
+use super::zone::zone_loops::Reach;
 use super::zone::{Zone, ZoneRules};
 
 /// The sequences of a heater.
@@ -32,7 +33,7 @@ impl Heater {
     pub(super) fn act(&mut self, site: SiteInput, input: &ZoneInput, action: &mut [f64], hours: f64) {
         let need = self.zone.observe(input, site, hours);
         let mode = self.group.step(std::iter::once(need));
-        self.zone.control(mode, 1.0, hours);
+        self.zone.control(mode, [Reach::up_to(1.0); 2], hours);
         action[0] = self.zone.setpoints().heating.clamp(self.bounds[0], self.bounds[1]);
     }
 

@@ -1,6 +1,6 @@
 //! The points of zones and site from an observation.
 
-use b2b_building::{Conditioning, PreparedBuilding};
+use b2b_building::Conditioning;
 use b2b_climate::EpwFile;
 use b2b_env::{Bands, Spaces, Target};
 
@@ -8,13 +8,6 @@ use super::points::{NextBand, ZoneInput};
 
 /// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
 const HALF_BAND: f64 = 0.25;
-
-/// Density (kg/m³) and specific heat (J/(kg K)) of air at rated conditions.
-const AIR_DENSITY: f64 = 1.2;
-const AIR_SPECIFIC_HEAT: f64 = 1006.0;
-/// Field of the outdoor temperature below which a compressor does not heat, and its default in the engine, °C.
-const CUTOFF: &str = "minimum_outdoor_dry_bulb_temperature_for_compressor_operation";
-const ENGINE_CUTOFF: f64 = -8.0;
 
 /// Where the points of zones and site are in the observation.
 #[derive(Clone, Debug)]
@@ -98,27 +91,4 @@ impl ZoneSlots {
 /// Returns the ASHRAE climate zone of an episode's weather file, if it has one.
 pub(super) fn climate_zone(spaces: &Spaces) -> Option<String> {
     Some(EpwFile::open(&spaces.episode.weather).ok()?.year()?.zone())
-}
-
-/// Returns whether a unit of a building has an economizer.
-pub(super) fn has_economizer(building: &PreparedBuilding) -> bool {
-    let controllers = building.model().objects("Controller:OutdoorAir");
-    controllers.iter().any(|(_, fields)| {
-        let control = fields.get("economizer_control_type").and_then(|control| control.as_str());
-        control.is_some_and(|control| !control.eq_ignore_ascii_case("NoEconomizer"))
-    })
-}
-
-/// Returns the temperature rise of the rated flow by the weakest compressor that heats in a building, K, and the outdoor
-/// temperature below which one of them does not heat, °C; `None` without heat pumps.
-pub(super) fn compressor(building: &PreparedBuilding) -> Option<[f64; 2]> {
-    let coils = building.model().objects("Coil:Heating:DX:SingleSpeed");
-    let of_coil = |fields: &b2b_building::model::Fields| {
-        let number = |field| b2b_building::model::number(fields, field);
-        let flow = number("rated_air_flow_rate")? * AIR_DENSITY;
-        let rise = number("gross_rated_heating_capacity")? / (flow * AIR_SPECIFIC_HEAT);
-        Some([rise, number(CUTOFF).unwrap_or(ENGINE_CUTOFF)])
-    };
-    let of_coils = coils.iter().filter_map(|(_, fields)| of_coil(fields));
-    of_coils.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

@@ -139,11 +139,10 @@ impl Sequences {
                 let rules = parameters.zone_rules(air_loop.gains);
                 Self::AirLoop(Box::new(AirLoop::new(own, air_loop, rules, climate_zone)))
             }
-            Sequence::SingleZone { flow, supply_temperature } => {
+            Sequence::SingleZone { flow, supply_temperature, packaged } => {
                 let outdoor_air = system.ventilation().map_or(0.0, |air| air.min_outdoor_air);
-                let economizes = unitary.economizer >= 0.5 && system.ventilation().is_some();
                 let actuators = [flow, supply_temperature];
-                let unit = Unit::new(actuators, floor_area, outdoor_air, economizes, climate_zone);
+                let unit = Unit::new(actuators, floor_area, outdoor_air, packaged, climate_zone);
                 let rules = parameters.zone_rules(unitary.gains);
                 Self::SingleZone(Box::new(SingleZone::new(unit, unitary, rules)))
             }

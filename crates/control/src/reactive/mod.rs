@@ -72,18 +72,17 @@ impl Reactive {
         let outdoor = space.outdoor_temperature();
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let zone = slots(&layout.zones[0]);
-            let control =
-                match system.sequence() {
-                    Sequence::SingleZone { flow, supply_temperature } => Loop::Unitary(
-                        unitary::Unitary::new([flow, supply_temperature], zone, hours, &parameters.unitary),
-                    ),
-                    Sequence::MultipleZones(air_loop) => {
-                        let zones = layout.zones.iter().map(slots);
-                        let parameters = &parameters.air_loop;
-                        Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
-                    }
-                    Sequence::Thermostat => Loop::Thermostat(zone.target),
-                };
+            let control = match system.sequence() {
+                Sequence::SingleZone { flow, supply_temperature, .. } => Loop::Unitary(
+                    unitary::Unitary::new([flow, supply_temperature], zone, hours, &parameters.unitary),
+                ),
+                Sequence::MultipleZones(air_loop) => {
+                    let zones = layout.zones.iter().map(slots);
+                    let parameters = &parameters.air_loop;
+                    Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
+                }
+                Sequence::Thermostat => Loop::Thermostat(zone.target),
+            };
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }

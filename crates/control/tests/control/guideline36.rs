@@ -1,12 +1,13 @@
 //! The sequences of Guideline 36 on the engine, with the band of an office: 21 to 24 °C from 6:00 to 20:00 on weekdays, 15.6 to
 //! 28 °C otherwise.
 
-use std::sync::Arc;
+use std::path::PathBuf;
+use std::sync::{Arc, LazyLock};
 
-use b2b_building::{BuildingType, Conditioning};
+use b2b_building::{BuildingType, Conditioning, PreparedBuilding};
 use b2b_climate::{Place, Site};
-use b2b_control::guideline36::{NextBand, SiteInput, ZoneInput};
-use b2b_control::{Controller, Guideline36, Guideline36Parameters, kind};
+use b2b_control::guideline36::{Mode, NextBand, SiteInput, ZoneInput};
+use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
@@ -18,16 +19,29 @@ const DAY: usize = 288;
 const WINTER: &str = "01-08..01-10";
 const SUMMER: &str = "07-09..07-11";
 
-fn env(building_type: BuildingType, period: &str) -> Env {
-    let engine = Engine::ensure(&mut Quiet).unwrap();
-    let library = Library::load(&engine.library).unwrap();
-    let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
-    let site = Site::read(&weather).unwrap();
-    let model = archetype::base_model(building_type, &engine, &library, &site).unwrap();
-    let building = Preparation::new(building_type.name(), model).run(&weather, &library).unwrap();
-    let (period, task) = (period.parse().unwrap(), "occupancy".parse().unwrap());
-    let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
-    Env::new(library, Arc::new(building), episode).unwrap()
+/// A prepared building with what its environments need.
+struct Case {
+    library: Library,
+    building: Arc<PreparedBuilding>,
+    weather: PathBuf,
+}
+
+impl Case {
+    fn new(building_type: BuildingType) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
+        let site = Site::read(&weather).unwrap();
+        let model = archetype::base_model(building_type, &engine, &library, &site).unwrap();
+        let building = Preparation::new(building_type.name(), model).run(&weather, &library).unwrap();
+        Self { library, building: Arc::new(building), weather }
+    }
+
+    fn env(&self, task: &str, period: &str) -> Env {
+        let (period, task) = (period.parse().unwrap(), task.parse().unwrap());
+        let episode = EpisodeConfig { weather: self.weather.clone(), period, steps_per_hour: 12, task };
+        Env::new(self.library.clone(), Arc::clone(&self.building), episode).unwrap()
+    }
 }
 
 /// Returns whether the band of occupied hours holds in a step of a weekday.
@@ -54,12 +68,10 @@ struct Outcome {
     overrides: usize,
 }
 
-fn run(building_type: BuildingType, period: &str) -> Outcome {
-    let mut env = env(building_type, period);
+fn run(case: &Case, period: &str) -> Outcome {
+    let mut env = case.env("occupancy", period);
     let spaces = Arc::clone(env.spaces());
-    let values = kind("guideline36").unwrap().tuned(&spaces.building, &spaces.episode.task);
-    let parameters: Guideline36Parameters = serde_json::from_value(values).unwrap();
-    let mut control = Guideline36::new(&spaces, &parameters);
+    let mut control = Guideline36::new(&spaces, &Guideline36Parameters::default());
     let zones: Vec<usize> = spaces.controlled_zones().collect();
     let cools = |zone: &usize| spaces.building.zones[*zone].conditioning == Conditioning::HeatingAndCooling;
     let mut action = vec![0.0; spaces.action.len()];
@@ -113,8 +125,9 @@ fn point(step: usize, temperature: f64, cools: bool, people: bool) -> ZoneInput 
 #[test]
 fn every_type_stays_in_its_band_with_little_heating_in_summer() {
     for building_type in BuildingType::ALL {
-        for (period, hours) in [(WINTER, 8.0), (SUMMER, 3.0)] {
-            let outcome = run(building_type, period);
+        let case = Case::new(building_type);
+        for (period, hours) in [(WINTER, 8.0), (SUMMER, 5.0)] {
+            let outcome = run(&case, period);
             println!("{building_type} {period}: {outcome:?}");
             let label = format!("{building_type} {period}: {outcome:?}");
             assert_eq!((outcome.severe, outcome.clamped, outcome.overrides), (0, 0, 0), "{label}");
@@ -132,4 +145,73 @@ fn decided(control: &Guideline36, word: &str) -> Vec<f64> {
     let decisions = control.record().unwrap();
     let named = decisions.slots().iter().zip(&decisions.values);
     named.filter(|(slot, _)| slot.name.ends_with(word)).map(|(_, value)| *value).collect()
+}
+
+/// A step of a Tuesday in July under a building's own band.
+#[derive(Debug)]
+struct Moment {
+    hour: f64,
+    /// Whether people use a zone.
+    in_use: bool,
+    /// Whether a zone starts ahead of its band.
+    starts: bool,
+    /// Energy of heating and of fans, Wh/m².
+    heating: f64,
+    fans: f64,
+}
+
+const DAY_IN_JULY: &str = "07-10..07-10";
+
+/// The day of each type.
+static JULY: LazyLock<Vec<(BuildingType, Vec<Moment>)>> =
+    LazyLock::new(|| BuildingType::ALL.into_iter().map(|of| (of, day_in_july(&Case::new(of)))).collect());
+
+fn day_in_july(case: &Case) -> Vec<Moment> {
+    let mut env = case.env("operate", DAY_IN_JULY);
+    let spaces = Arc::clone(env.spaces());
+    let mut control = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    let mut action = vec![0.0; spaces.action.len()];
+    let mut observation = env.reset().unwrap().to_vec();
+    let occupancies: Vec<usize> = (0..spaces.controlled_zones().count())
+        .filter_map(|zone| spaces.observation.occupancy(zone))
+        .collect();
+    let mut before = [0.0; 2];
+    let step = |step: usize| {
+        let in_use = occupancies.iter().any(|&slot| observation[slot] > 0.5);
+        control.act(&observation, &mut action);
+        let starts = decided(&control, " mode").contains(&(Mode::CoolDown as u8).into());
+        observation.copy_from_slice(env.step(&action).unwrap().observation);
+        let now = [Term::Heating, Term::Fans].map(|term| env.metrics().total(term));
+        let [heating, fans] = [now[0] - before[0], now[1] - before[1]];
+        before = now;
+        Moment { hour: step as f64 * STEP, in_use, starts, heating, fans }
+    };
+    (0..DAY).map(step).collect()
+}
+
+#[test]
+fn no_building_heats_in_a_night_of_july() {
+    for (building_type, day) in &*JULY {
+        for moment in day.iter().filter(|moment| moment.hour < 6.0 || moment.hour >= 21.0) {
+            assert!(moment.heating < 1e-6, "{building_type}: {moment:?}");
+        }
+    }
+}
+
+#[test]
+fn no_building_reheats_in_july() {
+    for (building_type, day) in &*JULY {
+        let heating: f64 = day.iter().map(|moment| moment.heating).sum();
+        assert!(heating < 1e-3, "{building_type}: {heating} Wh/m²");
+    }
+}
+
+#[test]
+fn fans_of_empty_buildings_stand_still_in_july_but_for_cool_down() {
+    for (building_type, day) in &*JULY {
+        let most = day.iter().map(|moment| moment.fans).fold(0.0, f64::max);
+        for moment in day.iter().filter(|moment| !moment.in_use && !moment.starts) {
+            assert!(moment.fans < 0.1 * most, "{building_type}: {moment:?}, at most {most} Wh/m²");
+        }
+    }
 }

@@ -42,6 +42,8 @@ pub(super) struct Engine {
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
+    /// Least number of people with which each of them is occupied.
+    least_people: Vec<f64>,
     /// The building's meters that the engine has.
     meters: Vec<(Carrier, Meter)>,
     /// The end-use meters of these carriers that the engine has.
@@ -131,6 +133,7 @@ impl Engine {
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
             // The engine has this variable only for zones with people.
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
+            least_people: zones.iter().map(|zone| zone.least_people).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             end_uses: building.meters.iter().flat_map(end_uses).collect(),
             fans_outside: fans_outside
@@ -175,7 +178,8 @@ impl Engine {
 
     /// Returns whether a controlled zone is occupied.
     pub(super) fn occupied(&self, controlled_zone: usize) -> bool {
-        self.people(controlled_zone) > 0.0
+        let people = self.people(controlled_zone);
+        people > 0.0 && people >= self.least_people[controlled_zone]
     }
 
     fn people(&self, controlled_zone: usize) -> f64 {

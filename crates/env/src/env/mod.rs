@@ -113,7 +113,7 @@ impl Env {
             .map_err(|source| Error::Io { path, source })?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
-        let zones = controlled_zones(&spaces.building, task);
+        let zones = controlled_zones(&spaces.building, task)?;
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
         Ok(Self {
             library,

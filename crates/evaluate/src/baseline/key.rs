@@ -15,9 +15,9 @@ use crate::{Result, SiteInfo};
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
 pub(super) const REVISION: u32 = 4;
-/// The same for changes that affect only tasks of operation: the guideline controller, bands and tariffs. Baselines of
-/// these tasks depend on both revisions.
-const OPERATION_REVISION: u32 = 1;
+/// The same for changes that affect only tasks of operation: the guideline controller and bands. Baselines of these tasks
+/// depend on both revisions.
+const OPERATION_REVISION: u32 = 2;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
 

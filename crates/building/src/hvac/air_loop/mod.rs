@@ -33,6 +33,7 @@ use super::availability::always_on;
 use super::references::Reference;
 use super::setpoint_managers::{is_referred_to, remove_setpoint_managers};
 use super::ventilation::Ventilation;
+use super::zone_equipment::exhaust_flow;
 use crate::{Error, Model, Result};
 use branch::MainBranch;
 use components::FANS;
@@ -65,7 +66,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         supply_temperature::follow_schedule(model, air_loop, "Mixed Air", mixed, &supply_temperature.key);
     }
     let zones: Vec<_> = terminals.iter().map(|(zone, _)| zone.clone()).collect();
-    let exhaust_flow = outdoor_air::exhaust_flow(model, &zones)? * air_density;
+    let exhaust_flow = exhaust_flow(model, &zones)? * air_density;
     let outdoor_air = match exhaust_flow > 0.0 {
         true => outdoor_air::schedule(model, air_loop, &controller, fan_flow, air_density)?,
         false => outdoor_air::release(model, air_loop, &controller, fan_flow)?,

@@ -1,9 +1,8 @@
 //! Outdoor air of a central air loop.
 
 use crate::hvac::actuator::{Actuator, EngineVariable, Quantity};
-use crate::hvac::references::{Reference, is_one_of};
+use crate::hvac::references::Reference;
 use crate::hvac::schedules::constant_schedule;
-use crate::hvac::zone_equipment::zone_equipment;
 use crate::model::text;
 use crate::{Error, Model, Result};
 
@@ -70,18 +69,6 @@ pub(super) fn schedule(
     let actuator =
         Actuator::of_schedule(schedule, free.name, free.quantity, [free.low, free.high], free.effect);
     Ok(Actuator { scale: 1.0 / fan_flow, ..actuator })
-}
-
-/// Design flow of the exhaust fans in some zones, m³/s.
-pub(super) fn exhaust_flow(model: &Model, zones: &[String]) -> Result<f64> {
-    const FAN: &str = "Fan:ZoneExhaust";
-    let mut flow = 0.0;
-    for zone in zones {
-        for fan in zone_equipment(model, zone)?.iter().filter(|e| is_one_of(&e.class, &[FAN])) {
-            flow += model.require_size(FAN, &fan.name, "maximum_flow_rate")?;
-        }
-    }
-    Ok(flow)
 }
 
 /// Returns the outdoor air controller of an outdoor air system.

@@ -12,11 +12,13 @@ pub(in crate::hvac) const HEATERS: [&str; 5] = [
     "ZoneHVAC:Baseboard:RadiantConvective:Electric",
     "ZoneHVAC:Baseboard:RadiantConvective:Water",
 ];
+/// Exhaust fan of a zone.
+const EXHAUST: &str = "Fan:ZoneExhaust";
 /// Zone equipment that moves air without controlling a temperature.
-pub(in crate::hvac) const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
+pub(in crate::hvac) const VENTILATION: [&str; 2] = [EXHAUST, "ZoneHVAC:EnergyRecoveryVentilator"];
 /// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant heater
 /// of the warehouse is switched off in the prototype.
-pub(in crate::hvac) const UNCONTROLLED: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+pub(in crate::hvac) const UNCONTROLLED: [&str; 2] = [EXHAUST, "ZoneHVAC:HighTemperatureRadiant"];
 
 /// Returns whether equipment may share a zone with a controlled system.
 pub(in crate::hvac) fn is_beside(class: &str) -> bool {
@@ -42,4 +44,23 @@ pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
     Ok(items(model.require("ZoneHVAC:EquipmentList", list)?, "equipment")
         .filter_map(|item| reference(item, "zone_equipment_object_type", "zone_equipment_name"))
         .collect())
+}
+
+/// Returns the design flow of the exhaust fans in some zones, m³/s.
+pub(in crate::hvac) fn exhaust_flow(model: &Model, zones: &[String]) -> Result<f64> {
+    let mut flow = 0.0;
+    for zone in zones {
+        for fan in zone_equipment(model, zone)?.iter().filter(|e| is_one_of(&e.class, &[EXHAUST])) {
+            flow += model.require_size(EXHAUST, &fan.name, "maximum_flow_rate")?;
+        }
+    }
+    Ok(flow)
+}
+
+/// Returns whether a zone has exhaust fans.
+///
+/// # Errors
+/// As [`zone_equipment`].
+pub fn has_exhaust(model: &Model, zone: &str) -> Result<bool> {
+    Ok(zone_equipment(model, zone)?.iter().any(|equipment| is_one_of(&equipment.class, &[EXHAUST])))
 }

@@ -11,11 +11,13 @@ mod commands;
 mod cooling_coil;
 mod heat_pump;
 mod outdoor_air;
+mod packaged;
 mod rewrite;
 mod system;
 mod unit;
 
 pub use commands::{supply_air_flow_fraction, supply_air_temperature};
+pub use packaged::{HeatPump, Packaged};
 pub use system::Unitary;
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
@@ -41,6 +43,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     assemble::assemble(model, air_loop)?;
     heat_pump::move_coils_in(model, air_loop)?;
     let unit = Unit::find(model, air_loop)?;
+    let packaged = Packaged::of(model, &unit, air_density)?;
     let schedules = Schedules::insert(model, &unit.served.zone);
     always_on(model, air_loop)?;
     own_thermostat(model, &unit.served.zone, 0.0, OUT_OF_REACH)?;
@@ -69,7 +72,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         [SUPPLY_TEMPERATURE.0, SUPPLY_TEMPERATURE.1],
         EngineVariable::new("System Node Temperature", unit.outlet()),
     );
-    Ok(Unitary { flow, supply_temperature, ventilation, zone: unit.served.zone })
+    Ok(Unitary { flow, supply_temperature, ventilation, packaged, zone: unit.served.zone })
 }
 
 /// Returns whether an air loop has a unit or the parts of one.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{has_unit, make_controllable};
+use super::{Packaged, has_unit, make_controllable};
 use crate::hvac::actuator::Actuator;
 use crate::hvac::capacity::{Capacity, SystemEquipment, air_loop_of};
 use crate::hvac::kind::{Candidate, KindName};
@@ -33,6 +33,8 @@ pub struct Unitary {
     pub supply_temperature: Actuator,
     /// Its outdoor air; `None` for a unit without any.
     pub ventilation: Option<Ventilation>,
+    /// What the unit has, for rule-based controllers.
+    pub packaged: Packaged,
 }
 
 impl Unitary {
@@ -77,7 +79,8 @@ impl System for Unitary {
     }
 
     fn sequence(&self) -> Sequence<'_> {
-        Sequence::SingleZone { flow: &self.flow, supply_temperature: &self.supply_temperature }
+        let Self { flow, supply_temperature, packaged, .. } = self;
+        Sequence::SingleZone { flow, supply_temperature, packaged: *packaged }
     }
 
     fn equipment(&self, model: &Model) -> Result<SystemEquipment> {

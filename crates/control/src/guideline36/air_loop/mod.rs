@@ -16,6 +16,7 @@ use super::modes::{Mode, ZoneGroup};
 use super::parameters::AirLoopParameters;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
+use super::zone::zone_loops::Reach;
 use super::zone::{Zone, ZoneRules};
 use economizer::{Economizer, HighLimit};
 use outdoor_air::{Air, OutdoorAir};
@@ -119,10 +120,12 @@ impl AirLoop {
             if mode.heats() != heated {
                 served.zone.forget_heating();
             }
-            served.zone.control(mode, 1.0, hours);
+            served.zone.control(mode, [Reach::up_to(1.0); 2], hours);
             self.requests += served.zone.cooling_requests();
         }
-        self.setpoint = self.supply.step(mode, site.outdoor_temperature, self.requests, hours);
+        let cools = self.zones.iter().any(|served| served.zone.outputs().cooling > 0.0);
+        self.setpoint =
+            self.supply.step(mode, cools.then_some(site.outdoor_temperature), self.requests, hours);
         action[hvac::AirLoop::SUPPLY_TEMPERATURE] = self.setpoint;
         let (flow, return_air) = self.command_terminals(mode, action);
         let cools = !mode.heats() && flow > 0.0;

@@ -1,4 +1,7 @@
 //! Supply air temperature setpoint of an air handler of several zones (Guideline 36, 5.16.2.2).
+//!
+//! The guideline lowers the setpoint with the outdoor temperature in occupied mode whether or not a zone cools. Without a
+//! zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset here.
 
 use super::super::modes::Mode;
 use super::trim_respond::{Reset, TrimRespond};
@@ -40,15 +43,18 @@ impl SupplyTemperature {
         *self = Self::new(self.rules);
     }
 
-    /// Returns the setpoint, °C, in a mode, with the requests of the zones.
-    pub(super) fn step(&mut self, mode: Mode, outdoor: f64, requests: f64, hours: f64) -> f64 {
+    /// Returns the setpoint, °C, in a mode, with the requests of the zones. `outdoor`: the outdoor temperature while a zone
+    /// cools, °C.
+    pub(super) fn step(&mut self, mode: Mode, outdoor: Option<f64>, requests: f64, hours: f64) -> f64 {
         self.highest = self.reset.step(mode.runs() && !mode.heats(), requests, hours);
         let [lowest, _] = self.rules.cooling;
         let setpoint = match mode {
             Mode::WarmUp | Mode::Setback | Mode::FreezeProtection => self.warm(),
             Mode::CoolDown => lowest,
             _ if !self.rules.resets => lowest,
-            Mode::Occupied | Mode::Setup | Mode::Unoccupied => self.by_outdoor_temperature(outdoor),
+            Mode::Occupied | Mode::Setup | Mode::Unoccupied => {
+                outdoor.map_or(self.highest, |outdoor| self.by_outdoor_temperature(outdoor))
+            }
         };
         setpoint.clamp(self.rules.reach[0], self.rules.reach[1])
     }
@@ -88,7 +94,7 @@ mod tests {
     };
 
     fn setpoint(mode: Mode, outdoor: f64) -> f64 {
-        SupplyTemperature::new(RULES).step(mode, outdoor, 0.0, STEP)
+        SupplyTemperature::new(RULES).step(mode, Some(outdoor), 0.0, STEP)
     }
 
     #[test]
@@ -99,18 +105,25 @@ mod tests {
     }
 
     #[test]
+    fn without_a_zone_that_cools_the_setpoint_is_at_the_upper_end_of_the_reset() {
+        let mut supply = SupplyTemperature::new(RULES);
+        assert_eq!(supply.step(Mode::Occupied, None, 0.0, STEP), 18.0);
+        assert_eq!(supply.step(Mode::Occupied, Some(25.0), 0.0, STEP), 12.0);
+    }
+
+    #[test]
     fn requests_lower_the_upper_end_of_the_outdoor_reset() {
         let mut supply = SupplyTemperature::new(RULES);
-        let cold: Vec<f64> = (0..3).map(|_| supply.step(Mode::Occupied, 0.0, 4.0, STEP)).collect();
+        let cold: Vec<f64> = (0..3).map(|_| supply.step(Mode::Occupied, Some(0.0), 4.0, STEP)).collect();
         assert_eq!(cold, [17.0, 16.0, 15.0]);
-        assert!((supply.step(Mode::Occupied, 18.5, 2.0, STEP) - 13.625).abs() < 1e-9);
+        assert!((supply.step(Mode::Occupied, Some(18.5), 2.0, STEP) - 13.625).abs() < 1e-9);
     }
 
     #[test]
     fn warm_up_is_at_35_degrees_or_at_the_reach_of_the_coil_and_cool_down_at_the_lowest() {
         assert_eq!([Mode::WarmUp, Mode::Setback].map(|mode| setpoint(mode, 0.0)), [35.0; 2]);
         let weak = SupplyTemperatureRules { reach: [10.0, 27.0], ..RULES };
-        assert_eq!(SupplyTemperature::new(weak).step(Mode::WarmUp, 0.0, 0.0, STEP), 27.0);
+        assert_eq!(SupplyTemperature::new(weak).step(Mode::WarmUp, None, 0.0, STEP), 27.0);
         assert_eq!(setpoint(Mode::CoolDown, 0.0), 12.0);
     }
 
@@ -118,7 +131,7 @@ mod tests {
     fn without_reset_the_setpoint_is_fixed() {
         let fixed = SupplyTemperatureRules { resets: false, ..RULES };
         for outdoor in [-10.0, 18.0, 30.0] {
-            assert_eq!(SupplyTemperature::new(fixed).step(Mode::Occupied, outdoor, 0.0, STEP), 12.0);
+            assert_eq!(SupplyTemperature::new(fixed).step(Mode::Occupied, Some(outdoor), 0.0, STEP), 12.0);
         }
     }
 }

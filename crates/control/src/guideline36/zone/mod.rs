@@ -13,7 +13,7 @@ use super::points::{Setpoints, Side, SiteInput, ZoneInput};
 use optimum_start::{Goal, OptimumStart};
 use requests::CoolingRequests;
 pub use zone_loops::LoopGains;
-use zone_loops::{Outputs, ZoneLoops};
+use zone_loops::{Outputs, Reach, ZoneLoops};
 
 /// Least distance between heating and cooling setpoint, K (5.3.2).
 const LEAST_BAND: f64 = 0.5;
@@ -148,12 +148,16 @@ impl Zone {
         }
     }
 
-    /// Runs the loops that the mode of the group allows, that of heating up to a limit. Returns their outputs.
-    pub(super) fn control(&mut self, mode: Mode, heating_limit: f64, hours: f64) -> Outputs {
+    /// Runs the loops that the mode of the group allows within their reaches. Returns their outputs.
+    pub(super) fn control(&mut self, mode: Mode, reaches: [Reach; 2], hours: f64) -> Outputs {
         let ZoneNeed { temperature, calls, .. } = self.need;
         self.aims = self.aims_in(mode);
-        let [heats, cools] = mode.allows(calls).map(|allowed| f64::from(u8::from(allowed)));
-        self.outputs = self.loops.step(temperature, self.aims, [heats * heating_limit, cools], hours);
+        let allowed = mode.allows(calls);
+        let reaches = [0, 1].map(|side| match allowed[side] {
+            true => reaches[side],
+            false => Reach { limit: 0.0, ..reaches[side] },
+        });
+        self.outputs = self.loops.step(temperature, self.aims, reaches, hours);
         self.requests.step(temperature, self.setpoints.cooling, self.outputs.cooling, hours);
         self.outputs
     }
@@ -164,7 +168,7 @@ impl Zone {
     }
 
     /// Returns the temperatures at which the loops aim in a mode, °C.
-    fn aims_in(&self, mode: Mode) -> Setpoints {
+    pub(super) fn aims_in(&self, mode: Mode) -> Setpoints {
         let heating = self.setpoints.heating + self.aim(Side::Heating);
         let cooling = self.setpoints.cooling - self.aim(Side::Cooling);
         let heating = if mode == Mode::FreezeProtection { heating.max(FREEZE_SETPOINT) } else { heating };
@@ -216,6 +220,7 @@ mod tests {
         setback: true,
     };
 
+    const FULL: [Reach; 2] = [Reach { idle: 0.0, limit: 1.0 }; 2];
     const SITE: SiteInput = SiteInput { outdoor_temperature: 10.0, demand: DemandLevel::NONE };
 
     fn night(temperature: f64, hours: f64) -> ZoneInput {
@@ -260,7 +265,7 @@ mod tests {
             let day = ZoneInput { temperature, heating: 21.0, cooling: 24.0, people: true, next: None };
             zone.reset();
             zone.observe(&day, SiteInput { demand: DemandLevel::new(level).unwrap(), ..SITE }, STEP);
-            zone.control(Mode::Occupied, 1.0, STEP).heating > 0.0
+            zone.control(Mode::Occupied, FULL, STEP).heating > 0.0
         };
         assert_eq!(
             [heats(21.1, 0), heats(21.25, 0), heats(20.5, 2), heats(20.1, 2)],

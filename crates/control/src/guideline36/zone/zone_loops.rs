@@ -39,6 +39,23 @@ impl LoopGains {
     pub const TERMINAL: Self = Self { proportional: 0.5, integral_time: Self::INTEGRAL_TIME };
 }
 
+/// The range of a loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) struct Reach {
+    /// Capacity with idle coils over the full capacity, at most 0: how far outdoor air takes the zone to the other side. An
+    /// output of 0 stands for it, an output of 1 for the full capacity.
+    pub(in super::super) idle: f64,
+    /// Largest output; at 0 the loop is off.
+    pub(in super::super) limit: f64,
+}
+
+impl Reach {
+    /// A loop whose output of 0 has no effect on the zone.
+    pub(in super::super) fn up_to(limit: f64) -> Self {
+        Self { idle: 0.0, limit }
+    }
+}
+
 /// A loop from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 struct Loop {
@@ -47,16 +64,19 @@ struct Loop {
     integral: f64,
     /// Distance outside the setpoint in the last step, K.
     error: f64,
+    /// Capacity with idle coils over the full capacity, at most 0.
+    idle: f64,
     output: f64,
 }
 
 impl Loop {
     const fn new(side: Side) -> Self {
-        Self { side, enabled: false, integral: 0.0, error: 0.0, output: 0.0 }
+        Self { side, enabled: false, integral: 0.0, error: 0.0, idle: 0.0, output: 0.0 }
     }
 
     /// Enables the loop outside its setpoint; disables it inside, once its output has been 0 for a step.
-    fn step(&mut self, gains: LoopGains, error: f64, limit: f64, hours: f64) -> f64 {
+    fn step(&mut self, gains: LoopGains, error: f64, reach: Reach, hours: f64) -> f64 {
+        let Reach { idle, limit } = reach;
         if error > 0.0 {
             self.enabled = true;
         } else if self.enabled && self.output <= 0.0 {
@@ -66,24 +86,27 @@ impl Loop {
             self.rest(hours);
             return 0.0;
         }
-        let proportional = gains.proportional * error;
+        // The supply air stays as it is while outdoor air opens or gets colder.
+        self.integral = (self.integral + self.idle - idle).max(0.0);
+        self.idle = idle;
+        let (span, proportional) = (1.0 - idle, gains.proportional * error);
         let arrives = (self.error - error) * ARRIVAL > error * hours;
         self.error = error;
         let change = proportional * hours * 3600.0 / gains.integral_time;
         // Integrates only as far as the output has room.
         self.integral += match change > 0.0 {
             true if arrives => 0.0,
-            true => change.min((limit - proportional - self.integral).max(0.0)),
+            true => change.min((limit * span - proportional - self.integral).max(0.0)),
             false => change.max(-self.integral),
         };
-        self.output = (proportional + self.integral).clamp(0.0, limit);
+        self.output = ((proportional + self.integral) / span).clamp(0.0, limit);
         self.output
     }
 
     /// Turns the loop off for a step, and lets its integral term fade.
     fn rest(&mut self, hours: f64) {
         let integral = self.integral / (1.0 + hours / MEMORY);
-        *self = Self { integral, ..Self::new(self.side) };
+        *self = Self { integral, idle: self.idle, ..Self::new(self.side) };
     }
 
     /// Turns the loop off and forgets its integral term.
@@ -118,26 +141,25 @@ impl ZoneLoops {
         self.heating.stop();
     }
 
-    /// Returns the outputs for a temperature, °C, each up to its limit; at a limit of 0 a loop is off, as without a setpoint.
-    /// While both loops are on, the one that is leaving gives way.
+    /// Returns the outputs for a temperature, °C, each within its reach. A loop without a setpoint is off. While both loops are on, the one that is leaving gives way.
     pub(in super::super) fn step(
         &mut self,
         temperature: f64,
         setpoints: Setpoints,
-        limits: [f64; 2],
+        reaches: [Reach; 2],
         hours: f64,
     ) -> Outputs {
         let gains = self.gains;
-        let side = |own: &mut Loop, limit: f64| {
+        let side = |own: &mut Loop, reach: Reach| {
             let gains = gains[own.side as usize];
             let setpoint = setpoints.of(own.side);
-            if limit <= 0.0 || !setpoint.is_finite() {
+            if reach.limit <= 0.0 || !setpoint.is_finite() {
                 own.rest(hours);
                 return 0.0;
             }
-            own.step(gains, own.side.gap(temperature, setpoint), limit, hours)
+            own.step(gains, own.side.gap(temperature, setpoint), reach, hours)
         };
-        let [heating, cooling] = limits;
+        let [heating, cooling] = reaches;
         let mut outputs =
             Outputs { heating: side(&mut self.heating, heating), cooling: side(&mut self.cooling, cooling) };
         if outputs.heating > 0.0 && outputs.cooling > 0.0 {
@@ -157,7 +179,8 @@ mod tests {
 
     const STEP: f64 = 1.0 / 12.0;
     const BAND: Setpoints = Setpoints { heating: 21.0, cooling: 24.0 };
-    const ON: [f64; 2] = [1.0; 2];
+    const ON: [Reach; 2] = [Reach { idle: 0.0, limit: 1.0 }; 2];
+    const OFF: [Reach; 2] = [Reach { idle: 0.0, limit: 0.0 }; 2];
 
     #[test]
     fn a_step_of_5_minutes_adds_a_third_of_the_proportional_part_unless_the_zone_is_on_its_way() {
@@ -178,7 +201,7 @@ mod tests {
         }
         let heater = Setpoints { heating: 21.0, cooling: f64::INFINITY };
         assert_eq!(loops.step(40.0, heater, ON, STEP), Outputs::default());
-        assert_eq!(loops.step(10.0, BAND, [0.0; 2], STEP), Outputs::default());
+        assert_eq!(loops.step(10.0, BAND, OFF, STEP), Outputs::default());
     }
 
     #[test]
@@ -193,6 +216,20 @@ mod tests {
     }
 
     #[test]
+    fn the_supply_air_stays_as_it_is_when_outdoor_air_opens() {
+        let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
+        let reach = |idle| [Reach { idle, limit: 1.0 }, Reach::up_to(1.0)];
+        for _ in 0..10 {
+            loops.step(20.5, BAND, reach(0.0), STEP);
+        }
+        let before = loops.step(21.0, BAND, reach(0.0), STEP).heating;
+        let open = loops.step(21.0, BAND, reach(-0.5), STEP).heating;
+        // From -0.5 to 1, the same capacity is a larger output.
+        assert!((-0.5 + 1.5 * open - before).abs() < 1e-12, "{before} {open}");
+        assert_eq!(loops.step(15.0, BAND, reach(-0.5), STEP).heating, 1.0, "full capacity is an output of 1");
+    }
+
+    #[test]
     fn a_loop_that_rests_for_an_hour_resumes_with_part_of_its_output() {
         let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for _ in 0..20 {
@@ -200,11 +237,14 @@ mod tests {
         }
         let before = loops.step(21.0, BAND, ON, STEP).heating;
         for _ in 0..12 {
-            assert_eq!(loops.step(20.0, BAND, [0.0; 2], STEP).heating, 0.0);
+            assert_eq!(loops.step(20.0, BAND, OFF, STEP).heating, 0.0);
         }
         let after = loops.step(20.9999, BAND, ON, STEP).heating;
         assert!((0.3..0.5).contains(&(after / before)), "{before} {after}");
-        assert!(loops.step(15.0, BAND, [0.6, 1.0], STEP).heating == 0.6, "the limit holds");
+        assert!(
+            loops.step(15.0, BAND, [Reach::up_to(0.6), Reach::up_to(1.0)], STEP).heating == 0.6,
+            "the limit holds"
+        );
     }
 
     #[test]
