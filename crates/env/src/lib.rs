@@ -39,6 +39,7 @@ mod reward;
 mod role_observation;
 mod rollout;
 mod setpoints;
+mod setpoints_apart;
 mod spaces;
 mod task;
 mod terms;

@@ -89,6 +89,7 @@ impl Picture<'_> {
             (Quantity::OutdoorAirFlow, "outdoor air flow"),
             (Quantity::DamperOpening, "damper opening"),
             (Quantity::HeatingSetpoint, "heating setpoint"),
+            (Quantity::CoolingSetpoint, "cooling setpoint"),
         ];
         panels.extend(GROUPS.map(|(quantity, what)| self.actions(quantity, what)));
         panels.retain(|panel| !panel.series.is_empty());

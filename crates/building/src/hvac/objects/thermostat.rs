@@ -59,6 +59,33 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
     Ok(setpoints)
 }
 
+/// Removes the thermal comfort control of a zone, which would set its setpoints instead of its thermostat. A zone without
+/// another thermostat gets one, without setpoints.
+///
+/// # Errors
+/// [`Error::Unsupported`] for a comfort control of a list of zones.
+pub(in crate::hvac) fn remove_comfort_control(model: &mut Model, zone: &str) -> Result<()> {
+    const CLASS: &str = "ZoneControl:Thermostat:ThermalComfort";
+    for name in model.names(CLASS) {
+        let Some(zones) = model.get(CLASS, &name).and_then(|fields| text(fields, "zone_or_zonelist_name")) else {
+            continue;
+        };
+        if !covers_zone(model, zones, zone) {
+            continue;
+        }
+        if !zones.eq_ignore_ascii_case(zone) {
+            let why = format!("it controls the zone list `{zones}`; give each zone a thermostat");
+            return Err(Error::unsupported(CLASS, &name, &why));
+        }
+        model.remove(CLASS, &name);
+        if thermostat(model, zone).is_none() {
+            let own = format!("{zone} Thermostat");
+            model.insert("ZoneControl:Thermostat", &own, json!({"zone_or_zonelist_name": zone}));
+        }
+    }
+    Ok(())
+}
+
 /// Name of the schedule of a zone's heating setpoint, °C.
 pub fn heating_setpoint(zone: &str) -> String {
     format!("{zone} Heating Setpoint")
@@ -104,6 +131,16 @@ pub(crate) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<St
             return Some((name.to_owned(), None));
         }
         covers_zone(model, zones, zone).then(|| (name.to_owned(), Some(zones.to_owned())))
+    })
+}
+
+/// Returns whether a zone has a thermostat of any kind.
+pub(in crate::hvac) fn has_thermostat(model: &Model, zone: &str) -> bool {
+    let mut kinds = model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat"));
+    kinds.any(|class| {
+        model.objects(class).into_iter().any(|(_, fields)| {
+            text(fields, "zone_or_zonelist_name").is_some_and(|zones| covers_zone(model, zones, zone))
+        })
     })
 }
 
