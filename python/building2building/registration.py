@@ -31,6 +31,9 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
       building of the dataset;
     - ``building``: the result of :func:`generate` or :func:`import_building`.
 
+    ``control="setpoints"`` controls every zone through the heating and the cooling setpoint of its thermostat, which
+    the building's equipment follows, instead of the actuators of its systems.
+
     Further arguments:
 
     - ``task``: ``constant``, ``occupancy+energy0.5``, ``random:7+cost2``..., a JSON file, or a dictionary;

@@ -39,7 +39,6 @@ mod reward;
 mod role_observation;
 mod rollout;
 mod setpoints;
-mod setpoints_apart;
 mod spaces;
 mod task;
 mod terms;

@@ -36,9 +36,5 @@ pub use unitary::Unitary;
 pub use ventilation::{MinimumDamper, Ventilation};
 
 /// Every kind of system, in the order in which they claim a part of a model.
-pub static KINDS: [Kind; 4] = [
-    Kind::of::<Unitary>(),
-    Kind::of::<AirLoop>(),
-    Kind::of::<HeatingOnly>(),
-    Kind::of::<SetpointZone>(),
-];
+pub static KINDS: [Kind; 4] =
+    [Kind::of::<Unitary>(), Kind::of::<AirLoop>(), Kind::of::<HeatingOnly>(), Kind::of::<SetpointZone>()];

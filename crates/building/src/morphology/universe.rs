@@ -309,10 +309,8 @@ const UNIT: &[LocalSlot<Quantity>] = &[
 const TERMINAL: &[LocalSlot<Quantity>] =
     &[slot(Quantity::DamperOpening, "1", 0.0, 1.0), slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0)];
 const HEATER: &[LocalSlot<Quantity>] = &[slot(Quantity::HeatingSetpoint, "°C", 5.0, 35.0)];
-const THERMOSTAT: &[LocalSlot<Quantity>] = &[
-    slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0),
-    slot(Quantity::CoolingSetpoint, "°C", 15.0, 35.0),
-];
+const THERMOSTAT: &[LocalSlot<Quantity>] =
+    &[slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0), slot(Quantity::CoolingSetpoint, "°C", 15.0, 35.0)];
 
 /// Attributes of a whole building.
 pub const COMMON: &[LocalSlot<Attribute>] = &[

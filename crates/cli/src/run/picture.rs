@@ -83,7 +83,7 @@ struct Picture<'a> {
 impl Picture<'_> {
     fn panels(&self) -> Vec<Panel> {
         let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
-        const GROUPS: [(Quantity, &str); 5] = [
+        const GROUPS: [(Quantity, &str); 6] = [
             (Quantity::SupplyAirFlow, "supply air flow"),
             (Quantity::SupplyAirTemperature, "supply air temperature"),
             (Quantity::OutdoorAirFlow, "outdoor air flow"),

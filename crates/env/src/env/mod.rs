@@ -4,6 +4,7 @@ mod engine;
 mod engine_output;
 mod meters;
 mod observe;
+mod setpoints_apart;
 mod snapshot;
 mod warm_up;
 
@@ -18,6 +19,7 @@ use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
 use tempfile::TempDir;
 
 use self::engine::Engine;
+use self::setpoints_apart::SetpointsApart;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
 use crate::billing::Billing;
@@ -32,7 +34,6 @@ use crate::presence::{self, Attendance};
 use crate::preview::Forecast;
 use crate::reward::{Reward, RewardFunction, ZoneStep};
 use crate::setpoints::{Asked, Targets};
-use crate::setpoints_apart::SetpointsApart;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
 use crate::terms::Amounts;

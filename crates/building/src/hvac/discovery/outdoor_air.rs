@@ -51,6 +51,7 @@ fn controller(model: &Model, air_loop: &str) -> Result<Option<String>> {
         text(controllers, &format!("controller_{number}_object_type"))
             .is_some_and(|class| class.eq_ignore_ascii_case(CONTROLLER))
     };
-    let name = (1..=8).find(is_outdoor).and_then(|number| text(controllers, &format!("controller_{number}_name")));
+    let name =
+        (1..=8).find(is_outdoor).and_then(|number| text(controllers, &format!("controller_{number}_name")));
     Ok(name.map(str::to_owned))
 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use crate::hvac::air_loop_graph::supply_components;
 use crate::hvac::capacity::air_loop_of;
+use crate::hvac::heating_only::refuse_powerless;
 use crate::hvac::references::{Reference, is_one_of};
 use crate::hvac::zone_equipment::{HEATERS, UNCONTROLLED, VENTILATION, is_distribution, zone_equipment};
 use crate::model::{Fields, text};
@@ -19,9 +20,17 @@ pub(super) fn conditioning(model: &Model, zone: &str) -> Result<Vec<Reference>> 
     Ok(equipment)
 }
 
-/// Rejects a zone without authority: all that it has are terminals that pass the air of a unit, which follows the thermostat
-/// of another zone or none.
+/// Rejects a zone without authority: all that it has are heaters without capacity, or terminals that pass the air of a unit,
+/// which follows the thermostat of another zone or none.
 pub(super) fn refuse_deaf(model: &Model, zone: &str, equipment: &[Reference]) -> Result<()> {
+    if equipment.iter().all(|item| is_one_of(&item.class, &HEATERS)) {
+        let mut powerless = equipment.iter().map(|heater| refuse_powerless(model, heater));
+        return if powerless.any(|refused| refused.is_ok()) {
+            Ok(())
+        } else {
+            refuse_powerless(model, &equipment[0])
+        };
+    }
     let passes = |item: &Reference| {
         let unit = model.get(&item.class, &item.name);
         let terminal = unit.and_then(|unit| text(unit, "air_terminal_object_type"));
@@ -62,7 +71,8 @@ fn follows_all_zones(model: &Model, air_loop: &str) -> bool {
 
 /// Returns whether equipment of a zone, or the air loop that serves it, can cool.
 pub(super) fn cools(model: &Model, zone: &str, equipment: &[Reference]) -> Result<bool> {
-    let only_heats = |item: &Reference| is_one_of(&item.class, &HEATERS) || is_one_of(&item.class, &UNCONTROLLED);
+    let only_heats =
+        |item: &Reference| is_one_of(&item.class, &HEATERS) || is_one_of(&item.class, &UNCONTROLLED);
     let own = equipment.iter().any(|item| !is_distribution(&item.class) && !only_heats(item));
     if own {
         return Ok(true);
