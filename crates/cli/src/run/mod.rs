@@ -210,7 +210,8 @@ impl Arguments {
     fn folder(&self, place: &str, period: RunPeriod) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let mut name = format!("{}-{place}-{period}-{}", self.building, self.controller.name());
+            let building = self.location.placement().control.name_of(&self.building);
+            let mut name = format!("{building}-{place}-{period}-{}", self.controller.name());
             if self.task != Task::default() {
                 name += &format!("-{}", self.task).replace([':', '#'], "_");
             }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use b2b_building::hvac::Quantity;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Response of all actuators of a building.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -37,7 +37,8 @@ pub struct Row {
     pub highest: f64,
     /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
     pub error: f64,
-    /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone.
+    /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null for it.
+    #[serde(deserialize_with = "or_infinite")]
     pub tolerance: f64,
     /// Heat delivered or removed, W; setpoints only.
     pub heat: Option<f64>,
@@ -134,6 +135,11 @@ impl Report {
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fails)
     }
+}
+
+/// Reads a number, or infinity from null.
+fn or_infinite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 /// A table with one line per row.

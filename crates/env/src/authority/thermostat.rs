@@ -132,6 +132,14 @@ mod tests {
     }
 
     #[test]
+    fn a_row_without_a_tolerance_is_read_back_from_json() {
+        let row = row(Quantity::CoolingSetpoint, 15.0, 22.0, 0.0);
+        let text = serde_json::to_string(&Row { lowest: 20.0, highest: 23.0, ..row.clone() }).unwrap();
+        let read: Row = serde_json::from_str(&text).unwrap();
+        assert_eq!((read.tolerance, read.command), (f64::INFINITY, 15.0));
+    }
+
+    #[test]
     fn a_setpoint_moves_its_zone_or_its_equipment_is_at_capacity() {
         let heating = |mean, heat| judge(&row(Quantity::HeatingSetpoint, 30.0, mean, heat), 20.0);
         assert_eq!(heating(29.9, 500.0), Verdict::Follows);

@@ -17,7 +17,7 @@ use super::energy_management::remove_ems_programs;
 use super::kind::{Candidate, KindName};
 use super::sequence::Sequence;
 use super::system::{FromModel, System, ZoneState};
-use super::thermostat::{own_thermostat, remove_comfort_control};
+use super::thermostat::{OUT_OF_REACH, own_thermostat, remove_comfort_control};
 use crate::model::text;
 use crate::morphology::NodeType;
 use crate::{Conditioning, Model, Result};
@@ -89,7 +89,7 @@ impl System for SetpointZone {
     fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]) {
         let target = zone(0).target;
         if self.cooling.is_none() {
-            action[Self::HEATING] = target;
+            action[Self::HEATING] = target.clamp(HEATING[0], HEATING[1]);
             return;
         }
         let [heating, cooling] = around(target);
@@ -131,13 +131,14 @@ impl FromModel for SetpointZone {
         }
         equipment::refuse_deaf(model, zone, &equipment)?;
         remove_comfort_control(model, zone)?;
-        let schedules = own_thermostat(model, zone, INITIAL[0], INITIAL[1])?;
+        let cools = equipment::cools(model, zone, &equipment)?;
+        let schedules =
+            own_thermostat(model, zone, INITIAL[0], if cools { INITIAL[1] } else { OUT_OF_REACH })?;
         remove_ems_programs(model, |actuator| {
             let field = |field| text(actuator, field).unwrap_or_default();
             field("actuated_component_type").eq_ignore_ascii_case("Zone Temperature Control")
                 && field("actuated_component_unique_name").eq_ignore_ascii_case(zone)
         });
-        let cools = equipment::cools(model, zone, &equipment)?;
         let actuator = |schedule: String, quantity| actuator(zone, schedule, quantity);
         Ok(Self {
             zone: zone.to_owned(),

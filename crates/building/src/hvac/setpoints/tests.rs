@@ -71,6 +71,8 @@ fn a_zone_that_nothing_cools_has_a_heating_setpoint_alone() {
     assert_eq!(found.systems[0].actuators().len(), 1);
     assert_eq!(found.systems[0].conditioning(), Conditioning::Heating);
     assert_eq!(found.systems[0].node_type(), NodeType::HeatingOnlyZone);
+    let cooling = model.require("Schedule:Constant", "Z Cooling Setpoint").unwrap();
+    assert_eq!(cooling["hourly_value"], OUT_OF_REACH, "above every heating setpoint");
 }
 
 #[test]
