@@ -98,9 +98,12 @@ class Found(NamedTuple):
     place: str | None
     weather: str | None
     allow_external: bool = False
+    control: str = "actuators"
 
     def build(self) -> Building:
-        return find_building(self.name, self.place, self.weather, allow_external=self.allow_external)
+        return find_building(
+            self.name, self.place, self.weather, allow_external=self.allow_external, control=self.control
+        )
 
 
 class Generated(NamedTuple):
@@ -146,6 +149,11 @@ class Building:
         return self._core.weather
 
     @property
+    def control(self) -> str:
+        """What an agent sets: the ``"actuators"`` of the systems, or the ``"setpoints"`` of every zone."""
+        return self.origin.control if isinstance(self.origin, Found) else "actuators"
+
+    @property
     def climate_zone(self) -> str | None:
         """ASHRAE 169 climate zone, if known."""
         return self._core.climate_zone
@@ -174,28 +182,37 @@ def _rebuild(origin: Found | Generated) -> Building:
 
 
 def find_building(
-    name: str, place: str | None = None, weather: PathLike | None = None, *, allow_external: bool = False
+    name: str,
+    place: str | None = None,
+    weather: PathLike | None = None,
+    *,
+    allow_external: bool = False,
+    control: str = "actuators",
 ) -> Building:
     """Finds a building by its name: a building type, an id of the dataset, or the path of a model.
 
     A type is in its default place unless ``place`` or a ``weather`` file is given. ``allow_external`` is as for
-    :func:`import_building`.
+    :func:`import_building`. With ``control="setpoints"``, an agent sets the heating and the cooling setpoint of every
+    zone, and the building's equipment follows by its own controls; otherwise it sets the actuators of the systems.
     """
     file = None if weather is None else os.fspath(weather)
-    origin = Found(name, place, file, allow_external)
-    return Building(_core.find_building(name, place, file, allow_external), origin)
+    origin = Found(name, place, file, allow_external, control)
+    return Building(_core.find_building(name, place, file, allow_external, control), origin)
 
 
-def import_building(model: PathLike, weather: PathLike, *, allow_external: bool = False) -> Building:
+def import_building(
+    model: PathLike, weather: PathLike, *, allow_external: bool = False, control: str = "actuators"
+) -> Building:
     """Imports an EnergyPlus model (IDF or epJSON, version 25.2 or 25.1) with a weather file (EPW).
 
-    Supported systems become controllable; the others keep the model's own controls. A model that runs code (FMU,
+    Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
+    thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,
     Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``.
     """
     path = Path(model).resolve()
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
-    return find_building(os.fspath(path), None, Path(weather).resolve(), allow_external=allow_external)
+    return find_building(os.fspath(path), None, Path(weather).resolve(), allow_external=allow_external, control=control)
 
 
 def edit_model(
@@ -249,12 +266,14 @@ def select_building(
     place: str | None = None,
     weather: PathLike | None = None,
     building: Building | None = None,
+    control: str = "actuators",
 ) -> Building:
     """Returns the building that the arguments of :func:`make_env` select."""
     if building is not None:
+        check_control(building, control)
         return building
     if building_id is not None:
-        return find_building(building_id, place, weather)
+        return find_building(building_id, place, weather, control=control)
     if building_type is None:
         raise SettingError("no building selected; pass a building_type, a building_id or a building")
     if index is not None:
@@ -262,13 +281,22 @@ def select_building(
         ids = list_buildings(building_type, split)
         if not 0 <= index < len(ids):
             raise SettingError(f"index {index} is out of range for split `{split}`; expected 0 to {len(ids) - 1}")
-        return find_building(ids[index], place, weather)
+        return find_building(ids[index], place, weather, control=control)
     if split is not None:
         raise SettingError(
             f"split `{split}` selects a building only with an index; pass index=0 for its first one, or omit split for "
             "the type's prototype"
         )
-    return find_building(building_type, place, weather)
+    return find_building(building_type, place, weather, control=control)
+
+
+def check_control(building: Building, control: str) -> None:
+    """Raises if arguments ask for another interface than that of a building."""
+    if control not in ("actuators", building.control):
+        raise SettingError(
+            f"{building!r} is controlled through its {building.control}; pass control={control!r} to find_building or "
+            "import_building"
+        )
 
 
 def checked_weather(files: Sequence[PathLike]) -> list[str]:

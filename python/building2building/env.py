@@ -61,6 +61,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         building: Building | None = None,
         place: str | None = None,
         weather: PathLike | None = None,
+        control: str = "actuators",
         task: str | dict[str, Any] = "operate",
         run_period: str = "winter",
         timesteps_per_hour: int = 12,
@@ -83,7 +84,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if in_process and (window_days is not None or weather_years):
             message = "window_days and weather_years are not available with in_process=True or keep_engine_output"
             raise SettingError(message)
-        self.building = select_building(building_type, split, index, building_id, place, weather, building)
+        self.building = select_building(building_type, split, index, building_id, place, weather, building, control)
         self.task = task_text(task)
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
         self.rescale_action = rescale_action

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .buildings import Building, Found, PathLike
+from .buildings import Building, Found, PathLike, check_control
 from .errors import SettingError
 from .identity import identity_of
 from .layout import Layout
@@ -105,6 +105,7 @@ class Request:
         timesteps_per_hour: int = 12,
         place: str | None = None,
         weather: PathLike | None = None,
+        control: str = "actuators",
         rescale_action: bool | None = None,
         normalize: bool = False,
         folder: PathLike | None = None,
@@ -121,7 +122,7 @@ class Request:
         tasks = own_task(named) if tasks is None else tasks
         self.episodes = [
             (*found, text, period, seed, timesteps_per_hour)
-            for found in (_found(building, place, weather) for building in _listed(buildings))
+            for found in (_found(building, place, weather, control) for building in _listed(buildings))
             for period in _listed(run_periods)
             for text in (task_text(task) for task in _listed(tasks))
             for seed in _listed(seeds)
@@ -174,8 +175,9 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
       or the path of an ONNX file, whose actions are in [-1, 1] unless ``rescale_action=False``; these run without
       Python.
 
-    ``tasks`` are those of the episodes: by default ``operate``, and for an agent the task that it was trained for.
-    ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
+    ``tasks`` are the tasks of the episodes: by default ``operate``, and for an agent the task that it was trained for.
+    ``buildings`` are ids, types, paths of models, or results of :func:`find_building`; with ``control="setpoints"``,
+    policies set the heating and the cooling setpoint of every zone. ``jobs`` episodes run at a time,
     each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
     call resumes an interrupted evaluation and gives the same bytes; it says how many episodes are reused. Two calls are
     the same if all their arguments are. A policy is the same if its ``name`` (by default the name of the class or
@@ -209,6 +211,7 @@ def compute_normalized_score(
     timesteps_per_hour: int = 12,
     place: str | None = None,
     weather: PathLike | None = None,
+    control: str = "actuators",
 ) -> float | None:
     """Divides a return by the reactive controllers' return for the same building, task and run period.
 
@@ -220,7 +223,7 @@ def compute_normalized_score(
 
     Raises :class:`~building2building.errors.EvaluationError` if the building cannot be simulated.
     """
-    episode = (*_found(building, place, weather), task_text(task), run_period, 0, timesteps_per_hour)
+    episode = (*_found(building, place, weather, control), task_text(task), run_period, 0, timesteps_per_hour)
     return _core.normalized_score(float(episode_return), _core.baseline(episode)[0])
 
 
@@ -233,13 +236,14 @@ def compute_resolved_score(
     timesteps_per_hour: int = 12,
     place: str | None = None,
     weather: PathLike | None = None,
+    control: str = "actuators",
 ) -> float | None:
     """The resolved score: like :func:`compute_normalized_score`, after adding an RMS deviation of 0.2 K to both.
 
     0.2 K is the accuracy that ISO 7726 calls desirable for an air temperature sensor: differences below it count
     little.
     """
-    episode = (*_found(building, place, weather), task_text(task), run_period, 0, timesteps_per_hour)
+    episode = (*_found(building, place, weather, control), task_text(task), run_period, 0, timesteps_per_hour)
     baseline, _, steps = _core.baseline(episode)
     return _core.resolved_score(float(episode_return), baseline, steps)
 
@@ -318,9 +322,9 @@ def name_of(policy: Any) -> str:
 
 
 def _found(
-    building: PathLike | Building, place: str | None, weather: PathLike | None
-) -> tuple[str, str | None, str | None, bool]:
-    """Returns building, place, weather and allow_external as the evaluation finds them."""
+    building: PathLike | Building, place: str | None, weather: PathLike | None, control: str
+) -> tuple[str, str | None, str | None, bool, str]:
+    """Returns building, place, weather, allow_external and control as the evaluation finds them."""
     allow_external = False
     if isinstance(building, Building):
         origin = building.origin
@@ -331,5 +335,6 @@ def _found(
             )
         if place is not None or weather is not None:
             raise SettingError(f"{building!r} already has a place; omit place and weather")
-        building, place, weather, allow_external = origin
-    return os.fspath(building), place, None if weather is None else os.path.abspath(weather), allow_external
+        check_control(building, control)
+        building, place, weather, allow_external, control = origin
+    return os.fspath(building), place, None if weather is None else os.path.abspath(weather), allow_external, control

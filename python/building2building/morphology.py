@@ -28,6 +28,7 @@ class NodeType(str, Enum):
     VAV_ZONE = "vav_zone"
     HEATING_ONLY_ZONE = "heating_only_zone"
     UNCONTROLLED_ZONE = "uncontrolled_zone"
+    SETPOINT_ZONE = "setpoint_zone"
 
 
 class SystemKind(str, Enum):
@@ -36,6 +37,7 @@ class SystemKind(str, Enum):
     UNITARY = "unitary"
     AIR_LOOP = "air_loop"
     HEATING_ONLY = "heating_only"
+    SETPOINTS = "setpoints"
 
 
 class Morphology:

@@ -77,5 +77,6 @@ def _selection(building: Building) -> dict[str, Any]:
     a dataset can hold."""
     origin = building.origin
     if isinstance(origin, Found):
-        return {"building_id": origin.name, "place": origin.place, "weather": origin.weather}
+        control = {} if origin.control == "actuators" else {"control": origin.control}
+        return {"building_id": origin.name, "place": origin.place, "weather": origin.weather, **control}
     return {"building": building}

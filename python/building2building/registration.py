@@ -34,6 +34,9 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
       building of the dataset;
     - ``building``: the result of :func:`generate` or :func:`import_building`.
 
+    ``control="setpoints"`` controls every zone through the heating and the cooling setpoint of its thermostat, which
+    the building's equipment follows, instead of the actuators of its systems.
+
     Further arguments:
 
     - ``task``: ``operate`` (comfort bands and costs) by default; the paper's ``constant``, ``occupancy+energy0.5``,

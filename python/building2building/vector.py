@@ -19,6 +19,7 @@ from .buildings import (
     Building,
     Generator,
     PathLike,
+    check_control,
     checked_weather,
     find_building,
     is_dataset_id,
@@ -74,6 +75,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         weights: dict[str, float] | None = None,
         place: str | None = None,
         weather: PathLike | None = None,
+        control: str = "actuators",
         task: _Task | Sequence[_Task] = "operate",
         run_period: str = "winter",
         timesteps_per_hour: int = 12,
@@ -98,12 +100,14 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:
             buildings = list_buildings(building_type, split or "train")
         if buildings is None:
-            buildings = [select_building(building_type, split, index, building_id, place, weather, building)]
+            buildings = [
+                select_building(building_type, split, index, building_id, place, weather, building, control)
+            ]
         if not buildings:
             raise SettingError("buildings is empty; pass at least one")
         #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
         self.buildings = [
-            _candidate(each, bool(resample)) for each in (buildings if resample else buildings[:num_envs])
+            _candidate(each, bool(resample), control) for each in (buildings if resample else buildings[:num_envs])
         ]
         tasks = [task] if isinstance(task, (str, dict)) else list(task)
         self.num_envs = num_envs
@@ -128,6 +132,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             problem,
             by_role,
             checked_weather(weather_years),
+            control,
         )
         self._core = core = self._make_core()
         close_at_exit(self)
@@ -342,13 +347,15 @@ def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
     return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
 
 
-def _candidate(given: Building | Generator | str, lazily: bool) -> Building | Generator | str:
+def _candidate(given: Building | Generator | str, lazily: bool, control: str) -> Building | Generator | str:
     """Returns a building; with ``lazily``, an id stays an id until it is drawn."""
     if isinstance(given, Generator) and not lazily:
         raise SettingError("a generator has no fixed building; pass resample=True")
+    if isinstance(given, Building):
+        check_control(given, control)
     if not isinstance(given, str) or (lazily and is_dataset_id(given)):
         return given
-    return find_building(given)
+    return find_building(given, control=control)
 
 
 def _action_space(actuators: list[list[tuple[str, float, float]]], width: int, rescale: bool) -> Box:

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model};
 use b2b_climate::{Place, WeatherFile};
-use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
+use b2b_dataset::{BuildingName, Catalog, Control, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::{SiteInfo, Subject};
@@ -146,7 +146,7 @@ impl Inner {
     pub fn of_spaces(spaces: &b2b_env::Spaces) -> Self {
         let source = Source::Prepared(Box::new((*spaces.building).clone()));
         let (class, weather) = (spaces.building.class, spaces.episode.weather.clone());
-        let Ok(name @ BuildingName::Id(id)) = spaces.building.name.parse() else {
+        let Ok(name @ BuildingName::Id(id)) = Control::split_name(&spaces.building.name).0.parse() else {
             let place = weather.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             return Self::new(source, class, place, weather, Origin::default());
         };
@@ -288,23 +288,29 @@ pub fn read_task(text: &str) -> PyResult<Task> {
     Task::from_text(text).map_err(of_env)
 }
 
+/// Reads what an agent sets in a building: `actuators`, unless given.
+pub fn read_control(control: Option<&str>) -> PyResult<Control> {
+    Ok(control.map(str::parse).transpose().map_err(of_building)?.unwrap_or_default())
+}
+
 /// Finds a building by its name: a type, a dataset id or a model file. Except for model files, recent results with the
 /// same name and placement share their data.
 #[pyfunction]
-#[pyo3(signature = (name, place=None, weather=None, allow_external=false))]
+#[pyo3(signature = (name, place=None, weather=None, allow_external=false, control=None))]
 pub fn find_building(
     py: Python<'_>,
     name: &str,
     place: Option<&str>,
     weather: Option<PathBuf>,
     allow_external: bool,
+    control: Option<&str>,
 ) -> PyResult<Building> {
     /// The most recently found buildings, by name and placement.
     static KNOWN: Mutex<Vec<(BuildingName, Placement, Arc<Inner>)>> = Mutex::new(Vec::new());
     const MAX_KNOWN: usize = 64;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
-    let placement = Placement { place, weather, allow_external };
+    let placement = Placement { place, weather, allow_external, control: read_control(control)? };
     let is_file = matches!(name, BuildingName::Model(_));
     let known = locked(&KNOWN)
         .iter()

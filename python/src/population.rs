@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::RunPeriod;
-use b2b_dataset::BuildingId;
+use b2b_dataset::{BuildingId, Control};
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
     AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
@@ -31,6 +31,8 @@ pub enum Candidate<'py> {
 /// The buildings and tasks of a batch of environments.
 pub struct Episodes {
     tasks: Vec<Task>,
+    /// What an agent sets in buildings that are generated.
+    control: Control,
     period: RunPeriod,
     steps_per_hour: u32,
     /// Buildings that were found.
@@ -46,6 +48,7 @@ impl Episodes {
         tasks: &[String],
         period: &str,
         steps_per_hour: u32,
+        control: Control,
     ) -> PyResult<Self> {
         if tasks.is_empty() {
             return Err(Exception::Setting.new_err("task is empty; pass at least one"));
@@ -54,7 +57,7 @@ impl Episodes {
         let period = period.parse().map_err(of_building)?;
         let mut ids = BTreeMap::<&'static str, Vec<BuildingId>>::new();
         let mut episodes =
-            Self { tasks, period, steps_per_hour, found: Vec::new(), populations: BTreeMap::new() };
+            Self { tasks, control, period, steps_per_hour, found: Vec::new(), populations: BTreeMap::new() };
         for candidate in candidates {
             match candidate {
                 Candidate::Building(building) => episodes.found.push(Arc::clone(&building.inner)),
@@ -108,6 +111,7 @@ impl Episodes {
         Ok(Buildings {
             catalog: catalog()?,
             population: population.clone(),
+            control: self.control,
             period: self.period,
             steps_per_hour: self.steps_per_hour,
             task: self.tasks[0].clone(),

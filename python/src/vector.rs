@@ -11,7 +11,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::benchmarks::Problem;
-use crate::catalog::{Inner, locked};
+use crate::catalog::{Inner, locked, read_control};
 use crate::error::{Exception, of_env, of_evaluation};
 use crate::pools::{self, Owner};
 use crate::population::{Candidate, Cut, Episodes};
@@ -73,11 +73,11 @@ impl VecEnv {
     /// of the types; otherwise, environment i repeats pair i of a building and a task. `window` is the length of an
     /// episode in days and the number of possible first days. `problem` defines the form of observations and actions;
     /// `by_role` arranges observations of houses by the roles of their zones. With `weather_years`, every episode draws one
-    /// of these weather files.
+    /// of these weather files. `control` is what an agent sets in buildings that are generated when they are drawn.
     #[new]
     #[pyo3(signature = (
         buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,
-        window=None, problem=None, by_role=false, weather_years=Vec::new()
+        window=None, problem=None, by_role=false, weather_years=Vec::new(), control=None
     ))]
     #[expect(clippy::too_many_arguments, reason = "the Python class passes them by name")]
     fn new(
@@ -95,6 +95,7 @@ impl VecEnv {
         problem: Option<&Problem>,
         by_role: bool,
         weather_years: Vec<PathBuf>,
+        control: Option<&str>,
     ) -> PyResult<Self> {
         if count > MAX_ENVIRONMENTS {
             let message = format!("num_envs is {count}; expected 1 to {MAX_ENVIRONMENTS}");
@@ -111,7 +112,8 @@ impl VecEnv {
         let generated = buildings.iter().any(|each| matches!(each, Candidate::Generator(_)));
         let mut workers = pools::options(py)?;
         workers.template_memory = if resample.is_some() && (many || generated) { 0 } else { 2 << 30 };
-        let episodes = Episodes::new(&buildings, &tasks, run_period, timesteps_per_hour)?;
+        let control = read_control(control)?;
+        let episodes = Episodes::new(&buildings, &tasks, run_period, timesteps_per_hour, control)?;
         let options = VecEnvOptions { workers, autoreset, widths: None };
         let problem = problem.map(|problem| &problem.inner);
         py.detach(|| {

@@ -118,6 +118,20 @@ def test_a_model_that_runs_code_is_refused_unless_it_is_allowed(tmp_path):
     assert pickle.loads(pickle.dumps(building)).origin.allow_external
 
 
+def test_every_zone_of_a_building_is_controlled_through_its_setpoints(make):
+    env = make("OfficeSmall", control="setpoints", run_period=DAY).unwrapped
+    assert env.building.name == "OfficeSmall+setpoints" and env.building.control == "setpoints"
+    assert env.morphology.counts["setpoint_zone"] == 5 and env.action_space.shape == (10,)
+    assert pickle.loads(pickle.dumps(env.building)).name == env.building.name
+    env.reset(seed=0)
+    env.step(np.tile(np.float32([25.0, 20.0]), 5))
+    np.testing.assert_array_equal(env.applied_action(), np.tile([25.0, 25.5], 5))
+    with pytest.raises(errors.SettingError, match="find_building"):
+        b2b.make_env(building=b2b.find_building("OfficeSmall"), control="setpoints")
+    with pytest.raises(errors.BuildingError, match="actuators or setpoints"):
+        b2b.find_building("OfficeSmall", control="thermostats")
+
+
 def test_a_morphology_splits_observations_and_joins_actions(office):
     graph = office.morphology
     observation, _ = office.reset()

@@ -119,11 +119,19 @@ impl Agent {
         match pilot.graph() {
             None => self.check(&pilot.observation().names(), spaces.action.names(), spaces)?,
             Some(_) => {
-                let types = NodeSpaces::of(self.info.interface);
+                let types = NodeSpaces::of(self.info.interface).first(self.node_types());
                 self.check(&types.slots(), &types.actuators(), spaces)?;
             }
         }
         Ok(pilot)
+    }
+
+    /// Returns the number of node types of its graph network.
+    fn node_types(&self) -> usize {
+        match &self.info.network {
+            crate::network::Shape::Graph(network) => network.types.len(),
+            crate::network::Shape::Mlp(_) => 0,
+        }
     }
 
     fn plan(&self, form: NodeForm, spaces: &Spaces) -> Result<NodePlan> {

@@ -168,7 +168,8 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
     let found = match &info.network {
         Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layers"),
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
-        Shape::Graph(network) if network.types.len() != NodeType::ALL.len() => {
+        // An agent from before a node type was added has fewer.
+        Shape::Graph(network) if network.types.len() > NodeType::ALL.len() => {
             return Err("the number of node types in its network does not match");
         }
         Shape::Graph(network) if network.heads == 0 || !network.embedding.is_multiple_of(network.heads) => {

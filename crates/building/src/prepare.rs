@@ -38,7 +38,7 @@ pub struct PreparedBuilding {
     pub systems: Vec<Box<dyn System>>,
     /// Places of the systems in the action and in the zones, in the same order.
     layouts: Vec<SystemLayout>,
-    /// Systems and equipment that are not controlled, with the reason; empty except for imported buildings.
+    /// Systems and equipment without actuators of their own, with the reason; empty except for imported buildings.
     pub uncontrolled: Vec<Uncontrolled>,
     /// Floor area of the conditioned zones, m², by which energy is normalized. It includes zones under their own
     /// controls, because energy covers all HVAC.
@@ -48,7 +48,8 @@ pub struct PreparedBuilding {
     /// The year of each zone according to its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
-    /// Outdoor air of the systems of a building under its own controls.
+    /// Outdoor air that the model controls: of the systems of a building under its own controls, and of air loops whose zones
+    /// are controlled through their thermostats.
     #[serde(default)]
     own_ventilation: Vec<Option<OutdoorAir>>,
 }
@@ -66,9 +67,12 @@ pub struct OutdoorAir {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Controls {
-    /// An agent or controller that sets its actuators.
+    /// An agent or controller that sets the actuators of its systems.
     #[default]
     Actuators,
+    /// An agent or controller that sets the heating and the cooling setpoint of every zone. The model's own equipment
+    /// follows them.
+    Setpoints,
     /// The thermostats and schedules of the original model. There are no actuators.
     Own,
 }
@@ -137,9 +141,27 @@ impl PreparedBuilding {
         Ok(Self { years, ..Self::with(name, model, discovery)? })
     }
 
+    /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else. `complete`
+    /// adds controls that the model lacks; it is given the years of the zones.
+    ///
+    /// # Errors
+    /// [`Error::NothingToControl`]; [`Error::Engine`] when the engine rejects the model.
+    pub fn under_setpoints(
+        name: &str,
+        mut model: Model,
+        weather: &Path,
+        library: &Library,
+        complete: impl FnOnce(&mut Model, &[ZoneYear]),
+    ) -> Result<Self> {
+        let air_density = size(name, &mut model, weather, library)?;
+        let years = years(name, &model, weather, library)?;
+        complete(&mut model, &years);
+        let discovery = hvac::discover_setpoints(&mut model, air_density)?;
+        Ok(Self { years, ..Self::with(name, model, discovery)? })
+    }
+
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
-    /// controlled, but no actuators. `complete` adds controls that the model lacks; it receives the controlled
-    /// building.
+    /// controlled, but no actuators. `complete` adds controls that the model lacks; it receives the years of the zones.
     ///
     /// # Errors
     /// Same as [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`].
@@ -149,11 +171,11 @@ impl PreparedBuilding {
         weather: &Path,
         library: &Library,
         unsupported: Unsupported,
-        complete: impl FnOnce(&mut Model, &Self),
+        complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         size(name, &mut model, weather, library)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
-        complete(&mut model, &controlled);
+        complete(&mut model, &controlled.years);
         for_episodes(&mut model);
         Ok(Self {
             model_sha256: sha256(model.to_epjson()),
@@ -171,11 +193,12 @@ impl PreparedBuilding {
         if discovery.systems.is_empty() {
             return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
-        let Discovery { systems, uncontrolled } = discovery;
+        let Discovery { systems, uncontrolled, outdoor_air } = discovery;
         for_episodes(&mut model);
         let zones = zone::zones(&model)?;
         let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
         let layouts = SystemLayout::of_all(&systems, &names)?;
+        let own_ventilation = own_ventilation(outdoor_air, &zones, &layouts);
         let zones = prepared_zones(&model, zones, &systems, &layouts)?;
         let meters = hvac_meters(&model);
         let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
@@ -192,7 +215,7 @@ impl PreparedBuilding {
             uncontrolled,
             meters,
             years: Vec::new(),
-            own_ventilation: Vec::new(),
+            own_ventilation,
         })
     }
 
@@ -311,6 +334,24 @@ fn prepared_zones(
         })
     };
     zones.into_iter().enumerate().map(prepared).collect()
+}
+
+/// Returns the outdoor air of air loops with controlled zones, given the zones that each serves.
+fn own_ventilation(
+    loops: Vec<(hvac::Ventilation, Vec<String>)>,
+    zones: &[zone::Zone],
+    layouts: &[SystemLayout],
+) -> Vec<Option<OutdoorAir>> {
+    let controlled = |name: &String| {
+        let index = zones.iter().position(|zone| zone.name.eq_ignore_ascii_case(name))?;
+        let served = layouts.iter().flat_map(|layout| &layout.zones).find(|served| served.index == index)?;
+        Some(served.controlled)
+    };
+    let of_loop = |(ventilation, served): (hvac::Ventilation, Vec<String>)| {
+        let zones: Vec<usize> = served.iter().filter_map(controlled).collect();
+        (!zones.is_empty()).then_some(Some(OutdoorAir { ventilation, zones }))
+    };
+    loops.into_iter().filter_map(of_loop).collect()
 }
 
 /// Returns the outdoor air of a system whose damper is controlled by the model.

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_climate::Place;
-use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_dataset::{BuildingName, Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, Task};
 #[cfg(target_os = "linux")]
@@ -73,6 +73,14 @@ impl EnvBuilder {
         self.set(Place::find(name).map_err(Error::from), |builder, place| {
             builder.placement.place = Some(place)
         })
+    }
+
+    /// Controls every zone through the heating and the cooling setpoint of its thermostat, which the building's equipment
+    /// follows.
+    #[must_use]
+    pub fn setpoints(mut self) -> Self {
+        self.placement.control = Control::Setpoints;
+        self
     }
 
     /// Lets the user's model run code and open files outside its folder.

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use b2b_building::Period;
 use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
-use b2b_dataset::{BuildingName, Catalog};
+use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_env::{Comfort, EpisodeMetrics, Task};
 use b2b_evaluate::{Baselines, Episode, SiteInfo, Subject, task_for};
 use serde::Serialize;
@@ -93,7 +93,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         trajectory.scored(&task_for(subject, &site, &task, steps_per_hour), steps_per_hour);
     let scores = baseline.scores(&metrics, resource, steps_per_hour);
     let score = Score {
-        building: subject.name.to_string(),
+        building: subject.label(),
         place: trajectory.place.clone(),
         task: task.to_string(),
         period: period.to_string(),
@@ -234,11 +234,14 @@ impl Arguments {
         let hint = "specify it with --building and --weather";
         let name = match &self.building {
             Some(name) => name.clone(),
-            None => match building.parse() {
+            None => match Control::split_name(building).0.parse() {
                 Ok(name) => name,
                 Err(_) => bail!("unknown building `{building}`; {hint}"),
             },
         };
+        if self.building.is_none() {
+            placement.control = Control::split_name(building).1;
+        }
         // The file names the place of a building type; a building of the dataset has its own.
         let is_type = matches!(name, BuildingName::Type(_));
         if is_type && placement.weather.is_none() && placement.place.is_none() {

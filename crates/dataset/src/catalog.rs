@@ -12,7 +12,7 @@ use b2b_climate::{EpwFile, Place, Site};
 use b2b_energyplus::install::{Cache, Engine, Progress};
 use b2b_energyplus::{Host, Library};
 
-use crate::{Building, BuildingId, Preparation};
+use crate::{Building, BuildingId, Control, Preparation};
 use crate::{Error, Result, archetype, commercial};
 
 /// The name of a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
@@ -26,7 +26,7 @@ pub enum BuildingName {
     Model(PathBuf),
 }
 
-/// The location of a building, if not the default, and the permissions of a user's model.
+/// The location of a building, if not the default, its interface, and the permissions of a user's model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
@@ -35,6 +35,8 @@ pub struct Placement {
     pub weather: Option<PathBuf>,
     /// Whether a user's model may run code and open files outside its folder ([`import::read`]).
     pub allow_external: bool,
+    /// What an agent sets: the actuators of the systems, or the setpoints of every zone.
+    pub control: Control,
 }
 
 /// Finds buildings; caches prototypes and sites.
@@ -62,6 +64,8 @@ pub struct Found {
     pub weather: PathBuf,
     /// The site of the weather file.
     pub site: Arc<Site>,
+    /// What an agent sets in it.
+    pub control: Control,
     /// Who controls it.
     pub controls: Controls,
     /// The model before sizing.
@@ -111,8 +115,8 @@ impl Catalog {
         let model = self.model(name, placement, &site)?;
         let class = placement.class(name, &weather)?;
         let prototype = placement.is_prototype(name);
-        let controls = Controls::default();
-        Ok(Found { name: name.clone(), class, prototype, place, weather, site, controls, model })
+        let (control, controls) = (placement.control, placement.control.into());
+        Ok(Found { name: name.clone(), class, prototype, place, weather, site, control, controls, model })
     }
 
     /// Returns the model of a generated building, before sizing, and its weather file.
@@ -205,10 +209,14 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
-    /// Sets who controls the building.
+    /// Leaves the building to its own controls, if a controller wants them. One that acts finds the interface of the
+    /// placement.
     #[must_use]
-    pub fn under(self, controls: Controls) -> Self {
-        Self { controls, ..self }
+    pub fn under(self, wanted: Controls) -> Self {
+        match wanted {
+            Controls::Own => Self { controls: Controls::Own, ..self },
+            Controls::Actuators | Controls::Setpoints => self,
+        }
     }
 
     /// Sizes the building and makes it controllable: every system, or the supported ones of a user's model.
@@ -225,7 +233,7 @@ impl From<Found> for Preparation {
     fn from(found: Found) -> Self {
         Self {
             own: matches!(found.name, BuildingName::Model(_)),
-            name: found.name.to_string(),
+            name: found.control.name_of(&found.name),
             class: found.class,
             prototype: found.prototype,
             controls: found.controls,

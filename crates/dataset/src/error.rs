@@ -14,6 +14,12 @@ pub enum Error {
         /// The text.
         text: String,
     },
+    /// Text that is not the interface of a building.
+    #[error("unknown control `{text}`; expected actuators or setpoints")]
+    Control {
+        /// The text.
+        text: String,
+    },
     /// The text is neither the name of a building nor a model file.
     #[error("{why}; the name of a model file ends in .idf or .epJSON")]
     NoBuilding {

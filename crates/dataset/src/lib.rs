@@ -16,6 +16,7 @@ pub mod archetype;
 mod building;
 mod catalog;
 pub mod commercial;
+mod control;
 mod error;
 mod ground_temperatures;
 pub mod house;
@@ -32,6 +33,7 @@ use std::sync::OnceLock;
 
 pub use building::Building;
 pub use catalog::{BuildingName, Catalog, Found, Placement};
+pub use control::Control;
 pub use error::{Error, Result};
 pub use id::{BUILDINGS_PER_TYPE, BuildingId};
 pub use manifest::manifest;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_building::hvac::{KINDS, Unsupported};
 use b2b_building::import::external;
-use b2b_building::{Class, Controls, Model, PreparedBuilding};
+use b2b_building::{Class, Controls, Model, PreparedBuilding, ZoneYear};
 use b2b_climate::EpwFile;
 use b2b_energyplus::Library;
 
@@ -66,17 +66,20 @@ impl Preparation {
     fn run_anew(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
         let Self { name, model, .. } = self;
         let unsupported = if self.own { Unsupported::LeftAlone } else { Unsupported::Refused };
+        let is_house = self.class.is_some_and(|class| class.building_type.is_house());
+        let complete = |model: &mut Model, years: &[ZoneYear]| {
+            if is_house {
+                house::add_thermostat(model, years);
+            }
+        };
         let building = match self.controls {
+            Controls::Setpoints => {
+                PreparedBuilding::under_setpoints(&name, model, weather, library, complete)
+            }
             Controls::Actuators => {
                 PreparedBuilding::with_kinds(&name, model, weather, library, &KINDS, unsupported)
             }
             Controls::Own => {
-                let is_house = self.class.is_some_and(|class| class.building_type.is_house());
-                let complete = |model: &mut Model, controlled: &PreparedBuilding| {
-                    if is_house {
-                        house::add_thermostat(model, controlled);
-                    }
-                };
                 PreparedBuilding::under_own_controls(&name, model, weather, library, unsupported, complete)
             }
         };

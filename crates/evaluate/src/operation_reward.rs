@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_building::Class;
-use b2b_dataset::BuildingName;
+use b2b_dataset::{BuildingName, Control};
 use b2b_env::{CostScale, OPERATION_WEIGHT};
 use serde::Serialize;
 
@@ -147,7 +147,8 @@ impl Ranked {
 impl Episode {
     /// Returns `None` for a lost episode, a building outside the dataset, or a task with targets.
     fn of(row: &Row) -> Option<Self> {
-        let Ok(BuildingName::Id(id)) = row.info.building.parse() else { return None };
+        let (name, _) = Control::split_name(&row.info.building);
+        let Ok(BuildingName::Id(id)) = name.parse() else { return None };
         let metrics = row.metrics()?;
         Some(Self {
             class: b2b_dataset::row(id).building.class(),

@@ -35,6 +35,11 @@ impl Subject {
         Self { name, placement: Placement::default() }
     }
 
+    /// Returns the name of the building in results, with its interface if that is not the building's own.
+    pub fn label(&self) -> String {
+        self.placement.control.name_of(&self.name)
+    }
+
     /// Returns the split, `train` or `test`; empty for a building outside the dataset.
     pub fn split(&self) -> String {
         match self.name {
@@ -63,12 +68,14 @@ impl Subject {
             BuildingName::Model(path) => hash_of_model(path)?,
             BuildingName::Type(_) | BuildingName::Id(_) => self.name.to_string(),
         };
-        Ok(match (&self.placement.weather, self.placement.place, &self.name) {
+        let interface = self.placement.control.suffix();
+        let identity = match (&self.placement.weather, self.placement.place, &self.name) {
             (Some(weather), _, _) => format!("{what}@{}", hash_of(weather)?),
             (None, Some(place), _) => format!("{what}@{}", place.name),
             (None, None, BuildingName::Type(building_type)) => format!("{what}@{}", building_type.home()),
             (None, None, _) => what,
-        })
+        };
+        Ok(identity + interface)
     }
 
     /// Finds the site of the building.
@@ -115,6 +122,8 @@ pub fn hash_of(path: &Path) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
+    use b2b_dataset::Control;
+
     use super::*;
 
     #[test]
@@ -123,6 +132,9 @@ mod tests {
         assert_eq!(subject.identity().unwrap(), "OfficeSmall@Denver");
         subject.placement.place = Some(Place::find("Denver").unwrap());
         assert_eq!(subject.identity().unwrap(), "OfficeSmall@Denver");
+        subject.placement.control = Control::Setpoints;
+        assert_eq!(subject.identity().unwrap(), "OfficeSmall@Denver+setpoints");
+        assert_eq!(Control::split_name(&subject.label()), ("OfficeSmall", Control::Setpoints));
         let id = Subject::at_home("OfficeSmall-42".parse().unwrap());
         assert_eq!(id.identity().unwrap(), "OfficeSmall-0042");
         assert!(["train", "test"].contains(&id.split().as_str()));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::house::{Foundation, HouseSample};
-use b2b_dataset::{Building, BuildingId, Catalog, Places, Split};
+use b2b_dataset::{Building, BuildingId, Catalog, Control, Places, Split};
 use b2b_energyplus::install::Quiet;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -26,6 +26,8 @@ pub struct Buildings {
     pub catalog: Arc<Catalog>,
     /// Population of the draws.
     pub population: Population,
+    /// What an agent sets in them.
+    pub control: Control,
     /// Run period of an episode.
     pub period: RunPeriod,
     /// Zone time steps per hour.
@@ -82,7 +84,8 @@ impl Buildings {
     /// The errors of [`Catalog::generate`].
     pub fn setting(&self, name: String, building: &Building) -> Result<Setting> {
         let (model, weather) = self.catalog.generate(building, &mut Quiet).map_err(Error::building)?;
-        let source = Source::generated(name, building.class(), model, weather.clone());
+        let name = name + self.control.suffix();
+        let source = Source::generated(name, building.class(), model, weather.clone()).under(self.control);
         let task = self.task.clone();
         let episode =
             EpisodeConfig { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::{Class, Controls, Model, PreparedBuilding};
-use b2b_dataset::{Found, Preparation};
+use b2b_dataset::{Control, Found, Preparation};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +49,15 @@ impl Source {
     pub fn generated(name: String, class: Class, model: Model, weather: PathBuf) -> Self {
         let (class, controls, model) = (Some(class), Controls::default(), Box::new(model));
         Self::Model { name, class, prototype: false, own: false, controls, model, weather }
+    }
+
+    /// Returns it with what an agent sets, unless it is prepared.
+    #[must_use]
+    pub fn under(mut self, control: Control) -> Self {
+        if let Self::Model { controls, .. } = &mut self {
+            *controls = control.into();
+        }
+        self
     }
 
     /// Returns the prepared building: sized for its weather file and made controllable, unless it already is.

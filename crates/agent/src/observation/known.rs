@@ -1,7 +1,7 @@
 //! Inputs of an agent besides the environment's observations: attributes and the forecast.
 
 use b2b_building::morphology::COMMON;
-use b2b_dataset::{BuildingName, Placement};
+use b2b_dataset::{BuildingName, Control, Placement};
 use b2b_env::{Spaces, attribute_name};
 
 use super::feature::{Feature, Source};
@@ -18,7 +18,8 @@ pub fn attributes(options: ObservationOptions, spaces: &Spaces) -> Result<Vec<f6
         return Ok(Vec::new());
     }
     let name = &spaces.building.name;
-    let origin = name.parse::<BuildingName>().map(|name| Placement::default().origin(&name));
+    let origin =
+        Control::split_name(name).0.parse::<BuildingName>().map(|name| Placement::default().origin(&name));
     b2b_env::attributes(spaces, origin.unwrap_or_default())
         .map_err(|source| Error::Attributes { building: name.clone(), source: Box::new(source) })
 }

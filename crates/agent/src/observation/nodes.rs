@@ -55,6 +55,13 @@ impl NodeSpaces {
         Self { types: types.into() }
     }
 
+    /// Returns the spaces of the first types: those of an agent from before the others were added.
+    #[must_use]
+    pub fn first(mut self, count: usize) -> Self {
+        self.types.truncate(count);
+        self
+    }
+
     /// Returns the name of every feature of every type.
     pub fn slots(&self) -> Vec<String> {
         self.names(|each| &each.features)

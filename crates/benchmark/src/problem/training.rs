@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use b2b_building::morphology::COMMON;
 use b2b_control::ReactiveParameters;
-use b2b_dataset::{BuildingName, Placement};
+use b2b_dataset::{BuildingName, Control, Placement};
 use b2b_env::{ActionSpace, Spaces, attribute_name, attributes};
 use b2b_workers::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
 
@@ -57,7 +57,7 @@ impl TrainingForm {
         if !self.attributes {
             return Ok(Vec::new());
         }
-        let name = spaces.building.name.parse::<BuildingName>();
+        let name = Control::split_name(&spaces.building.name).0.parse::<BuildingName>();
         let origin = name.map(|name| Placement::default().origin(&name)).unwrap_or_default();
         Ok(attributes(spaces, origin)?)
     }

@@ -215,26 +215,32 @@ pub(crate) fn hvac_meters(model: &Model) -> Vec<HvacMeter> {
         .collect()
 }
 
+/// Ideal loads take district heating by hot water and district cooling unless they name other fuels.
+const IDEAL_LOADS: &str = "ZoneHVAC:IdealLoadsAirSystem";
+
 /// Returns whether a model may use a resource. Every model may use electricity and natural gas.
 fn is_used(model: &Model, resource: &str, carrier: Carrier) -> bool {
     match carrier {
         Carrier::Electricity | Carrier::Gas => true,
         Carrier::DistrictHeating | Carrier::DistrictCooling => {
             let class = resource.replacen("DistrictHeating", "DistrictHeating:", 1);
-            model.classes().any(|found| found == class)
+            let is_ideal = resource != "DistrictHeatingSteam";
+            model.classes().any(|found| found == class || is_ideal && found == IDEAL_LOADS)
+                || names_fuel(model, resource)
         }
-        Carrier::Propane | Carrier::FuelOil | Carrier::OtherFuel => {
-            let burns = |class| {
-                model.objects(class).iter().any(|(_, fields)| {
-                    let fuels = fields.keys().filter(|field| field.ends_with("fuel_type"));
-                    fuels
-                        .filter_map(|field| text(fields, field))
-                        .any(|fuel| fuel.eq_ignore_ascii_case(resource))
-                })
-            };
-            model.classes().any(burns)
-        }
+        Carrier::Propane | Carrier::FuelOil | Carrier::OtherFuel => names_fuel(model, resource),
     }
+}
+
+/// Returns whether an object of a model names a fuel.
+fn names_fuel(model: &Model, resource: &str) -> bool {
+    let burns = |class| {
+        model.objects(class).iter().any(|(_, fields)| {
+            let fuels = fields.keys().filter(|field| field.ends_with("fuel_type"));
+            fuels.filter_map(|field| text(fields, field)).any(|fuel| fuel.eq_ignore_ascii_case(resource))
+        })
+    };
+    model.classes().any(burns)
 }
 
 #[cfg(test)]
@@ -245,6 +251,14 @@ mod tests {
 
     fn names(model: &Model) -> Vec<String> {
         hvac_meters(model).into_iter().map(|meter| meter.name).collect()
+    }
+
+    #[test]
+    fn ideal_loads_take_district_heating_and_cooling() {
+        let mut model = Model::default();
+        model.insert(IDEAL_LOADS, "Ideal", json!({}));
+        let district = ["DistrictHeatingWater:HVAC", "DistrictCooling:HVAC"];
+        assert_eq!(names(&model)[2..], district);
     }
 
     #[test]

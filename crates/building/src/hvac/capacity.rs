@@ -9,7 +9,7 @@ use super::distribution::served_zones;
 use super::references::Reference;
 use super::zone_equipment::zone_equipment;
 use crate::model::{Fields, number, text};
-use crate::{Model, Result};
+use crate::{Error, Model, Result};
 
 /// The equipment of a zone or a system: its unit, its terminal, its air handler or its heater.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -78,7 +78,12 @@ impl Capacity {
 /// Returns the air loop that serves a zone.
 pub(super) fn air_loop_of(model: &Model, zone: &str) -> Result<Option<String>> {
     for air_loop in model.names("AirLoopHVAC") {
-        if served_zones(model, &air_loop)?.iter().any(|served| served.zone.eq_ignore_ascii_case(zone)) {
+        let served = match served_zones(model, &air_loop) {
+            // It has no terminals, or one of a kind whose zone is unknown.
+            Err(Error::Unsupported { .. }) => continue,
+            served => served?,
+        };
+        if served.iter().any(|served| served.zone.eq_ignore_ascii_case(zone)) {
             return Ok(Some(air_loop));
         }
     }

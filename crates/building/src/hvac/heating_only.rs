@@ -92,7 +92,7 @@ pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> R
 }
 
 /// Rejects a heater of zero capacity, as sized for a zone that needs no heat: its setpoint would have no effect.
-fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
+pub(super) fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
     let parts = parts(model.require(&heater.class, &heater.name)?);
     let has_none = |part: &Reference| {
         let capacity = model.get(&part.class, &part.name).and_then(|f| number(f, "nominal_capacity"));

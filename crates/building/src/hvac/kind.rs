@@ -22,28 +22,41 @@ pub enum Candidate<'a> {
         /// The equipment.
         object: &'a Reference,
     },
+    /// A zone, by name, with equipment that nothing else controls.
+    Zone(&'a str),
 }
 
 impl<'a> Candidate<'a> {
     /// Returns the name of an air loop.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for equipment of a zone.
+    /// [`Error::Unsupported`] for another candidate.
     pub fn air_loop(self) -> Result<&'a str> {
         match self {
             Self::AirLoop(air_loop) => Ok(air_loop),
-            Self::Equipment { .. } => Err(self.unsupported("it is not an air loop")),
+            _ => Err(self.unsupported("it is not an air loop")),
         }
     }
 
     /// Returns the zone of a piece of equipment, and the equipment.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for an air loop.
+    /// [`Error::Unsupported`] for another candidate.
     pub fn equipment(self) -> Result<(&'a str, &'a Reference)> {
         match self {
             Self::Equipment { zone, object } => Ok((zone, object)),
-            Self::AirLoop(_) => Err(self.unsupported("it is not equipment of a zone")),
+            _ => Err(self.unsupported("it is not equipment of a zone")),
+        }
+    }
+
+    /// Returns the name of a zone whose equipment nothing else controls.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for another candidate.
+    pub fn zone(self) -> Result<&'a str> {
+        match self {
+            Self::Zone(zone) => Ok(zone),
+            _ => Err(self.unsupported("it is not a zone")),
         }
     }
 
@@ -52,6 +65,7 @@ impl<'a> Candidate<'a> {
         match self {
             Self::AirLoop(air_loop) => Error::unsupported("AirLoopHVAC", air_loop, why),
             Self::Equipment { object, .. } => Error::unsupported(&object.class, &object.name, why),
+            Self::Zone(zone) => Error::unsupported("Zone", zone, why),
         }
     }
 

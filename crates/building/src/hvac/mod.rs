@@ -1,7 +1,7 @@
 //! HVAC systems under control: their actuators, with bounds and the engine variables that show the effect.
 //!
 //! A [`System`] has actuators and zones. Each kind of system is a file or a folder ([`unitary`], [`air_loop`],
-//! [`heating_only`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All other code knows systems by
+//! [`heating_only`], [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All other code knows systems by
 //! these traits.
 
 mod actuator;
@@ -13,6 +13,7 @@ mod kind;
 mod layout;
 mod objects;
 mod sequence;
+pub mod setpoints;
 mod system;
 pub mod unitary;
 mod ventilation;
@@ -21,7 +22,7 @@ pub use actuator::{Actuator, EngineVariable, Quantity};
 pub use air_loop::{AirLoop, Terminal};
 pub use capacity::{Equipment, SystemEquipment};
 pub use discovery::{Discovery, Uncontrolled, Unsupported};
-pub(crate) use discovery::{discover, has_own_controls};
+pub(crate) use discovery::{discover, discover_setpoints, has_own_controls};
 pub use heating_only::HeatingOnly;
 pub use kind::{Candidate, Kind, KindName};
 pub use layout::{ServedZone, SystemLayout};
@@ -29,9 +30,11 @@ pub use objects::{air_loop_graph, references, thermostat, zone_equipment};
 use objects::{availability, schedules, setpoint_managers};
 pub(crate) use objects::{distribution, energy_management};
 pub use sequence::Sequence;
+pub use setpoints::{SetpointZone, separate};
 pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
 pub use unitary::{HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 
 /// Every kind of system, in the order in which they claim a part of a model.
-pub static KINDS: [Kind; 3] = [Kind::of::<Unitary>(), Kind::of::<AirLoop>(), Kind::of::<HeatingOnly>()];
+pub static KINDS: [Kind; 4] =
+    [Kind::of::<Unitary>(), Kind::of::<AirLoop>(), Kind::of::<HeatingOnly>(), Kind::of::<SetpointZone>()];

@@ -21,4 +21,11 @@ pub enum Sequence<'a> {
     MultipleZones(&'a AirLoop),
     /// A zone under a thermostat: actuator 0 is its heating setpoint.
     Thermostat,
+    /// A zone whose equipment follows the setpoints of its thermostat.
+    Setpoints {
+        /// Actuator 0, [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint).
+        heating: &'a Actuator,
+        /// Actuator 1, [`Quantity::CoolingSetpoint`](super::Quantity::CoolingSetpoint); `None` for a zone that nothing cools.
+        cooling: Option<&'a Actuator>,
+    },
 }

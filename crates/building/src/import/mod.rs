@@ -6,8 +6,9 @@
 //!
 //! In an imported building:
 //!
-//! - Systems of the three supported kinds are controlled ([`crate::hvac`]). The others keep their thermostats, schedules and
-//!   availability, and are listed in [`crate::PreparedBuilding::uncontrolled`].
+//! - Systems of the supported kinds are controlled ([`crate::hvac`]). Zones with other equipment are controlled through the
+//!   setpoints of their thermostats; the equipment keeps its schedules and availability, and is listed in
+//!   [`crate::PreparedBuilding::uncontrolled`].
 //! - The temperature of every zone is observed; controlled zones count in the reward.
 //! - Energy is that of all HVAC, controlled or not, per floor area of all conditioned zones.
 

@@ -24,6 +24,8 @@ pub enum NodeType {
     HeatingOnlyZone,
     /// A zone without equipment, such as an attic or a plenum. Observations only.
     UncontrolledZone,
+    /// A zone whose equipment follows the heating and the cooling setpoint of its thermostat.
+    SetpointZone,
 }
 
 /// Observed quantities.
@@ -195,7 +197,7 @@ impl Default for Universe {
 
 impl NodeType {
     /// Every type, in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Weather,
         Self::Calendar,
         Self::Energy,
@@ -204,6 +206,7 @@ impl NodeType {
         Self::VavZone,
         Self::HeatingOnlyZone,
         Self::UncontrolledZone,
+        Self::SetpointZone,
     ];
 
     /// Name.
@@ -217,6 +220,7 @@ impl NodeType {
             Self::VavZone => "VAV zone",
             Self::HeatingOnlyZone => "heating-only zone",
             Self::UncontrolledZone => "uncontrolled zone",
+            Self::SetpointZone => "setpoint zone",
         }
     }
 
@@ -240,7 +244,7 @@ impl NodeType {
         match self {
             Self::Weather | Self::Calendar | Self::Energy => &[],
             Self::AirLoop => AIR_LOOP,
-            Self::UnitaryZone => UNITARY_ZONE.as_slice(),
+            Self::UnitaryZone | Self::SetpointZone => UNITARY_ZONE.as_slice(),
             Self::VavZone | Self::HeatingOnlyZone => HEATED_ZONE.as_slice(),
             Self::UncontrolledZone => ZONE.as_slice(),
         }
@@ -253,7 +257,7 @@ impl NodeType {
             Self::Calendar => CALENDAR,
             Self::Energy => ENERGY,
             Self::AirLoop => &[],
-            Self::UnitaryZone | Self::VavZone | Self::HeatingOnlyZone => CONTROLLED_ZONE,
+            Self::UnitaryZone | Self::VavZone | Self::HeatingOnlyZone | Self::SetpointZone => CONTROLLED_ZONE,
             Self::UncontrolledZone => &[AIR_TEMPERATURE],
         }
     }
@@ -265,6 +269,7 @@ impl NodeType {
             Self::UnitaryZone => UNIT,
             Self::VavZone => TERMINAL,
             Self::HeatingOnlyZone => HEATER,
+            Self::SetpointZone => THERMOSTAT,
             Self::Weather | Self::Calendar | Self::Energy | Self::UncontrolledZone => &[],
         }
     }
@@ -304,6 +309,8 @@ const UNIT: &[LocalSlot<Quantity>] = &[
 const TERMINAL: &[LocalSlot<Quantity>] =
     &[slot(Quantity::DamperOpening, "1", 0.0, 1.0), slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0)];
 const HEATER: &[LocalSlot<Quantity>] = &[slot(Quantity::HeatingSetpoint, "°C", 5.0, 35.0)];
+const THERMOSTAT: &[LocalSlot<Quantity>] =
+    &[slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0), slot(Quantity::CoolingSetpoint, "°C", 15.0, 35.0)];
 
 /// Attributes of a whole building.
 pub const COMMON: &[LocalSlot<Attribute>] = &[

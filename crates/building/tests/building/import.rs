@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use b2b_building::hvac::{Kind, Unsupported};
 use b2b_building::{Conditioning, Error, PreparedBuilding, import};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -66,25 +67,30 @@ fn the_supported_systems_of_a_hotel_are_controlled() {
     let stock = Stock::new();
     let hotel = stock.prepare(&stock.chicago("SmallHotel")).unwrap();
     let count = |id: &str| hotel.systems.iter().filter(|system| system.kind().id() == id).count();
-    assert_eq!([count("unitary"), count("heating_only")], [12, 13]);
-    let guest_rooms: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();
+    // The guest rooms have packaged units, which follow the setpoints.
+    assert_eq!([count("unitary"), count("heating_only"), count("setpoints")], [12, 13, 35]);
+    let left: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();
     let packaged = |class: &str| hotel.uncontrolled.iter().filter(|item| item.object.class == class).count();
     assert_eq!(packaged("ZoneHVAC:PackagedTerminalAirConditioner"), 35);
     // Three heaters have no capacity.
     assert_eq!(packaged("ZoneHVAC:UnitHeater"), 3);
-    assert_eq!(guest_rooms.len(), 38);
-    assert!(guest_rooms.iter().all(|zone| zone.conditioning == Conditioning::None));
+    assert_eq!(left.len(), 3);
+    assert!(left.iter().all(|zone| zone.conditioning == Conditioning::None));
     let judged: f64 = hotel.controlled_zones().map(|zone| zone.floor_area).sum();
-    let left: f64 = guest_rooms.iter().map(|zone| zone.floor_area).sum();
+    let left: f64 = left.iter().map(|zone| zone.floor_area).sum();
     assert!((hotel.conditioned_floor_area - judged - left).abs() < 1e-6);
 }
 
 #[test]
-fn the_error_of_a_building_without_supported_systems_lists_them() {
+fn the_error_of_a_building_without_systems_and_thermostats_lists_what_it_has() {
     let stock = Stock::new();
-    let path = stock.models.join("ASHRAE901_ApartmentHighRise_STD2019_Denver.idf");
-    let said = stock.prepare(&path).unwrap_err().to_string();
-    assert_says(&said, &["no controllable system", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
+    let model = import::read(&stock.chicago("SmallOffice"), &stock.library, false).unwrap();
+    let kinds = Kind::find("heating_only").map(|kind| [kind]).unwrap();
+    let left_alone = Unsupported::LeftAlone;
+    let prepared =
+        PreparedBuilding::with_kinds("office", model, &stock.weather, &stock.library, &kinds, left_alone);
+    let said = prepared.unwrap_err().to_string();
+    assert_says(&said, &["no controllable system", "5 × AirLoopHVAC", "unsupported component"]);
     assert!(said.lines().count() <= 4, "{said}");
 }
 

@@ -1,11 +1,11 @@
-//! The location of a building, and the permissions of its model.
+//! The location of a building, its interface, and the permissions of its model.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use b2b_climate::Place;
-use b2b_dataset::Placement;
+use b2b_dataset::{Control, Placement};
 
 /// The location of a building: a known place, or a weather file.
 #[derive(clap::Args, Default)]
@@ -16,6 +16,10 @@ pub struct Location {
     /// EPW weather file to use instead of a known place
     #[arg(long, value_name = "FILE.epw")]
     weather: Option<PathBuf>,
+    /// What the agent sets: `actuators` of the systems, or the heating and cooling `setpoints` of every zone, which the
+    /// building's equipment follows [default: actuators]
+    #[arg(long, value_name = "INTERFACE")]
+    control: Option<Control>,
     /// Let a model file run code (FMU, Python) and open files outside its folder; only for models that you trust
     #[arg(long)]
     allow_external: bool,
@@ -39,11 +43,17 @@ impl Location {
         let place = self.place.map(|place| ["--place".into(), place.name.into()]);
         let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
         let external = self.allow_external.then(|| "--allow-external".into());
-        place.into_iter().chain(weather).flatten().chain(external).collect()
+        let control = self.control.map(|control| ["--control".into(), control.name().into()]);
+        place.into_iter().chain(weather).chain(control).flatten().chain(external).collect()
     }
 
     /// Returns these options in the form used by the catalog.
     pub fn placement(&self) -> Placement {
-        Placement { place: self.place, weather: self.weather.clone(), allow_external: self.allow_external }
+        Placement {
+            place: self.place,
+            weather: self.weather.clone(),
+            allow_external: self.allow_external,
+            control: self.control.unwrap_or_default(),
+        }
     }
 }

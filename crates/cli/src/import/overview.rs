@@ -4,7 +4,7 @@ use anyhow::Result;
 use b2b_building::hvac::KINDS;
 use serde_json::{Value, json};
 
-use super::report::Report;
+use super::report::{Group, Report, groups};
 use super::trial::Trial;
 use crate::table::Table;
 
@@ -81,11 +81,10 @@ fn row(name: &str, report: &Report) -> Vec<String> {
 
 /// Returns the components of a model that are not controlled, with the reason, and notes on problems in its trial.
 fn note(name: &str, report: &Report) -> String {
-    let mut lines: Vec<String> = report
-        .not_controlled_groups()
-        .iter()
-        .map(|group| format!("{} × {}: {}", group.members.len(), group.class, group.reason))
-        .collect();
+    let line = |group: &Group<'_>| format!("{} × {}: {}", group.members.len(), group.class, group.reason);
+    let mut lines: Vec<String> = groups(&report.not_controlled).iter().map(line).collect();
+    let follows = groups(&report.follows_setpoints);
+    lines.extend(follows.iter().map(|group| format!("through setpoints: {}", line(group))));
     if let Some(trial) = &report.trial {
         lines.extend(trial.severe_message.iter().map(|message| message.replace('\n', " ")));
         if !trial.never_near_target.is_empty() {

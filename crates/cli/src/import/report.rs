@@ -19,6 +19,8 @@ pub struct Report {
     pub zones: Vec<Zone>,
     /// The systems that the agent controls.
     pub systems: Vec<System>,
+    /// The components that follow the setpoints of their zones, with the reason why they have no actuators of their own.
+    pub follows_setpoints: Vec<Uncontrolled>,
     /// The components that it does not control, with the reason.
     pub not_controlled: Vec<Uncontrolled>,
     pub trial: Option<Trial>,
@@ -51,6 +53,8 @@ impl Report {
     /// Collects the systems found in a prepared model.
     pub fn new(name: &BuildingName, prepared: &Prepared, trial: Option<Trial>) -> Self {
         let building = &prepared.building;
+        let (follows_setpoints, not_controlled) =
+            building.uncontrolled.iter().cloned().partition(|item| item.follows_setpoints);
         Self {
             model: name.to_string(),
             place: prepared.place.clone(),
@@ -58,7 +62,8 @@ impl Report {
             energy_carriers: building.carriers().collect(),
             zones: building.zones.iter().map(Zone::of).collect(),
             systems: building.systems.iter().map(|system| System::of(&**system)).collect(),
-            not_controlled: building.uncontrolled.clone(),
+            follows_setpoints,
+            not_controlled,
             trial,
         }
     }
@@ -76,22 +81,6 @@ impl Report {
     /// Returns the number of controlled systems of a kind.
     pub fn count(&self, kind: Kind) -> usize {
         self.systems.iter().filter(|system| system.kind == kind.id()).count()
-    }
-
-    /// Returns the components that are not controlled, grouped by class and reason.
-    pub fn not_controlled_groups(&self) -> Vec<Group<'_>> {
-        let mut groups: Vec<Group> = Vec::new();
-        for item in &self.not_controlled {
-            match groups.iter_mut().find(|g| g.class == item.object.class && g.reason == item.reason) {
-                Some(group) => group.members.push(item),
-                None => groups.push(Group {
-                    class: &item.object.class,
-                    reason: &item.reason,
-                    members: vec![item],
-                }),
-            }
-        }
-        groups
     }
 }
 
@@ -133,9 +122,23 @@ impl System {
     }
 }
 
-/// Components of one class that are not controlled for the same reason.
+/// Components of one class with the same reason.
 pub struct Group<'a> {
     pub class: &'a str,
     pub reason: &'a str,
     pub members: Vec<&'a Uncontrolled>,
+}
+
+/// Returns components grouped by class and reason.
+pub fn groups(components: &[Uncontrolled]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group> = Vec::new();
+    for item in components {
+        match groups.iter_mut().find(|g| g.class == item.object.class && g.reason == item.reason) {
+            Some(group) => group.members.push(item),
+            None => {
+                groups.push(Group { class: &item.object.class, reason: &item.reason, members: vec![item] })
+            }
+        }
+    }
+    groups
 }

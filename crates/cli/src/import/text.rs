@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::report::Report;
+use b2b_building::hvac::Uncontrolled;
+
+use super::report::{Report, groups};
 use super::trial::Trial;
 use crate::arguments::location::Location;
 use crate::table::Table;
@@ -20,8 +22,13 @@ pub fn text(report: &Report, model: &Path, location: &Location) -> String {
         report.energy_carriers.iter().map(|carrier| carrier.name()).collect::<Vec<_>>().join(", ")
     );
     let mut parts = vec![summary, format!("Controlled systems\n{}", systems_text(report))];
-    if !report.not_controlled.is_empty() {
-        parts.push(format!("Not controlled\n{}", not_controlled_text(report)));
+    for (title, components) in [
+        ("Follows the setpoints of its zones, without actuators of its own", &report.follows_setpoints),
+        ("Not controlled", &report.not_controlled),
+    ] {
+        if !components.is_empty() {
+            parts.push(format!("{title}\n{}", components_text(components)));
+        }
     }
     parts.push(format!("Zones\n{}", zones_text(report)));
     parts.extend(report.trial.as_ref().map(trial_text));
@@ -43,9 +50,9 @@ fn systems_text(report: &Report) -> String {
     table.text()
 }
 
-fn not_controlled_text(report: &Report) -> String {
+fn components_text(components: &[Uncontrolled]) -> String {
     let mut table = Table::new(["count", "component", "zones", "reason"]);
-    for group in report.not_controlled_groups() {
+    for group in groups(components) {
         table.row([
             group.members.len().to_string(),
             match &group.members[..] {

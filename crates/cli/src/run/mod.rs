@@ -224,7 +224,8 @@ impl Arguments {
     fn folder(&self, place: &str, period: RunPeriod, chosen: &Chosen<'_>, task: &Task) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let mut name = format!("{}-{place}-{period}-{}", self.building, chosen.name());
+            let building = self.location.placement().control.name_of(&self.building);
+            let mut name = format!("{building}-{place}-{period}-{}", chosen.name());
             if *task != task::usual() {
                 name += &format!("-{task}").replace([':', '#'], "_");
             }

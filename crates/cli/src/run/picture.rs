@@ -86,12 +86,13 @@ struct Picture<'a> {
 impl Picture<'_> {
     fn panels(&self) -> Vec<Panel> {
         let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
-        const GROUPS: [(Quantity, &str); 5] = [
+        const GROUPS: [(Quantity, &str); 6] = [
             (Quantity::SupplyAirFlow, "supply air flow"),
             (Quantity::SupplyAirTemperature, "supply air temperature"),
             (Quantity::OutdoorAirFlow, "outdoor air flow"),
             (Quantity::DamperOpening, "damper opening"),
             (Quantity::HeatingSetpoint, "heating setpoint"),
+            (Quantity::CoolingSetpoint, "cooling setpoint"),
         ];
         panels.extend(GROUPS.map(|(quantity, what)| self.actions(quantity, what)));
         panels.retain(|panel| !panel.series.is_empty());

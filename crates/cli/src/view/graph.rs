@@ -151,6 +151,7 @@ fn style(node_type: NodeType) -> (MarkerSymbol, Rgb) {
         NodeType::VavZone => (MarkerSymbol::Circle, Rgb::new(15, 157, 118)),
         NodeType::HeatingOnlyZone => (MarkerSymbol::Circle, Rgb::new(219, 39, 119)),
         NodeType::UncontrolledZone => (MarkerSymbol::Circle, Rgb::new(165, 170, 178)),
+        NodeType::SetpointZone => (MarkerSymbol::Circle, Rgb::new(190, 110, 30)),
     }
 }
 

@@ -5,7 +5,8 @@
 //! - `modes`: modes of zone groups. `zone`: setpoints, optimum start, demand limiting, loops and requests of a zone.
 //! - `air_loop`: an air handler of several zones, with trim and respond, the supply air temperature, the economizer,
 //!   outdoor air and terminals.
-//! - `single_zone`: a unit of one zone. `heater`: a heater under a thermostat.
+//! - `single_zone`: a unit of one zone. `heater`: a heater under a thermostat. `thermostat`: a zone whose equipment follows
+//!   its setpoints.
 //!
 //! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations.
 //!
@@ -23,6 +24,7 @@ mod record;
 mod single_zone;
 #[cfg(test)]
 mod tests;
+mod thermostat;
 mod zone;
 
 use std::ops::Range;
@@ -43,6 +45,7 @@ use heater::Heater;
 use inputs::Inputs;
 use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
+use thermostat::Thermostat;
 
 /// The guideline's sequences, one set per system of a building.
 #[derive(Clone, Debug)]
@@ -73,6 +76,7 @@ enum Sequences {
     AirLoop(Box<AirLoop>),
     SingleZone(Box<SingleZone>),
     Heater(Box<Heater>),
+    Thermostat(Box<Thermostat>),
 }
 
 impl Guideline36 {
@@ -150,6 +154,10 @@ impl Sequences {
                 let rules = parameters.zone_rules(LoopGains::UNIT);
                 Self::Heater(Box::new(Heater::new(system.actuators()[0], rules)))
             }
+            Sequence::Setpoints { heating, cooling } => {
+                let rules = parameters.zone_rules(LoopGains::UNIT);
+                Self::Thermostat(Box::new(Thermostat::new(heating, cooling, rules)))
+            }
         }
     }
 
@@ -157,7 +165,7 @@ impl Sequences {
         match self {
             Self::AirLoop(_) => Entry::AIR_LOOP,
             Self::SingleZone(_) => Entry::UNIT,
-            Self::Heater(_) => Entry::HEATER,
+            Self::Heater(_) | Self::Thermostat(_) => Entry::HEATER,
         }
     }
 
@@ -166,6 +174,7 @@ impl Sequences {
             Self::AirLoop(own) => own.reset(),
             Self::SingleZone(own) => own.reset(),
             Self::Heater(own) => own.reset(),
+            Self::Thermostat(own) => own.reset(),
         }
     }
 
@@ -180,6 +189,7 @@ impl Sequences {
             Self::AirLoop(own) => own.act(site, zones, action, hours),
             Self::SingleZone(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
             Self::Heater(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
+            Self::Thermostat(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
         }
     }
 
@@ -191,6 +201,9 @@ impl Sequences {
                 writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
             }
             Self::Heater(own) => {
+                writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
+            }
+            Self::Thermostat(own) => {
                 writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
             }
         }

@@ -34,7 +34,7 @@ impl Entry {
     ];
     /// The entries of a unit.
     pub(super) const UNIT: &[Self] = &[Self::Mode, Self::SupplyTemperature, Self::MinimumOutdoorAir];
-    /// The entries of a heater.
+    /// The entries of a heater, and of a thermostat.
     pub(super) const HEATER: &[Self] = &[Self::Mode];
 
     /// Returns its name, unit and states.

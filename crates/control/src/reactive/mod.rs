@@ -1,10 +1,11 @@
 //! The paper's reactive controllers, after ASHRAE Guideline 36: PI loops on air flow, trim-and-respond on supply air
-//! temperature, and thermostats for heaters.
+//! temperature, and the setpoints of thermostats.
 
 mod air_loop;
 mod kind;
 mod parameters;
 mod pi;
+mod setpoints;
 mod trim_respond;
 mod unitary;
 mod zone;
@@ -37,6 +38,7 @@ enum Loop {
     AirLoop(air_loop::AirLoop),
     /// A thermostat, whose heating setpoint is the target.
     Thermostat(Target),
+    Setpoints(setpoints::Setpoints),
 }
 
 impl Reactive {
@@ -82,6 +84,9 @@ impl Reactive {
                     Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
                 }
                 Sequence::Thermostat => Loop::Thermostat(zone.target),
+                Sequence::Setpoints { heating, cooling } => {
+                    Loop::Setpoints(setpoints::Setpoints::new(heating, cooling, zone.target))
+                }
             };
             (control, layout.actions.clone())
         };
@@ -115,7 +120,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.reset(),
                 Loop::AirLoop(air_loop) => air_loop.reset(),
-                Loop::Thermostat(_) => {}
+                Loop::Thermostat(_) | Loop::Setpoints(_) => {}
             }
         }
     }
@@ -127,6 +132,7 @@ impl Controller for Reactive {
                 Loop::Unitary(unit) => unit.act(observation, action),
                 Loop::AirLoop(air_loop) => air_loop.act(observation, action),
                 Loop::Thermostat(target) => action[0] = target.of(observation),
+                Loop::Setpoints(setpoints) => setpoints.act(observation, action),
             }
         }
     }

@@ -3,7 +3,7 @@
 //! A generated house is controlled through its supply air. Under its own controls it works like an ordinary house: its
 //! people's [setpoints](b2b_building::band), a single-speed fan that cycles with the unit, and an open terminal.
 
-use b2b_building::{Model, PreparedBuilding, ZoneYear};
+use b2b_building::{Model, ZoneYear};
 use serde_json::{Value, json};
 
 use super::air_loop::{FAN, FAN_EFFICIENCY, FAN_PRESSURE, MOTOR_EFFICIENCY, UNIT};
@@ -13,10 +13,11 @@ use super::zones::LIVING;
 /// Days of a year.
 const DAYS: u32 = 365;
 
-/// Puts the unit of a house under a thermostat with its people's setpoints.
-pub fn add_thermostat(model: &mut Model, controlled: &PreparedBuilding) {
-    let zones = controlled.zones.iter().zip(&controlled.years);
-    for (_, year) in zones.filter(|(zone, year)| zone.name == LIVING && !year.is_empty()) {
+/// Puts the unit of a house under a thermostat with its people's setpoints, given the years of the zones in model order.
+pub fn add_thermostat(model: &mut Model, years: &[ZoneYear]) {
+    let zones = model.names("Zone");
+    let zones = zones.iter().zip(years);
+    for (_, year) in zones.filter(|(zone, year)| *zone == LIVING && !year.is_empty()) {
         let setpoints = [schedules::heating_setpoint(LIVING), schedules::cooling_setpoint(LIVING)];
         for (name, is_heating) in setpoints.iter().zip([true, false]) {
             model.remove("Schedule:Constant", name);

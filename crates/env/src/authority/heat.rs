@@ -4,18 +4,21 @@ use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{Actuator, Quantity};
 use b2b_building::morphology::Owner;
 
+use super::hold::setpoints;
 use super::report::{Limit, Row, Verdict};
 
-/// Tolerance within which a zone is at its heating setpoint, K.
-const AT_SETPOINT: f64 = 0.5;
-/// Smallest significant rise of the zone temperature, K.
-const RISE: f64 = 0.05;
+/// Tolerance within which a zone is at its setpoint, K.
+pub(super) const AT_SETPOINT: f64 = 0.5;
+/// Smallest significant change of the zone temperature, K.
+pub(super) const RISE: f64 = 0.05;
 /// Smallest significant heat, W.
-const SOME_HEAT: f64 = 1.0;
+pub(super) const SOME_HEAT: f64 = 1.0;
 
-/// Returns the indices of the heating setpoints, each with the slot of its zone temperature.
+/// Returns the indices of the heating setpoints of terminals and heaters, each with the slot of its zone temperature.
 pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
+    let thermostats = setpoints(building);
     let heated = |(index, (owner, actuator)): (usize, (Owner, &Actuator))| match owner {
+        Owner::Zone(_) if thermostats.contains(&index) => None,
         Owner::Zone(zone) if actuator.quantity == Quantity::HeatingSetpoint => Some((index, zone)),
         _ => None,
     };

@@ -1,7 +1,7 @@
 //! The sequence of holds, with the commands of all actuators.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{Actuator, Quantity};
+use b2b_building::hvac::{Actuator, Quantity, Sequence, System, SystemLayout};
 
 use super::report::{Condition, Level, is_flow};
 
@@ -63,6 +63,7 @@ impl Rest {
             Quantity::OutdoorAirFlow => self.outdoor_air * actuator.high,
             Quantity::SupplyAirTemperature => self.supply,
             Quantity::HeatingSetpoint => actuator.low,
+            Quantity::CoolingSetpoint => actuator.high,
         }
     }
 }
@@ -131,7 +132,31 @@ fn all_open_hold(building: &PreparedBuilding) -> Hold {
 
 pub(super) fn heat_hold(building: &PreparedBuilding, level: Level) -> Hold {
     let rest = Rest { flow: 0.3, supply: COOL_SUPPLY, ..Rest::OPEN };
-    Hold::new(building, Condition::CoolSupply, rest, |_, quantity| {
-        (quantity == Quantity::HeatingSetpoint).then_some(level)
+    let thermostats = setpoints(building);
+    Hold::new(building, Condition::CoolSupply, rest, |i, quantity| {
+        (quantity == Quantity::HeatingSetpoint && !thermostats.contains(&i)).then_some(level)
     })
+}
+
+/// A hold in which the setpoints of one quantity are at a level, and the others do not call for anything.
+pub(super) fn setpoint_hold(building: &PreparedBuilding, tested: Option<(Quantity, Level)>) -> Hold {
+    let thermostats = setpoints(building);
+    Hold::new(building, Condition::Free, Rest::OPEN, |i, quantity| {
+        let level = tested.filter(|(tested, _)| *tested == quantity).map(|(_, level)| level);
+        level.filter(|_| thermostats.contains(&i))
+    })
+}
+
+/// Returns whether all actuators of a building are setpoints of thermostats.
+pub(super) fn drives_all(building: &PreparedBuilding) -> bool {
+    setpoints(building).len() == building.actuators().count()
+}
+
+/// Returns the indices of the setpoints of zones that are controlled through their thermostats.
+pub(super) fn setpoints(building: &PreparedBuilding) -> Vec<usize> {
+    let of = |(system, layout): (&dyn System, &SystemLayout)| match system.sequence() {
+        Sequence::Setpoints { .. } => layout.actions.clone(),
+        _ => 0..0,
+    };
+    building.laid_out_systems().flat_map(of).collect()
 }

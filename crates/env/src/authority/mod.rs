@@ -8,6 +8,10 @@
 //! 3. outdoor air of central air loops, then all dampers of a loop open;
 //! 4. heating setpoints, into the next day: low, middle, low, high, low, two hours each.
 //!
+//! Setpoints of zones that are controlled through their thermostats are tested on the same days, from 8 h on: nothing called
+//! for, heating setpoints high, nothing, cooling setpoints low, nothing, two hours each. Their equipment keeps the schedules
+//! of the model, which is why the time of day matters.
+//!
 //! The state at the end of every held step but the first is compared with the command:
 //!
 //! - air flow: within 1 % of the command; none at zero;
@@ -15,7 +19,9 @@
 //! - outdoor air flow: within 2 % of the command; none at zero;
 //! - heating setpoint: a raised setpoint increases the delivered heat compared with the low setpoint before and after,
 //!   and either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
-//!   below it gets some.
+//!   below it gets some;
+//! - setpoints of a thermostat: the zone is warmer at the high heating setpoint, and cooler at the low cooling setpoint, than
+//!   before and after.
 //!
 //! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
 //!
@@ -29,17 +35,18 @@
 //! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
 //!   zones of the loop, within their design flow, and less was commanded.
 //! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
+//! - **cooling setpoint**: the zone is below it without any cooling, or is cooled and never comes within 0.5 K of it.
 
 mod bench;
 mod heat;
 mod hold;
 mod reading;
 mod report;
+mod thermostat;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use b2b_building::hvac::Quantity;
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_energyplus::Library;
 
@@ -62,7 +69,12 @@ const STEPS_PER_HOUR: u32 = 12;
 pub fn measure(library: &Library, building: &Arc<PreparedBuilding>, weather: &Path) -> Result<Report> {
     let mut rows = Vec::new();
     for season in [Season::Winter, Season::Summer] {
-        rows.extend(measure_season(library, building, weather, season)?);
+        if !hold::drives_all(building) {
+            rows.extend(measure_season(library, building, weather, season)?);
+        }
+        if !hold::setpoints(building).is_empty() {
+            rows.extend(bench(library, building, weather, season)?.thermostats()?);
+        }
     }
     let order = |row: &Row| building.actuators().position(|a| a.name == row.actuator);
     rows.sort_by_key(order);
@@ -75,6 +87,24 @@ fn measure_season(
     weather: &Path,
     season: Season,
 ) -> Result<Vec<Row>> {
+    let mut bench = bench(library, building, weather, season)?;
+    for hold in follow_holds(building) {
+        bench.hold(&hold)?;
+    }
+    let mut rows = reading::rows(&bench.readings);
+    if !heat::heated_zones(building).is_empty() {
+        rows.extend(bench.heat()?);
+    }
+    Ok(rows)
+}
+
+/// Returns a building at the start of the days of a season.
+fn bench<'a>(
+    library: &Library,
+    building: &'a Arc<PreparedBuilding>,
+    weather: &Path,
+    season: Season,
+) -> Result<Bench<'a>> {
     let episode = EpisodeConfig {
         weather: weather.to_owned(),
         period: season.days(),
@@ -89,14 +119,7 @@ fn measure_season(
         readings: Vec::new(),
     };
     bench.env.reset()?;
-    for hold in follow_holds(building) {
-        bench.hold(&hold)?;
-    }
-    let mut rows = reading::rows(&bench.readings);
-    if building.actuators().any(|a| a.quantity == Quantity::HeatingSetpoint) {
-        rows.extend(bench.heat()?);
-    }
-    Ok(rows)
+    Ok(bench)
 }
 
 impl Season {

@@ -16,7 +16,7 @@ fn tolerance(quantity: Quantity) -> f64 {
         Quantity::SupplyAirFlow | Quantity::DamperOpening => 0.01,
         Quantity::OutdoorAirFlow => 0.02,
         Quantity::SupplyAirTemperature => 0.2,
-        Quantity::HeatingSetpoint => f64::INFINITY,
+        Quantity::HeatingSetpoint | Quantity::CoolingSetpoint => f64::INFINITY,
     }
 }
 

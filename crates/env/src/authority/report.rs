@@ -3,7 +3,7 @@
 use std::fmt;
 
 use b2b_building::hvac::Quantity;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Response of all actuators of a building.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub struct Row {
     pub level: Level,
     /// Command, in the unit of the quantity.
     pub command: f64,
-    /// Lowest response over the held steps, in the same unit; for a heating setpoint the zone temperature, °C.
+    /// Lowest response over the held steps, in the same unit; for a setpoint the zone temperature, °C.
     pub lowest: f64,
     /// Mean response.
     pub mean: f64,
@@ -37,9 +37,10 @@ pub struct Row {
     pub highest: f64,
     /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
     pub error: f64,
-    /// Tolerance of the error; infinite for heating setpoints, which are evaluated by heat.
+    /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null for it.
+    #[serde(deserialize_with = "or_infinite")]
     pub tolerance: f64,
-    /// Heat delivered, W; heating setpoints only.
+    /// Heat delivered or removed, W; setpoints only.
     pub heat: Option<f64>,
     /// Verdict.
     pub verdict: Verdict,
@@ -83,6 +84,8 @@ pub enum Condition {
     AllOpen,
     /// Supply air below room temperature.
     CoolSupply,
+    /// No other setpoint calls for heating or cooling.
+    Free,
 }
 
 /// Verdict on a row.
@@ -113,11 +116,18 @@ pub enum Limit {
     Heater,
     /// Zone above the setpoint without heat.
     WarmZone,
+    /// Cooling runs, and the zone stays above the setpoint.
+    Cooler,
+    /// Zone below the cooling setpoint without cooling.
+    CoolZone,
 }
 
 /// Returns whether a quantity is a flow, which can be zero.
 pub(super) fn is_flow(quantity: Quantity) -> bool {
-    !matches!(quantity, Quantity::SupplyAirTemperature | Quantity::HeatingSetpoint)
+    !matches!(
+        quantity,
+        Quantity::SupplyAirTemperature | Quantity::HeatingSetpoint | Quantity::CoolingSetpoint
+    )
 }
 
 impl Report {
@@ -125,6 +135,11 @@ impl Report {
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fails)
     }
+}
+
+/// Reads a number, or infinity from null.
+fn or_infinite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 /// A table with one line per row.

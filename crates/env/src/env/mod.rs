@@ -4,6 +4,7 @@ mod engine;
 mod engine_output;
 mod meters;
 mod observe;
+mod setpoints_apart;
 mod snapshot;
 mod warm_up;
 
@@ -18,6 +19,7 @@ use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
 use tempfile::TempDir;
 
 use self::engine::Engine;
+use self::setpoints_apart::SetpointsApart;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
 use crate::billing::Billing;
@@ -47,7 +49,8 @@ const SEVERES_KEPT: usize = 5;
 ///
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
 /// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, raised by the interlock of [`Ventilation`] while
-///   zones are occupied, and limited by the task's [`Faults`](crate::Faults).
+///   zones are occupied, and limited by the task's [`Faults`](crate::Faults). A cooling setpoint is at least 0.5 K above the
+///   heating setpoint of its zone.
 /// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], relative to the targets
 ///   observed before the step.
 /// - End: truncated at the end of the run period; never terminated.
@@ -62,6 +65,7 @@ pub struct Env {
     targets: Targets,
     reward: Box<dyn RewardFunction>,
     interlock: Interlock,
+    setpoints_apart: SetpointsApart,
     impairment: Option<Impairment>,
     attendance: Option<Attendance>,
     billing: Billing,
@@ -125,6 +129,7 @@ impl Env {
             targets: Targets::of(&task.setpoints, &spaces.building),
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
+            setpoints_apart: SetpointsApart::new(&spaces.building),
             impairment: Impairment::new(&task.faults, &spaces.building),
             attendance: Attendance::new(
                 task.presence,
@@ -252,6 +257,7 @@ impl Env {
         if let Some(impairment) = &self.impairment {
             impairment.limit(&mut self.action);
         }
+        self.setpoints_apart.apply(&mut self.action);
         engine.act(&self.action);
         if let Some(attendance) = &mut self.attendance {
             engine.admit(attendance);

@@ -32,7 +32,7 @@ fn moderate_commands_are_followed(report: &Report) {
         Quantity::SupplyAirFlow | Quantity::DamperOpening | Quantity::OutdoorAirFlow => {
             [Level::Zero, Level::Low, Level::Middle].map(|level| (Condition::NeutralSupply, level)).to_vec()
         }
-        Quantity::HeatingSetpoint => vec![],
+        Quantity::HeatingSetpoint | Quantity::CoolingSetpoint => vec![],
     };
     for row in &report.rows {
         if moderate(row.quantity).contains(&(row.condition, row.level)) {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::hvac::{KINDS, Kind, Unsupported};
-use b2b_building::{BuildingType, Model, PreparedBuilding, import};
+use b2b_building::{BuildingType, Class, Controls, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
 use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
@@ -13,6 +13,8 @@ use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 
 /// A building at a place.
 pub struct Case {
@@ -63,9 +65,46 @@ impl Case {
         Self { library, building: Arc::new(building.unwrap()), weather }
     }
 
-    /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
+    /// A building type at its home, whose zones are controlled through their setpoints.
+    pub fn under_setpoints(building_type: BuildingType) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
+        let site = Site::read(&weather).unwrap();
+        let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
+        let preparation = Preparation {
+            name: building_type.name().to_owned(),
+            class: Some(Class::new(building_type, None)),
+            prototype: false,
+            own: false,
+            controls: Controls::Setpoints,
+            model,
+        };
+        Self::of(preparation, weather, library)
+    }
+
+    /// A user's model in Chicago, under these controls.
+    pub fn of_user(model: &serde_json::Value, controls: Controls) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let weather = engine.models.unwrap().parent().unwrap().join("weather").join(CHICAGO);
+        let preparation = Preparation {
+            name: "user".to_owned(),
+            class: None,
+            prototype: false,
+            own: true,
+            controls,
+            model: Model::from_epjson(&model.to_string(), "user.epJSON".as_ref()).unwrap(),
+        };
+        Self::of(preparation, weather, library)
+    }
+
     fn prepare(name: &str, model: Model, own: bool, weather: PathBuf, library: Library) -> Self {
-        let preparation = Preparation { own, ..Preparation::new(name, model) };
+        Self::of(Preparation { own, ..Preparation::new(name, model) }, weather, library)
+    }
+
+    /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
+    fn of(preparation: Preparation, weather: PathBuf, library: Library) -> Self {
         let building = preparation.run(&weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }

@@ -8,19 +8,20 @@ use b2b_env::Term;
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 
 #[test]
-fn zones_with_their_own_controls_are_held_by_them_and_not_rewarded() {
+fn a_hotel_is_driven_by_actuators_and_its_guest_rooms_by_their_setpoints() {
     let case = Case::imported("RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO);
+    let of_kind =
+        |id: &'static str| case.building.laid_out_systems().filter(move |(s, _)| s.kind().id() == id);
+    assert_eq!(["unitary", "heating_only", "setpoints"].map(|id| of_kind(id).count()), [12, 13, 35]);
     let mut env = case.env("01-08..01-08");
     let trajectory = random_episode(&mut env, 1);
     assert_eq!(env.message_count(Level::Severe), 0);
-    let zones = &case.building.zones;
-    assert_eq!(env.observation_space().zone_temperatures().len(), zones.len());
-    for (slot, zone) in zones.iter().enumerate().filter(|(_, zone)| zone.own_controls) {
-        let temperatures: Vec<f64> = trajectory.observed(slot).collect();
-        assert!(temperatures.iter().all(|t| (12.0..32.0).contains(t)), "{}: {temperatures:?}", zone.name);
-        assert!(env.metrics().zones.iter().all(|judged| judged.slot != slot), "{} is judged", zone.name);
+    for (system, layout) in of_kind("setpoints") {
+        let temperatures: Vec<f64> = trajectory.observed(layout.zones[0].index).collect();
+        let name = system.name();
+        assert!(temperatures.iter().all(|t| (12.0..34.0).contains(t)), "{name}: {temperatures:?}");
     }
-    let driven = zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+    let driven = case.building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
     assert_eq!(env.metrics().zones.len(), driven);
     let meters = env.engine_meters().unwrap();
     assert!((env.metrics().total(Term::Electricity) / meters[0] - 1.0).abs() < 1e-9);

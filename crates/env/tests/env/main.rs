@@ -13,5 +13,6 @@ mod pages;
 mod presence;
 mod random_actions;
 mod role_observation;
+mod setpoints;
 mod tasks;
 mod ventilation;

@@ -167,7 +167,7 @@ impl Baselines {
             missing => self.compute(evaluation, missing, progress)?,
         };
         let terms = self.get(&key, task.resource).ok_or_else(|| Error::NoBaseline {
-            building: subject.name.to_string(),
+            building: subject.label(),
             task: task.to_string(),
             period: period.to_string(),
             why: lost.remove(&key).map_or_else(String::new, |lost| lost.reason),

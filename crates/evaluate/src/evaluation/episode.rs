@@ -36,6 +36,6 @@ impl Episode {
 
 impl fmt::Display for Episode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {}, {}, seed {}", self.subject.name, self.task, self.period, self.seed)
+        write!(f, "{}, {}, {}, seed {}", self.subject.label(), self.task, self.period, self.seed)
     }
 }

@@ -41,7 +41,7 @@ impl EpisodeInfo {
     pub fn of(episode: &Episode, policy: &dyn Policy) -> Self {
         let Episode { subject, task, period, seed, steps_per_hour } = episode;
         Self {
-            building: subject.name.to_string(),
+            building: subject.label(),
             building_type: subject.building_type().to_owned(),
             climate_zone: String::new(),
             place: String::new(),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::PoisonError;
 
-use b2b_dataset::BuildingName;
+use b2b_dataset::{BuildingName, Control};
 use b2b_env::{Spaces, unscale};
 use b2b_evaluate::{Episode, Evaluation, Policy, Progress, Recorded};
 use serde_json::{Value, json};
@@ -113,7 +113,7 @@ impl Collection<'_> {
             id: part * self.episodes.len() + number,
             total_steps: file.rewards.len(),
             seed: episode.seed,
-            building: episode.subject.name.to_string(),
+            building: episode.subject.label(),
             place: placement.place.map(|place| place.name.to_owned()),
             weather: placement.weather.clone(),
             policy: self.policies[part].name(),
@@ -227,6 +227,9 @@ fn spec(building_type: &str, episode: &Episode, rescaled: bool) -> Value {
     }
     if let Some(place) = subject.placement.place {
         arguments["place"] = place.name.into();
+    }
+    if subject.placement.control != Control::default() {
+        arguments["control"] = json!(subject.placement.control);
     }
     if let Some(weather) = &subject.placement.weather {
         arguments["weather"] = weather.display().to_string().into();

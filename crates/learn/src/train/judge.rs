@@ -83,7 +83,7 @@ impl<'a> Judge<'a> {
         let metrics = self.run(&self.numbered().collect::<Vec<_>>(), agent)?;
         let judged = self.episodes.iter().zip(limits).zip(&metrics);
         let scores = judged.map(|(((episode, baseline), limit), metrics)| BuildingScores {
-            building: episode.subject.name.to_string(),
+            building: episode.subject.label(),
             task: episode.task.to_string(),
             measures: Measures::of(metrics, episode, baseline, *limit),
         });
@@ -120,7 +120,7 @@ impl<'a> Judge<'a> {
         let mut outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
         let of = |(number, episode): &(usize, &Episode)| {
             let lost = |why: String| {
-                Error::Invalid(format!("the evaluation in {} was lost: {why}", episode.subject.name))
+                Error::Invalid(format!("the evaluation in {} was lost: {why}", episode.subject.label()))
             };
             let finished = outcomes[*number].take().ok_or_else(|| lost("it did not run".into()))?;
             Ok(finished.map_err(|why| lost(why.reason))?.record.metrics)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_building::BuildingType;
-use b2b_dataset::{Catalog, Places, Split};
+use b2b_dataset::{Catalog, Control, Places, Split};
 use b2b_workers::{
     Autoreset, Buildings, Launcher, Population, VecEnv, VecEnvOptions, Windows, WorkerOptions,
 };
@@ -18,6 +18,7 @@ fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
     let sampler = Buildings {
         catalog,
         population,
+        control: Control::default(),
         period: DAY.parse().unwrap(),
         steps_per_hour: 12,
         task: b2b_env::Task::default(),

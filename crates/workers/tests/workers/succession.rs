@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_building::BuildingType;
-use b2b_dataset::{BuildingId, Catalog, Split};
+use b2b_dataset::{BuildingId, Catalog, Control, Split};
 use b2b_env::Task;
 use b2b_workers::{
     Autoreset, Buildings, Draw, Kept, Launcher, Population, Sampler, Setting, VecEnv, VecEnvOptions,
@@ -29,6 +29,7 @@ fn houses(catalog: &Arc<Catalog>, population: Population) -> Buildings {
     Buildings {
         catalog: Arc::clone(catalog),
         population,
+        control: Control::default(),
         period: DAY.parse().unwrap(),
         steps_per_hour: 4,
         task,

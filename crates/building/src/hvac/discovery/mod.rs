@@ -1,5 +1,7 @@
 //! Discovery of the systems of a model: those that can be controlled, and those that cannot, with the reason.
 
+mod outdoor_air;
+
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
@@ -11,8 +13,10 @@ use super::distribution::served_zones;
 use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
 use super::kind::{Candidate, Kind};
 use super::references::{Reference, is_one_of, parts};
+use super::setpoints::SetpointZone;
 use super::system::System;
-use super::thermostat::{split_thermostats, thermostat};
+use super::thermostat::{has_thermostat, split_thermostats};
+use super::ventilation::Ventilation;
 use super::zone_equipment::{UNCONTROLLED, VENTILATION, is_beside, is_distribution, zone_equipment};
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
@@ -31,11 +35,13 @@ pub enum Unsupported {
 pub struct Discovery {
     /// The controlled systems, in the order of the action.
     pub systems: Vec<Box<dyn System>>,
-    /// The systems and the equipment that are not controlled.
+    /// The systems and the equipment without actuators of their own.
     pub uncontrolled: Vec<Uncontrolled>,
+    /// Outdoor air of air loops without actuators of their own, each with the zones that they serve.
+    pub outdoor_air: Vec<(Ventilation, Vec<String>)>,
 }
 
-/// A system or a piece of zone equipment that is not controlled: it keeps its own controls.
+/// A system or a piece of zone equipment without actuators of its own: it keeps its own controls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Uncontrolled {
     /// The air loop or the equipment.
@@ -44,10 +50,14 @@ pub struct Uncontrolled {
     pub zones: Vec<String>,
     /// The reason why it is not controlled, or how it works alongside controlled equipment.
     pub reason: String,
+    /// Whether it follows the thermostats of its zones, whose setpoints are controlled.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub follows_setpoints: bool,
 }
 
-/// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its zones.
-/// `air_density`, kg/m³, turns design volume flows into mass flows.
+/// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its zones,
+/// then the thermostats of zones that nothing else controls, if such zones are [`Unsupported::LeftAlone`]. `air_density`,
+/// kg/m³, turns design volume flows into mass flows.
 ///
 /// Each system is edited on a copy of the model, which is kept only if the whole edit succeeds.
 ///
@@ -73,9 +83,24 @@ pub(crate) fn discover(
     for zone in search.model.names("Zone") {
         search.zone(&zone)?;
     }
+    if unsupported == Unsupported::LeftAlone {
+        search.thermostats()?;
+    }
     let found = search.found;
     silence_sensors(model, &before);
     Ok(found)
+}
+
+/// Makes the thermostat of every zone of a hard-sized model controllable, and nothing else.
+///
+/// # Errors
+/// [`Error::MissingObject`] for a dangling reference.
+pub(crate) fn discover_setpoints(model: &mut Model, air_density: f64) -> Result<Discovery> {
+    split_thermostats(model);
+    let (kinds, unsupported) = (&[Kind::of::<SetpointZone>()], Unsupported::LeftAlone);
+    let mut search = Search { model, air_density, kinds, unsupported, found: Discovery::default() };
+    search.thermostats()?;
+    Ok(search.found)
 }
 
 impl Discovery {
@@ -100,7 +125,7 @@ impl Discovery {
 /// Returns whether a zone without controlled equipment has a thermostat and equipment that heats or cools it.
 pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
-    Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
+    Ok(has_thermostat(model, zone) && zone_equipment(model, zone)?.iter().any(conditions))
 }
 
 /// A search for the systems of a model.
@@ -149,6 +174,34 @@ impl Search<'_> {
                 Err(error) => self.leave(item.clone(), vec![zone.to_owned()], error)?,
             }
         }
+        Ok(())
+    }
+
+    /// Makes the thermostats of zones controllable that nothing else controls.
+    fn thermostats(&mut self) -> Result<()> {
+        let first = self.found.systems.len();
+        for zone in self.model.names("Zone") {
+            let candidate = Candidate::Zone(&zone);
+            if self.found.system_of(&zone).is_some()
+                || self.kind_of(candidate)?.is_none()
+                || !has_own_controls(self.model, &zone)?
+            {
+                continue;
+            }
+            match self.make_controllable(candidate) {
+                Ok(system) => self.found.systems.push(system),
+                Err(error) => {
+                    let object = Reference { class: "Zone".into(), name: zone.clone() };
+                    self.leave(object, vec![zone], error)?;
+                }
+            }
+        }
+        let driven: Vec<String> = self.found.systems.iter().skip(first).flat_map(|s| owned(&**s)).collect();
+        let is_driven = |zone: &String| driven.iter().any(|other| other.eq_ignore_ascii_case(zone));
+        for item in &mut self.found.uncontrolled {
+            item.follows_setpoints = item.zones.iter().any(is_driven);
+        }
+        self.found.outdoor_air = outdoor_air::left_alone(self.model, &self.found.systems, self.air_density)?;
         Ok(())
     }
 
@@ -206,13 +259,19 @@ impl Search<'_> {
         match self.unsupported {
             Unsupported::LeftAlone => {
                 let reason = reason(error, &object.name)?;
-                self.found.uncontrolled.push(Uncontrolled { object, zones, reason });
+                let follows_setpoints = false;
+                self.found.uncontrolled.push(Uncontrolled { object, zones, reason, follows_setpoints });
                 Ok(())
             }
             Unsupported::Refused if is_one_of(&object.class, &UNCONTROLLED) => Ok(()),
             Unsupported::Refused => Err(error.in_zones(&zones)),
         }
     }
+}
+
+/// Returns the names of the zones of a system.
+fn owned(system: &dyn System) -> Vec<String> {
+    system.zones().into_iter().map(str::to_owned).collect()
 }
 
 /// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same

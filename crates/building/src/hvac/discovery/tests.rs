@@ -38,10 +38,12 @@ fn driven(found: &Discovery) -> Vec<&str> {
 }
 
 #[test]
-fn unsupported_equipment_is_reported_and_keeps_its_thermostat() {
+fn unsupported_equipment_is_reported_and_follows_the_setpoints_of_its_zone() {
     let mut model = two_zones("ZoneHVAC:PackagedTerminalAirConditioner");
     let found = left_alone(&mut model);
-    assert_eq!(driven(&found), ["A"]);
+    assert_eq!(driven(&found), ["A", "B"]);
+    assert_eq!(found.systems[1].kind().id(), "setpoints");
+    assert!(found.uncontrolled.iter().all(|item| item.follows_setpoints));
     let left: Vec<_> = found.uncontrolled.iter().map(|item| item.object.name.as_str()).collect();
     assert_eq!(left, ["X", "HB"]);
     assert!(
@@ -49,7 +51,7 @@ fn unsupported_equipment_is_reported_and_keeps_its_thermostat() {
         "{}",
         found.uncontrolled[1].reason
     );
-    assert_eq!(model.require("ZoneControl:Thermostat", "TB").unwrap()["control_1_name"], "Theirs");
+    assert_eq!(model.require("ZoneControl:Thermostat", "TB").unwrap()["control_1_name"], "B Dual Setpoint");
     assert_eq!(model.require("ZoneHVAC:UnitHeater", "HB").unwrap()["availability_schedule_name"], "Day");
     assert_eq!(model.require("ZoneControl:Thermostat", "TA").unwrap()["control_1_name"], "A Dual Setpoint");
     assert!(has_own_controls(&model, "B").unwrap());

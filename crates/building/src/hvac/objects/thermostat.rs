@@ -23,7 +23,8 @@ pub struct Setpoints {
 }
 
 /// Gives a zone a thermostat of its own: a heating and a cooling setpoint that no other zone shares, in the
-/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C).
+/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that another schedule has
+/// gets a suffix.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
@@ -38,7 +39,9 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
             return Err(Error::unsupported("ZoneControl:Thermostat", &name, &why));
         }
     };
-    let setpoints = Setpoints { heating: heating_setpoint(zone), cooling: cooling_setpoint(zone) };
+    let free = |name: String| free_name(model, name);
+    let setpoints =
+        Setpoints { heating: free(heating_setpoint(zone)), cooling: free(cooling_setpoint(zone)) };
     constant_schedule(model, &setpoints.heating, heating);
     constant_schedule(model, &setpoints.cooling, cooling);
     constant_schedule(model, DUAL_SETPOINT, 4.0);
@@ -57,6 +60,44 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
     fields.insert("control_1_object_type".into(), "ThermostatSetpoint:DualSetpoint".into());
     fields.insert("control_1_name".into(), dual.into());
     Ok(setpoints)
+}
+
+/// Returns a name for a `Schedule:Constant` that no other kind of schedule has.
+fn free_name(model: &Model, mut name: String) -> String {
+    let others =
+        || model.classes().filter(|class| class.starts_with("Schedule:") && *class != "Schedule:Constant");
+    while others().any(|class| model.contains(class, &name)) {
+        name.push_str(" in Use");
+    }
+    name
+}
+
+/// Removes the thermal comfort control of a zone, which would set its setpoints instead of its thermostat. A zone without
+/// another thermostat gets one, without setpoints.
+///
+/// # Errors
+/// [`Error::Unsupported`] for a comfort control of a list of zones.
+pub(in crate::hvac) fn remove_comfort_control(model: &mut Model, zone: &str) -> Result<()> {
+    const CLASS: &str = "ZoneControl:Thermostat:ThermalComfort";
+    for name in model.names(CLASS) {
+        let Some(zones) = model.get(CLASS, &name).and_then(|fields| text(fields, "zone_or_zonelist_name"))
+        else {
+            continue;
+        };
+        if !covers_zone(model, zones, zone) {
+            continue;
+        }
+        if !zones.eq_ignore_ascii_case(zone) {
+            let why = format!("it controls the zone list `{zones}`; give each zone a thermostat");
+            return Err(Error::unsupported(CLASS, &name, &why));
+        }
+        model.remove(CLASS, &name);
+        if thermostat(model, zone).is_none() {
+            let own = format!("{zone} Thermostat");
+            model.insert("ZoneControl:Thermostat", &own, json!({"zone_or_zonelist_name": zone}));
+        }
+    }
+    Ok(())
 }
 
 /// Name of the schedule of a zone's heating setpoint, °C.
@@ -104,6 +145,16 @@ pub(crate) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<St
             return Some((name.to_owned(), None));
         }
         covers_zone(model, zones, zone).then(|| (name.to_owned(), Some(zones.to_owned())))
+    })
+}
+
+/// Returns whether a zone has a thermostat of any kind.
+pub(in crate::hvac) fn has_thermostat(model: &Model, zone: &str) -> bool {
+    let mut kinds = model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat"));
+    kinds.any(|class| {
+        model.objects(class).into_iter().any(|(_, fields)| {
+            text(fields, "zone_or_zonelist_name").is_some_and(|zones| covers_zone(model, zones, zone))
+        })
     })
 }
 

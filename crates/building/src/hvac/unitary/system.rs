@@ -96,7 +96,7 @@ impl FromModel for Unitary {
     fn claims(model: &Model, candidate: Candidate<'_>) -> Result<bool> {
         match candidate {
             Candidate::AirLoop(air_loop) => has_unit(model, air_loop),
-            Candidate::Equipment { .. } => Ok(false),
+            Candidate::Equipment { .. } | Candidate::Zone(_) => Ok(false),
         }
     }
 

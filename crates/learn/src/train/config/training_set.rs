@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::Place;
-use b2b_dataset::{BuildingId, BuildingName, Placement, Row, Split};
+use b2b_dataset::{BuildingId, BuildingName, Control, Placement, Row, Split};
 use serde::{Deserialize, Serialize};
 
 use super::one_or_many;
@@ -24,6 +24,9 @@ pub struct TrainingSet {
     pub place: String,
     /// Weather file (EPW) for `buildings`, instead of a place. Empty: the place's weather.
     pub weather: PathBuf,
+    /// What an agent sets: the `actuators` of the systems or the `setpoints` of every zone.
+    #[serde(skip_serializing_if = "is_default")]
+    pub control: Control,
     /// Whether a model file may run code and open files outside its folder. Only the caller can set it. Configuration
     /// files cannot, and saved ones leave it out.
     #[serde(skip)]
@@ -51,12 +54,17 @@ pub struct TrainingSet {
     pub window_starts: u32,
 }
 
+fn is_default(control: &Control) -> bool {
+    *control == Control::default()
+}
+
 impl Default for TrainingSet {
     fn default() -> Self {
         Self {
             buildings: Vec::new(),
             place: String::new(),
             weather: PathBuf::new(),
+            control: Control::default(),
             allow_external: false,
             building_type: Vec::new(),
             excluded_climate_zones: Vec::new(),
@@ -126,7 +134,7 @@ impl TrainingSet {
         let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
         let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
         let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
-        Ok(Placement { place, weather, allow_external: self.allow_external })
+        Ok(Placement { place, weather, allow_external: self.allow_external, control: self.control })
     }
 
     /// Returns the training buildings as text for readers.
@@ -167,7 +175,7 @@ impl TrainingSet {
 
     /// Checks which buildings are named or drawn, and where they are.
     fn check_site(&self) -> Result<()> {
-        let is_placed = self.placement()? != Placement::default();
+        let is_placed = self.placement()? != Placement { control: self.control, ..Placement::default() };
         require(self.buildings.is_empty() != self.building_type.is_empty(), || {
             "expected either `buildings` or `building_type`".into()
         })?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
@@ -70,7 +70,8 @@ impl<'a> Environments<'a> {
             let buildings = self.population(building_type, self.config.training_set.run_period()?)?;
             for (name, building) in buildings.population.representatives()? {
                 let setting = buildings.setting(name.clone(), &building)?;
-                let found = self.catalog.find(&name.parse()?, &Placement::default(), &mut Quiet)?;
+                let placement = self.config.training_set.placement()?;
+                let found = self.catalog.find(&name.parse()?, &placement, &mut Quiet)?;
                 let prepared = Arc::new(found.prepare(self.catalog.library())?);
                 let spaces = Arc::new(Spaces::new(prepared, setting.episode));
                 let building = GraphBuilding::of(interface, self.config.rewards.credit_by_zone, &spaces)?;
@@ -84,6 +85,7 @@ impl<'a> Environments<'a> {
         Ok(Buildings {
             catalog: Arc::clone(&self.catalog),
             population: Population::Ids(self.config.training_set.drawn(building_type).collect()),
+            control: self.config.training_set.control,
             period,
             steps_per_hour: self.config.training_set.steps_per_hour,
             task: self.config.training_set.task.as_slice()[0].clone(),

@@ -1,0 +1,111 @@
+//! The equipment that follows a zone's thermostat, and what it can do.
+
+use std::collections::HashSet;
+
+use crate::hvac::air_loop_graph::supply_components;
+use crate::hvac::capacity::air_loop_of;
+use crate::hvac::heating_only::refuse_powerless;
+use crate::hvac::references::{Reference, is_one_of};
+use crate::hvac::zone_equipment::{HEATERS, UNCONTROLLED, VENTILATION, is_distribution, zone_equipment};
+use crate::model::{Fields, text};
+use crate::{Error, Model, Result};
+
+/// A terminal that passes the air of its loop, whatever the thermostat of the zone calls for.
+const PASSES: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+
+/// Returns the equipment of a zone that heats or cools it.
+pub(super) fn conditioning(model: &Model, zone: &str) -> Result<Vec<Reference>> {
+    let mut equipment = zone_equipment(model, zone)?;
+    equipment.retain(|item| !is_one_of(&item.class, &VENTILATION));
+    Ok(equipment)
+}
+
+/// Rejects a zone without authority: all that it has are heaters without capacity, or terminals that pass the air of a unit,
+/// which follows the thermostat of another zone or none.
+pub(super) fn refuse_deaf(model: &Model, zone: &str, equipment: &[Reference]) -> Result<()> {
+    if equipment.iter().all(|item| is_one_of(&item.class, &HEATERS)) {
+        let mut powerless = equipment.iter().map(|heater| refuse_powerless(model, heater));
+        return if powerless.any(|refused| refused.is_ok()) {
+            Ok(())
+        } else {
+            refuse_powerless(model, &equipment[0])
+        };
+    }
+    let passes = |item: &Reference| {
+        let unit = model.get(&item.class, &item.name);
+        let terminal = unit.and_then(|unit| text(unit, "air_terminal_object_type"));
+        is_distribution(&item.class) && terminal.is_some_and(|class| class.eq_ignore_ascii_case(PASSES))
+    };
+    if !equipment.iter().all(passes) || governs(model, zone) {
+        return Ok(());
+    }
+    let air_loop = air_loop_of(model, zone)?;
+    if air_loop.as_deref().is_some_and(|air_loop| follows_all_zones(model, air_loop)) {
+        return Ok(());
+    }
+    let name = air_loop.unwrap_or_default();
+    let why = format!("its terminal passes the air of `{name}`, which does not follow the zone's thermostat");
+    Err(Error::unsupported("Zone", zone, &why))
+}
+
+/// Returns whether a unit or a setpoint manager is controlled by the thermostat of a zone.
+fn governs(model: &Model, zone: &str) -> bool {
+    let is_control = |field: &str| field.contains("control") && field.contains("zone");
+    let names = |fields: &Fields| {
+        fields.iter().any(|(field, value)| {
+            is_control(field) && value.as_str().is_some_and(|name| name.eq_ignore_ascii_case(zone))
+        })
+    };
+    let mut classes = model.classes().filter(|class| !class.starts_with("AvailabilityManager"));
+    classes.any(|class| model.objects(class).into_iter().any(|(_, fields)| names(fields)))
+}
+
+/// Returns whether the supply air of a loop follows the loads of all its zones.
+fn follows_all_zones(model: &Model, air_loop: &str) -> bool {
+    let names = |fields: &Fields| {
+        text(fields, "hvac_air_loop_name").is_some_and(|name| name.eq_ignore_ascii_case(air_loop))
+    };
+    let mut managers = model.classes().filter(|class| class.starts_with("SetpointManager:"));
+    managers.any(|class| model.objects(class).into_iter().any(|(_, fields)| names(fields)))
+}
+
+/// Returns whether equipment of a zone, or the air loop that serves it, can cool.
+pub(super) fn cools(model: &Model, zone: &str, equipment: &[Reference]) -> Result<bool> {
+    let only_heats =
+        |item: &Reference| is_one_of(&item.class, &HEATERS) || is_one_of(&item.class, &UNCONTROLLED);
+    let own = equipment.iter().any(|item| !is_distribution(&item.class) && !only_heats(item));
+    if own {
+        return Ok(true);
+    }
+    match air_loop_of(model, zone)? {
+        Some(air_loop) => Ok(has_cooler(model, supply_components(model, &air_loop)?)),
+        None => Ok(equipment.iter().any(|item| is_distribution(&item.class))),
+    }
+}
+
+/// Returns whether a component, or one that it consists of, is a cooling coil or an evaporative cooler.
+fn has_cooler(model: &Model, mut components: Vec<Reference>) -> bool {
+    let mut seen = HashSet::new();
+    while let Some(Reference { class, name }) = components.pop() {
+        let class = class.to_lowercase();
+        if class.contains("cool") {
+            return true;
+        }
+        if let Some(fields) = model.get(&class, &name)
+            && seen.insert((class, name.to_lowercase()))
+        {
+            components.extend(consists_of(fields));
+        }
+    }
+    false
+}
+
+/// The objects that an object names, as `…_object_type` with `…_name`.
+fn consists_of(fields: &Fields) -> Vec<Reference> {
+    let parts = fields.keys().filter_map(|key| key.strip_suffix("_object_type"));
+    let reference = |part: &str| {
+        let field = |suffix: &str| text(fields, &format!("{part}_{suffix}")).map(str::to_owned);
+        Some(Reference { class: field("object_type")?, name: field("name")? })
+    };
+    parts.filter_map(reference).collect()
+}

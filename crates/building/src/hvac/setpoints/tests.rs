@@ -1,0 +1,119 @@
+//! Zones of small models under setpoint control.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::*;
+use crate::hvac::KINDS;
+use crate::hvac::discovery::{Discovery, Unsupported, discover, discover_setpoints};
+
+/// A zone with this equipment under a thermostat that only heats.
+fn model(class: &str, more: Value) -> Model {
+    let mut model = json!({
+        "Zone": {"Z": {}},
+        "ZoneControl:Thermostat": {"T": {
+            "zone_or_zonelist_name": "Z", "control_type_schedule_name": "Heats",
+            "control_1_object_type": "ThermostatSetpoint:SingleHeating", "control_1_name": "Theirs"}},
+        "ZoneHVAC:EquipmentConnections": {"C": {
+            "zone_name": "Z", "zone_conditioning_equipment_list_name": "L"}},
+        "ZoneHVAC:EquipmentList": {"L": {"equipment": [
+            {"zone_equipment_object_type": class, "zone_equipment_name": "X"}]}},
+        (class): {"X": {}},
+    });
+    let (all, more) = (model.as_object_mut().unwrap(), more.as_object().unwrap().clone());
+    all.extend(more);
+    Model::from_epjson(&model.to_string(), Path::new("zone.epJSON")).unwrap()
+}
+
+fn found(model: &mut Model) -> Discovery {
+    discover(model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap()
+}
+
+/// A terminal of a loop with a cooling coil, and whether the loop follows the zone.
+fn terminal(class: &str, control_zone: &str) -> Value {
+    json!({
+        "ZoneHVAC:AirDistributionUnit": {"X": {"air_terminal_object_type": class, "air_terminal_name": "D"}},
+        (class): {"D": {"air_inlet_node_name": "N"}},
+        "AirLoopHVAC": {"Loop": {"branch_list_name": "Bs", "demand_side_inlet_node_names": "I"}},
+        "BranchList": {"Bs": {"branches": [{"branch_name": "B"}]}},
+        "Branch": {"B": {"components": [
+            {"component_object_type": "AirLoopHVAC:Unitary:Furnace:HeatCool", "component_name": "F"}]}},
+        "AirLoopHVAC:Unitary:Furnace:HeatCool": {"F": {
+            "cooling_coil_object_type": "Coil:Cooling:DX:SingleSpeed", "cooling_coil_name": "Cold",
+            "controlling_zone_or_thermostat_location": control_zone}},
+        "AirLoopHVAC:SupplyPath": {"P": {"supply_air_path_inlet_node_name": "I", "components": [
+            {"component_object_type": "AirLoopHVAC:ZoneSplitter", "component_name": "S"}]}},
+        "AirLoopHVAC:ZoneSplitter": {"S": {"nodes": [{"outlet_node_name": "N"}]}},
+    })
+}
+
+const UNIT: &str = "ZoneHVAC:AirDistributionUnit";
+const PASSES: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+
+#[test]
+fn a_zone_gets_both_setpoints_at_every_hour_whatever_its_author_uses() {
+    let mut model = model("ZoneHVAC:IdealLoadsAirSystem", json!({}));
+    let found = found(&mut model);
+    let [system] = &found.systems[..] else { panic!("{found:?}") };
+    let quantities: Vec<_> = system.actuators().iter().map(|actuator| actuator.quantity).collect();
+    assert_eq!(quantities, [Quantity::HeatingSetpoint, Quantity::CoolingSetpoint]);
+    assert_eq!(system.node_type(), NodeType::SetpointZone);
+    assert!(found.uncontrolled.iter().all(|item| item.follows_setpoints), "{:?}", found.uncontrolled);
+    let thermostat = model.require("ZoneControl:Thermostat", "T").unwrap();
+    assert_eq!(thermostat["control_1_object_type"], "ThermostatSetpoint:DualSetpoint");
+}
+
+#[test]
+fn a_zone_that_nothing_cools_has_a_heating_setpoint_alone() {
+    let mut model = model("ZoneHVAC:HighTemperatureRadiant", json!({}));
+    let found = found(&mut model);
+    assert_eq!(found.systems[0].actuators().len(), 1);
+    assert_eq!(found.systems[0].conditioning(), Conditioning::Heating);
+    assert_eq!(found.systems[0].node_type(), NodeType::HeatingOnlyZone);
+    let cooling = model.require("Schedule:Constant", "Z Cooling Setpoint").unwrap();
+    assert_eq!(cooling["hourly_value"], OUT_OF_REACH, "above every heating setpoint");
+}
+
+#[test]
+fn comfort_control_and_programs_that_set_the_thermostat_give_way() {
+    let more = json!({
+        "ZoneControl:Thermostat:ThermalComfort": {"Comfort": {"zone_or_zonelist_name": "z"}},
+        "EnergyManagementSystem:Actuator": {"A": {
+            "actuated_component_type": "Zone Temperature Control", "actuated_component_unique_name": "Z"}},
+        "EnergyManagementSystem:Program": {"P": {"lines": [{"program_line": "SET A = 25"}]}},
+    });
+    let mut model = model("ZoneHVAC:IdealLoadsAirSystem", more);
+    model.remove("ZoneControl:Thermostat", "T");
+    assert_eq!(found(&mut model).systems.len(), 1);
+    assert!(model.objects("ZoneControl:Thermostat:ThermalComfort").is_empty());
+    assert!(model.objects("EnergyManagementSystem:Program").is_empty());
+    assert_eq!(model.names("ZoneControl:Thermostat"), ["Z Thermostat"]);
+}
+
+#[test]
+fn a_zone_on_a_unit_that_follows_another_zone_is_not_controlled_and_said_so() {
+    for (terminal_class, control_zone, controlled) in
+        [(PASSES, "Other", 0), (PASSES, "Z", 1), ("AirTerminal:SingleDuct:VAV:NoReheat", "Other", 1)]
+    {
+        let mut model = model(UNIT, terminal(terminal_class, control_zone));
+        let found = discover_setpoints(&mut model, 1.2).unwrap();
+        assert_eq!(found.systems.len(), controlled, "{terminal_class} {control_zone}");
+        for system in &found.systems {
+            assert_eq!(system.actuators().len(), 2, "the loop cools");
+        }
+        let said: Vec<_> = found.uncontrolled.iter().map(|item| item.reason.as_str()).collect();
+        assert_eq!(said.len(), 1 - controlled);
+        assert!(said.iter().all(|reason| reason.contains("`Loop`")), "{said:?}");
+    }
+}
+
+#[test]
+fn setpoints_stay_half_a_kelvin_apart() {
+    assert_eq!(separate(21.0, 24.0), 24.0);
+    assert_eq!(separate(24.0, 21.0), 24.5);
+    assert_eq!(separate(21.0, 21.25), 21.5);
+    assert_eq!(around(21.0), [20.75, 21.25]);
+    let [heating, cooling] = around(21.0);
+    assert_eq!(separate(heating, cooling), cooling);
+}

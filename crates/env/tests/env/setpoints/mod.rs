@@ -1,0 +1,139 @@
+//! Zones that are controlled through the setpoints of their thermostats.
+
+mod room;
+
+use b2b_building::hvac::Quantity;
+use b2b_building::hvac::setpoints::LEAST_GAP;
+use b2b_building::{BuildingType, Conditioning, Controls};
+use b2b_energyplus::{Event, Level, Run};
+use b2b_env::authority::{Limit, Verdict, measure};
+use b2b_env::{Env, Term};
+use room::room;
+
+use crate::case::{Case, Dice};
+
+const DAY: &str = "01-09..01-09";
+
+/// Runs a day in which every actuator of a quantity has this value, and the others call for nothing. Returns the mean zone
+/// temperatures from 8 to 12 h, °C.
+fn held(case: &Case, day: &str, quantity: Quantity, value: f64) -> Vec<f64> {
+    let mut env = case.env(day);
+    let of = |actuator: &b2b_building::hvac::Actuator| match actuator.quantity {
+        tested if tested == quantity => value,
+        Quantity::CoolingSetpoint => actuator.high,
+        _ => actuator.low,
+    };
+    let action: Vec<f64> = case.building.actuators().map(of).collect();
+    env.reset().unwrap();
+    let zones = env.observation_space().zone_temperatures();
+    let mut means = vec![0.0; zones.len()];
+    for step in 0..env.episode_steps() {
+        let observation = env.step(&action).unwrap().observation;
+        if (96..144).contains(&step) {
+            let temperatures = &observation[zones.clone()];
+            means.iter_mut().zip(temperatures).for_each(|(mean, value)| *mean += value / 48.0);
+        }
+    }
+    assert_eq!(env.message_count(Level::Severe), 0);
+    means
+}
+
+fn energy_is_the_engines(env: &Env) {
+    let meters = env.engine_meters().unwrap();
+    for (ours, engine) in
+        [Term::Electricity, Term::Gas].map(|term| env.metrics().total(term)).into_iter().zip(meters)
+    {
+        assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
+    }
+}
+
+#[test]
+fn a_model_with_a_thermostat_only_is_controlled_through_both_setpoints_whatever_its_author_uses() {
+    let case = Case::of_user(&room(), Controls::default());
+    let names: Vec<&str> = case.building.actuators().map(|actuator| actuator.name.as_str()).collect();
+    assert_eq!(names, ["Room heating setpoint", "Room cooling setpoint"]);
+    assert_eq!(case.building.zones[0].conditioning, Conditioning::HeatingAndCooling);
+    for (quantity, setpoint) in [(Quantity::HeatingSetpoint, 24.0), (Quantity::CoolingSetpoint, 16.0)] {
+        let day = if setpoint > 20.0 { DAY } else { "07-10..07-10" };
+        let [temperature] = held(&case, day, quantity, setpoint)[..] else { panic!("one zone") };
+        assert!((temperature - setpoint).abs() < 0.05, "{temperature} °C at a setpoint of {setpoint} °C");
+    }
+    let report = measure(&case.library, &case.building, &case.weather).unwrap();
+    let at_rest = |verdict| matches!(verdict, Verdict::Follows | Verdict::AtCapacity(Limit::CoolZone));
+    assert!(report.rows.len() == 4 && report.rows.iter().all(|row| at_rest(row.verdict)), "{report}");
+}
+
+#[test]
+fn crossing_setpoints_are_kept_apart_and_energy_is_that_of_the_meters() {
+    let case = Case::of_user(&room(), Controls::default());
+    let mut env = case.env(DAY).observe_effects();
+    let mut dice = Dice::new(env.action_space(), 3);
+    env.reset().unwrap();
+    let mut crossed = 0;
+    for _ in 0..env.episode_steps() - 1 {
+        let given = dice.roll().to_vec();
+        let applied = env.step(&given).unwrap().action.to_vec();
+        crossed += usize::from(given[1] < given[0] + LEAST_GAP);
+        assert_eq!(applied, [given[0], given[1].max(given[0] + LEAST_GAP)]);
+        assert_eq!([0, 1].map(|actuator| env.effect(actuator).unwrap()).to_vec(), applied);
+    }
+    assert!(crossed > 50, "{crossed} steps");
+    env.step(dice.roll()).unwrap();
+    assert_eq!(env.message_count(Level::Severe), 0);
+    energy_is_the_engines(&env);
+}
+
+#[test]
+fn under_its_own_controls_a_model_is_simulated_as_by_the_bare_engine() {
+    let own = Case::of_user(&room(), Controls::Own);
+    let mut env = own.env(DAY);
+    env.reset().unwrap();
+    let ours: Vec<u64> =
+        (0..env.episode_steps()).map(|_| env.step(&[]).unwrap().observation[0].to_bits()).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bare.epJSON");
+    std::fs::write(&file, own.building.model_for(DAY.parse().unwrap(), 12).to_epjson()).unwrap();
+    let run =
+        Run::new(&file, &own.weather).output(folder.path()).request("Zone Mean Air Temperature", "Room");
+    let mut bare = run.start(&own.library).unwrap();
+    let variable = bare.variable("Zone Mean Air Temperature", "Room").unwrap();
+    let mut theirs = Vec::new();
+    while let Some(event) = bare.advance().unwrap() {
+        if event == Event::Step {
+            theirs.push(bare.read(variable).to_bits());
+        }
+    }
+    assert_eq!(ours, theirs);
+    let temperature = f64::from_bits(ours[143]);
+    assert!((temperature - 21.0).abs() < 0.05, "its author holds 21 °C, not {temperature} °C");
+}
+
+/// A type under setpoint control: no setpoint fails, and a day at a higher setpoint is warmer.
+fn setpoints_bite(building_type: BuildingType) {
+    let case = Case::under_setpoints(building_type);
+    let is_setpoint = |quantity| matches!(quantity, Quantity::HeatingSetpoint | Quantity::CoolingSetpoint);
+    assert!(case.building.actuators().all(|actuator| is_setpoint(actuator.quantity)));
+    let report = measure(&case.library, &case.building, &case.weather).unwrap();
+    assert_eq!(report.failures().count(), 0, "{report}");
+    let [cool, warm] = [16.0, 26.0].map(|setpoint| held(&case, DAY, Quantity::HeatingSetpoint, setpoint));
+    for ((zone, cool), warm) in case.building.zones.iter().zip(cool).zip(warm) {
+        if zone.conditioning != Conditioning::None {
+            assert!(warm - cool > 1.0, "{building_type}: {} is at {cool} and {warm} °C", zone.name);
+        }
+    }
+}
+
+#[test]
+fn every_setpoint_of_the_small_office_bites() {
+    setpoints_bite(BuildingType::OfficeSmall);
+}
+
+#[test]
+fn every_setpoint_of_the_warehouse_bites() {
+    setpoints_bite(BuildingType::Warehouse);
+}
+
+#[test]
+fn every_setpoint_of_the_house_bites() {
+    setpoints_bite(BuildingType::SingleFamilyHouse);
+}
