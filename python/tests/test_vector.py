@@ -41,7 +41,7 @@ def test_make_vec_returns_a_building_vector_environment():
 def test_every_id_is_a_vector_environment_without_a_warning(building_type):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        envs = gymnasium.make_vec(f"b2b/{building_type}-v0", num_envs=2, **DAY)
+        envs = gymnasium.make_vec(f"b2b/{building_type}-v1", num_envs=2, **DAY)
         assert envs.action_space.shape == (2, *envs.single_action_space.shape)
         envs.reset(seed=1)
         ends = []
