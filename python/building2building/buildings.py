@@ -187,7 +187,7 @@ def find_building(
 
 
 def import_building(model: PathLike, weather: PathLike, *, allow_external: bool = False) -> Building:
-    """Imports an EnergyPlus model (IDF or epJSON, version 25.2 or 25.1) with a weather file (EPW).
+    """Imports an EnergyPlus model (IDF or epJSON, version 8.8 to 25.2) with a weather file (EPW).
 
     Supported systems become controllable; the others keep the model's own controls. A model that runs code (FMU,
     Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``.

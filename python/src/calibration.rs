@@ -31,7 +31,7 @@ pub fn calibrate(
     let (name, place, weather, allow_external) = model;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
-    let placement = Placement { place, weather, allow_external };
+    let placement = Placement { place, weather, allow_external, ..Placement::default() };
     let parameters = parameters.iter().map(|text| parameter(text)).collect::<PyResult<Vec<_>>>()?;
     let jobs = jobs.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let report = py.detach(|| -> PyResult<Report> {

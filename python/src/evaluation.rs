@@ -233,7 +233,10 @@ fn episode(key: EpisodeKey) -> PyResult<Episode> {
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let name = name.parse().map_err(of_building)?;
     Ok(Episode {
-        subject: Subject { name, placement: Placement { place, weather, allow_external } },
+        subject: Subject {
+            name,
+            placement: Placement { place, weather, allow_external, ..Placement::default() },
+        },
         task: catalog::read_task(&task)?,
         period: period.parse().map_err(of_building)?,
         seed,

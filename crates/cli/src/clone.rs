@@ -125,7 +125,7 @@ impl Buildings<'_> {
         let key = (building.clone(), place.clone(), weather.clone());
         if !self.prepared.contains_key(&key) {
             let place = place.as_deref().map(Place::find).transpose().map_err(|error| invalid(&error))?;
-            let placement = Placement { place, weather: weather.clone(), allow_external: false };
+            let placement = Placement { place, weather: weather.clone(), ..Placement::default() };
             let found = self.catalog.find(&building.parse()?, &placement, &mut Quiet)?;
             let weather = found.weather.clone();
             let prepared = found.prepare(self.catalog.library()).map_err(|error| invalid(&error))?;

@@ -26,6 +26,7 @@ use versions::document::Document;
 use versions::{Found, idf};
 
 use crate::model::Model;
+use crate::schema::Schema;
 use crate::{Error, Result};
 
 /// A user's model as it was read.
@@ -61,7 +62,7 @@ pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> 
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;
-    check(&model).map_err(|problems| refused(path, problems))?;
+    check(&model, &Schema::of(library)).map_err(|problems| refused(path, problems))?;
     let mut notes = Notes { warnings: encoding.into_iter().collect(), ..Notes::default() };
     match found {
         Found::Same => {}
@@ -147,14 +148,14 @@ fn is_idf(path: &Path) -> bool {
 }
 
 /// Checks a model for problems that the engine silently accepts.
-fn check(model: &Model) -> std::result::Result<(), Vec<String>> {
+fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>> {
     let mut problems = Vec::new();
     problems.extend(templates(model));
     problems.extend(like_named(model));
     if model.objects("Zone").is_empty() {
         problems.push("it has no Zone".into());
     }
-    problems.extend(references::dangling(model));
+    problems.extend(references::dangling(model, schema));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
@@ -200,7 +201,7 @@ mod tests {
 
     fn problems(model: Value) -> String {
         let model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();
-        check(&model).map_or_else(|problems| problems.join("\n"), |()| String::new())
+        check(&model, &Schema::default()).map_or_else(|problems| problems.join("\n"), |()| String::new())
     }
 
     #[test]

@@ -19,6 +19,9 @@ pub struct Location {
     /// Let a model file run code (FMU, Python) and open files outside its folder; only for models that you trust
     #[arg(long)]
     allow_external: bool,
+    /// Size a model file's equipment for its own design days instead of the weather file's
+    #[arg(long)]
+    keep_design_days: bool,
 }
 
 fn find_place(name: &str) -> Result<&'static Place> {
@@ -39,11 +42,17 @@ impl Location {
         let place = self.place.map(|place| ["--place".into(), place.name.into()]);
         let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
         let external = self.allow_external.then(|| "--allow-external".into());
-        place.into_iter().chain(weather).flatten().chain(external).collect()
+        let keep = self.keep_design_days.then(|| "--keep-design-days".into());
+        place.into_iter().chain(weather).flatten().chain(external).chain(keep).collect()
     }
 
     /// Returns these options in the form used by the catalog.
     pub fn placement(&self) -> Placement {
-        Placement { place: self.place, weather: self.weather.clone(), allow_external: self.allow_external }
+        Placement {
+            place: self.place,
+            weather: self.weather.clone(),
+            allow_external: self.allow_external,
+            keep_design_days: self.keep_design_days,
+        }
     }
 }

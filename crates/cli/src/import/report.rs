@@ -1,6 +1,7 @@
 //! The zones and systems of an imported model.
 
 use b2b_building::hvac::{self, Kind, Uncontrolled};
+use b2b_building::import::Notes;
 use b2b_building::{Carrier, Conditioning};
 use b2b_dataset::BuildingName;
 use serde::Serialize;
@@ -21,6 +22,8 @@ pub struct Report {
     pub systems: Vec<System>,
     /// The components that it does not control, with the reason.
     pub not_controlled: Vec<Uncontrolled>,
+    /// How the model was read and sized.
+    pub notes: Notes,
     pub trial: Option<Trial>,
 }
 
@@ -59,6 +62,7 @@ impl Report {
             zones: building.zones.iter().map(Zone::of).collect(),
             systems: building.systems.iter().map(|system| System::of(&**system)).collect(),
             not_controlled: building.uncontrolled.clone(),
+            notes: building.notes.clone(),
             trial,
         }
     }

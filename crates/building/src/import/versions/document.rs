@@ -85,9 +85,14 @@ impl Document {
     /// Sets the version.
     pub fn set_version(&mut self, version: &str) {
         let field = Field { at: 1, name: "version_identifier" };
-        self.objects.iter_mut().filter(|object| object.is("Version")).for_each(|object| {
-            object.set(field, version);
-        });
+        for object in self.objects.iter_mut().filter(|object| object.is("Version")) {
+            match &mut object.body {
+                Body::Positions(_) => object.set(field, version),
+                Body::Names { fields, .. } => {
+                    fields.insert(field.name.to_owned(), Value::from(version));
+                }
+            }
+        }
     }
 }
 

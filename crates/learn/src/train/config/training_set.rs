@@ -112,7 +112,7 @@ impl TrainingSet {
         let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
         let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
         let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
-        Ok(Placement { place, weather, allow_external: self.allow_external })
+        Ok(Placement { place, weather, allow_external: self.allow_external, ..Placement::default() })
     }
 
     /// Returns the training buildings as a reader names them.
