@@ -147,8 +147,8 @@ impl Sizes {
             let size = size.or_else(|| is_equipment_flow(&field).then(|| equipment_flows.next()).flatten());
             let is_unused = matched.are_all_used && is_word(&fields[&field], "Autosize");
             if let Some(size) = size.or_else(|| is_unused.then_some(0.0)) {
-                let value = json!(size.max(self.minimum(class, &field)));
-                fields.insert(field, value);
+                let size = if size > 0.0 { size } else { size.max(self.minimum(class, &field)) };
+                fields.insert(field, json!(size));
             }
         }
     }
@@ -182,8 +182,8 @@ impl Sizes {
         }
     }
 
-    /// Returns the minimum that the engine accepts for a field. It may size an air flow to zero, of a heater and its fan in a zone
-    /// that needs no heat, and then reject that.
+    /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a zone that
+    /// needs no heat, and then reject that.
     fn minimum(&self, class: &str, field: &str) -> f64 {
         let is_fan_flow = starts_with(class, "Fan:") && field.ends_with("maximum_flow_rate");
         let is_positive = self.schema.field(class, field).is_some_and(|field| field.positive);
@@ -391,6 +391,16 @@ mod tests {
         let flow = size("Design Size maximum_flow_rate", 3.0);
         assert_eq!(written(vec![flow.clone()]), (json!(0.0), 0));
         assert_eq!(written(vec![flow, size("Heat Loss", 5.0)]), (json!("Autosize"), 1));
+    }
+
+    #[test]
+    fn a_small_size_is_kept_and_a_fan_without_flow_gets_the_smallest() {
+        for (sized, written) in [(5e-5, 5e-5), (0.0, SMALLEST)] {
+            let mut model = model(json!({"maximum_flow_rate": "Autosize"}));
+            let sizes = vec![size("Design Size maximum_flow_rate", sized)];
+            Sizes { sizes, ..Sizes::default() }.write_into(&mut model);
+            assert_eq!(model.get("Fan:OnOff", "Supply Fan").unwrap()["maximum_flow_rate"], written);
+        }
     }
 
     #[test]

@@ -210,11 +210,12 @@ fn rename(fields: &mut Fields, from: &str, to: &str) -> bool {
 fn change_in(value: &mut Value, change: &mut impl FnMut(&str) -> Option<String>) -> bool {
     match value {
         Value::String(text) => change(text).map(|new| *text = new).is_some(),
+        // Every value, also after one that changed.
         Value::Array(items) => {
-            items.iter_mut().fold(false, |changed, item| change_in(item, change) || changed)
+            items.iter_mut().map(|item| usize::from(change_in(item, change))).sum::<usize>() > 0
         }
         Value::Object(fields) => {
-            fields.values_mut().fold(false, |changed, item| change_in(item, change) || changed)
+            fields.values_mut().map(|item| usize::from(change_in(item, change))).sum::<usize>() > 0
         }
         _ => false,
     }
