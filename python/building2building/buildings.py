@@ -203,7 +203,7 @@ def find_building(
 def import_building(
     model: PathLike, weather: PathLike, *, allow_external: bool = False, control: str = "actuators"
 ) -> Building:
-    """Imports an EnergyPlus model (IDF or epJSON, version 25.2 or 25.1) with a weather file (EPW).
+    """Imports an EnergyPlus model (IDF or epJSON, version 8.8 to 25.2) with a weather file (EPW).
 
     Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
     thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,

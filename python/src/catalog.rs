@@ -310,7 +310,8 @@ pub fn find_building(
     const MAX_KNOWN: usize = 64;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
-    let placement = Placement { place, weather, allow_external, control: read_control(control)? };
+    let control = read_control(control)?;
+    let placement = Placement { place, weather, allow_external, control, ..Placement::default() };
     let is_file = matches!(name, BuildingName::Model(_));
     let known = locked(&KNOWN)
         .iter()

@@ -234,7 +234,10 @@ fn episode(key: EpisodeKey) -> PyResult<Episode> {
     let name = name.parse().map_err(of_building)?;
     let control = catalog::read_control(control.as_deref())?;
     Ok(Episode {
-        subject: Subject { name, placement: Placement { place, weather, allow_external, control } },
+        subject: Subject {
+            name,
+            placement: Placement { place, weather, allow_external, control, ..Placement::default() },
+        },
         task: catalog::read_task(&task)?,
         period: period.parse().map_err(of_building)?,
         seed,

@@ -193,12 +193,6 @@ pub enum Error {
         /// Number of metered values.
         values: usize,
     },
-    /// Autosized fields for which the engine reports no size.
-    #[error("the engine reports no size for:\n  {}\nGive each field a number in the model.", fields.join("\n  "))]
-    Unsized {
-        /// The fields, each as class, object and field.
-        fields: Vec<String>,
-    },
     /// A place or its weather file cannot be used.
     #[error(transparent)]
     Climate(#[from] b2b_climate::Error),
@@ -215,6 +209,15 @@ impl Error {
     pub fn while_doing(self, doing: impl Into<String>) -> Self {
         match self {
             Self::Engine(error) => Self::Engine(error.while_doing(doing)),
+            other => other,
+        }
+    }
+
+    /// Names the model of a failed run: see [`b2b_energyplus::Error::on_model`].
+    #[must_use]
+    pub fn on_model(self, model: &str) -> Self {
+        match self {
+            Self::Engine(error) => Self::Engine(error.on_model(model)),
             other => other,
         }
     }

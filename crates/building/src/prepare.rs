@@ -12,6 +12,7 @@ use crate::hvac::{
     self, Actuator, Discovery, EngineVariable, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported,
 };
 use crate::hvac_energy::{self, Carrier, HvacMeter, hvac_meters};
+use crate::import::Notes;
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -52,6 +53,9 @@ pub struct PreparedBuilding {
     /// are controlled through their thermostats.
     #[serde(default)]
     own_ventilation: Vec<Option<OutdoorAir>>,
+    /// How a user's model was read and sized.
+    #[serde(default)]
+    pub notes: Notes,
 }
 
 /// The outdoor air of a system.
@@ -135,10 +139,11 @@ impl PreparedBuilding {
         kinds: &[Kind],
         unsupported: Unsupported,
     ) -> Result<Self> {
-        let air_density = size(name, &mut model, weather, library)?;
+        let sized = size(name, &mut model, weather, library)?;
         let years = years(name, &model, weather, library)?;
-        let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
-        Ok(Self { years, ..Self::with(name, model, discovery)? })
+        let discovery = hvac::discover(&mut model, sized.air_density, kinds, unsupported)?;
+        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
+        Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else. `complete`
@@ -153,11 +158,12 @@ impl PreparedBuilding {
         library: &Library,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let air_density = size(name, &mut model, weather, library)?;
+        let sized = size(name, &mut model, weather, library)?;
         let years = years(name, &model, weather, library)?;
         complete(&mut model, &years);
-        let discovery = hvac::discover_setpoints(&mut model, air_density)?;
-        Ok(Self { years, ..Self::with(name, model, discovery)? })
+        let discovery = hvac::discover_setpoints(&mut model, sized.air_density)?;
+        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
+        Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
@@ -173,7 +179,8 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        size(name, &mut model, weather, library)?;
+        let sized = size(name, &mut model, weather, library)?;
+        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
         complete(&mut model, &controlled.years);
         for_episodes(&mut model);
@@ -184,6 +191,7 @@ impl PreparedBuilding {
             own_ventilation: controlled.outdoor_air().map(without_damper).collect(),
             systems: Vec::new(),
             layouts: Vec::new(),
+            notes,
             ..controlled
         })
     }
@@ -216,6 +224,7 @@ impl PreparedBuilding {
             meters,
             years: Vec::new(),
             own_ventilation,
+            notes: Notes::default(),
         })
     }
 
@@ -239,6 +248,13 @@ impl PreparedBuilding {
     #[must_use]
     pub fn of_class(self, class: Option<Class>) -> Self {
         Self { class, ..self }
+    }
+
+    /// Adds the notes of its import.
+    #[must_use]
+    pub fn with_notes(self, notes: Notes) -> Self {
+        let left_autosized = self.notes.left_autosized;
+        Self { notes: Notes { left_autosized, ..notes }, ..self }
     }
 
     /// Returns the model for a run period with this number of zone time steps per hour.
@@ -291,15 +307,24 @@ impl PreparedBuilding {
     }
 }
 
-/// Writes sizes into a model and returns the air density of its design flows, kg/m³.
-fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
+/// What the sizing of a model found.
+struct Sized {
+    /// Air density of its design flows, kg/m³.
+    air_density: f64,
+    /// Autosized fields that are left to the engine.
+    left_autosized: Vec<String>,
+}
+
+/// Writes sizes into a model.
+fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<Sized> {
     let site = Site::read(weather)?;
+    let mut left_autosized = Vec::new();
     if sizing::needs_sizing(model) {
         let sizes = Sizes::of(model, weather, library)
-            .map_err(|error| error.while_doing(format!("sizing {name}")))?;
-        sizes.write_into(model)?;
+            .map_err(|error| error.on_model(name).while_doing(format!("sizing {name}")))?;
+        left_autosized = sizes.write_into(model);
     }
-    Ok(standard_air_density(site.elevation))
+    Ok(Sized { air_density: standard_air_density(site.elevation), left_autosized })
 }
 
 /// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the elevation
@@ -377,7 +402,7 @@ fn years(name: &str, model: &Model, weather: &Path, library: &Library) -> Result
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
     let years = band::years(name, model, &names, weather, library);
-    years.map_err(|error| error.while_doing(format!("reading the schedules of {name}")))
+    years.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 
 /// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year without jumps.

@@ -52,8 +52,12 @@ impl Prepared {
         interrupt::check()?;
         let found = found.with_context(|| format!("cannot prepare {name}"))?;
         let (place, weather) = (found.place.clone(), found.weather.clone());
-        if let Some(note) = weather::design_day_note(&found.site) {
+        let keeps_own = location.placement().keep_design_days && matches!(name, BuildingName::Model(_));
+        if let Some(note) = weather::design_day_note(&found.site).filter(|_| !keeps_own) {
             eprintln!("{place}: {note}");
+        }
+        for warning in &found.notes.warnings {
+            eprintln!("{name}: {warning}");
         }
         interrupt::check()?;
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);

@@ -7,7 +7,8 @@ use std::str::FromStr;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Class, Controls, Model, PreparedBuilding, import};
+use b2b_building::import::{Imported, Notes};
+use b2b_building::{BuildingType, Class, Controls, Model, PreparedBuilding, design_days, import};
 use b2b_climate::{EpwFile, Place, Site};
 use b2b_energyplus::install::{Cache, Engine, Progress};
 use b2b_energyplus::{Host, Library};
@@ -37,6 +38,8 @@ pub struct Placement {
     pub allow_external: bool,
     /// What an agent sets: the actuators of the systems, or the setpoints of every zone.
     pub control: Control,
+    /// Whether a user's model keeps its design days instead of those of the weather file.
+    pub keep_design_days: bool,
 }
 
 /// Finds buildings; caches prototypes and sites.
@@ -70,6 +73,8 @@ pub struct Found {
     pub controls: Controls,
     /// The model before sizing.
     pub model: Model,
+    /// How a user's model was read.
+    pub notes: Notes,
 }
 
 impl Catalog {
@@ -112,11 +117,25 @@ impl Catalog {
     ) -> Result<Found> {
         let (place, weather) = self.weather(name, placement, progress)?;
         let site = self.site(&weather)?;
-        let model = self.model(name, placement, &site)?;
+        let (model, notes) = match name {
+            BuildingName::Model(path) => self.own_model(path, placement, &site)?,
+            _ => (self.model(name, placement, &site)?, Notes::default()),
+        };
         let class = placement.class(name, &weather)?;
         let prototype = placement.is_prototype(name);
         let (control, controls) = (placement.control, placement.control.into());
-        Ok(Found { name: name.clone(), class, prototype, place, weather, site, control, controls, model })
+        Ok(Found {
+            name: name.clone(),
+            class,
+            prototype,
+            place,
+            weather,
+            site,
+            control,
+            controls,
+            model,
+            notes,
+        })
     }
 
     /// Returns the model of a generated building, before sizing, and its weather file.
@@ -167,9 +186,7 @@ impl Catalog {
             BuildingName::Id(id) => {
                 return crate::row(*id).building.model(&*self.prototype(id.building_type())?, site);
             }
-            BuildingName::Model(path) => {
-                return Ok(import::read(path, &self.library, placement.allow_external)?);
-            }
+            BuildingName::Model(path) => return Ok(self.own_model(path, placement, site)?.0),
         };
         let base = archetype::base_model(building_type, &self.engine, &self.library, site)?;
         match placement.place {
@@ -180,6 +197,14 @@ impl Catalog {
             }
             _ => Ok(base),
         }
+    }
+
+    /// Returns a user's model with the design days of the weather, unless it keeps its own, and notes on it.
+    fn own_model(&self, path: &Path, placement: &Placement, site: &Site) -> Result<(Model, Notes)> {
+        let Imported { mut model, mut notes } =
+            import::read_with_notes(path, &self.library, placement.allow_external)?;
+        design_days::of_imported(&mut model, site, placement.keep_design_days, &mut notes);
+        Ok((model, notes))
     }
 
     fn prototype(&self, building_type: BuildingType) -> Result<Arc<Model>> {
@@ -224,8 +249,8 @@ impl Found {
     /// # Errors
     /// The errors of [`Preparation::run`].
     pub fn prepare(self, library: &Library) -> Result<PreparedBuilding> {
-        let weather = self.weather.clone();
-        Preparation::from(self).run(&weather, library)
+        let (weather, notes) = (self.weather.clone(), self.notes.clone());
+        Ok(Preparation::from(self).run(&weather, library)?.with_notes(notes))
     }
 }
 

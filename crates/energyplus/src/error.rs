@@ -127,6 +127,15 @@ impl Error {
             other => other,
         }
     }
+
+    /// Names the model of an [`Error::Engine`] in the terms of its caller, who gave the engine a temporary copy.
+    #[must_use]
+    pub fn on_model(self, model: impl Into<PathBuf>) -> Self {
+        match self {
+            Self::Engine { code, messages, .. } => Self::Engine { code, model: model.into(), messages },
+            other => other,
+        }
+    }
 }
 
 /// A result of this crate.

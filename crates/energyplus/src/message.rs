@@ -56,6 +56,8 @@ const KEPT_PER_LEVEL: usize = 100;
 const KEPT_BYTES: usize = 4000;
 /// Length beyond which a line is cut, bytes: EnergyPlus repeats a wrong value in full.
 const KEPT_LINE: usize = 400;
+/// Number of warnings shown before a fatal message.
+const EXPLAINING: usize = 3;
 /// Number of console lines kept.
 const CONSOLE_LINES: usize = 20;
 
@@ -99,6 +101,13 @@ impl Messages {
         self.console.push(cut(line));
     }
 
+    /// Returns the positions of the last warnings before the first fatal message.
+    fn explaining(&self) -> Vec<usize> {
+        let fatal = self.kept.iter().position(|message| message.level == Level::Fatal).unwrap_or(0);
+        let is_warning = |i: &usize| self.kept[*i].level == Level::Warning;
+        (0..fatal).rev().filter(is_warning).take(EXPLAINING).collect()
+    }
+
     fn continue_last(&mut self, text: &str) {
         if let (true, Some(last)) = (self.last_was_kept, self.kept.last_mut())
             && last.text.len() < KEPT_BYTES
@@ -123,11 +132,15 @@ impl fmt::Debug for Messages {
     }
 }
 
-/// Severe and fatal messages, each once; if there are none, the last lines of standard output.
+/// Severe and fatal messages, each once, and the last warnings before a fatal one, which often explain it; if there are none, the
+/// last lines of standard output.
 impl fmt::Display for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut distinct: Vec<(&Message, usize)> = Vec::new();
-        for message in self.at_least(Level::Severe) {
+        let explaining = self.explaining();
+        let is_shown =
+            |(i, message): &(usize, &Message)| message.level >= Level::Severe || explaining.contains(i);
+        for (_, message) in self.kept.iter().enumerate().filter(is_shown) {
             match distinct.iter_mut().find(|(known, _)| *known == message) {
                 Some((_, times)) => *times += 1,
                 None => distinct.push((message, 1)),
@@ -170,6 +183,18 @@ mod tests {
         messages.push(4, "ends");
         let text = "  severe (2 times): North\n    is cold\n  severe: South\n    is cold\n  fatal: ends";
         assert_eq!(messages.to_string(), text);
+    }
+
+    #[test]
+    fn the_last_warnings_before_a_fatal_message_are_shown() {
+        let mut messages = Messages::default();
+        for node in ["A", "B", "C", "D"] {
+            messages.push(2, node);
+        }
+        assert_eq!(messages.to_string(), "");
+        messages.push(4, "no setpoint");
+        messages.push(2, "E");
+        assert_eq!(messages.to_string(), "  warning: B\n  warning: C\n  warning: D\n  fatal: no setpoint");
     }
 
     #[test]

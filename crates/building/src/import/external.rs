@@ -44,8 +44,7 @@ pub(super) fn resolve(model: &mut Model, folder: &Path, allow: bool) -> Result<(
             }
             Err(_) if allow => {}
             Err(why) => {
-                problems
-                    .push(format!("{class} `{name}` names the file `{}`, which {why}. {REMEDY}", file.name));
+                problems.push(format!("{class} `{name}` names the file `{}`, which {why}", file.name));
             }
         }
     }
@@ -116,13 +115,15 @@ fn within(folder: &Path, name: &str) -> Result<String, String> {
     // The engine takes both separators for those of the system.
     let name = if cfg!(windows) { name.to_owned() } else { name.replace('\\', "/") };
     let folder = folder.canonicalize().map_err(|error| format!("cannot be opened: {error}"))?;
-    let missing = |_| format!("is not in the folder of the model, {}", folder.display());
+    let missing = |_| {
+        format!("is missing. Put it where the model expects it; names are relative to {}", folder.display())
+    };
     let path = folder.join(name).canonicalize().map_err(missing)?;
     if !path.starts_with(&folder) {
-        return Err(format!("is outside the folder of the model, {}", folder.display()));
+        return Err(format!("is outside the folder of the model, {}. {REMEDY}", folder.display()));
     }
     match path.to_str() {
-        _ if !path.is_file() => Err("is not a regular file".into()),
+        _ if !path.is_file() => Err(format!("is not a regular file. {REMEDY}")),
         Some(text) if cfg!(windows) || !text.contains('\\') => Ok(text.to_owned()),
         _ => Err("has a path that EnergyPlus cannot read; expected UTF-8 without a backslash".into()),
     }

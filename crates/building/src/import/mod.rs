@@ -13,18 +13,33 @@
 //! - Energy is that of all HVAC, controlled or not, per floor area of all conditioned zones.
 
 pub mod external;
-mod idf;
+mod notes;
 mod references;
-mod version;
+mod text;
+pub mod versions;
 
 use std::path::Path;
 
+use b2b_base::scratch::temporary_folder;
 use b2b_energyplus::Library;
+pub use notes::Notes;
+use versions::document::Document;
+use versions::{Found, idf};
 
 use crate::model::Model;
+use crate::schema::Schema;
 use crate::{Error, Result};
 
-/// Reads a user's model (IDF or epJSON) and makes the checks that the engine does not.
+/// A user's model as it was read.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The model, of the engine's version.
+    pub model: Model,
+    /// Notes for its author.
+    pub notes: Notes,
+}
+
+/// Reads a user's model (IDF or epJSON), converts it to the engine's version and makes the checks that the engine does not.
 ///
 /// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs
 /// code or names a file outside its own folder is rejected before the engine simulates it.
@@ -33,13 +48,60 @@ use crate::{Error, Result};
 /// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with the
 /// engine's messages when it cannot read an IDF.
 pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Model> {
-    check_file(path)?;
-    let mut model = Model::read(path, library)?;
+    Ok(read_with_notes(path, library, allow_external)?.model)
+}
+
+/// As [`read`], with notes on what was changed and assumed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> Result<Imported> {
+    let (text, encoding) = checked_text(path)?;
+    let (mut model, found) = match is_idf(path) {
+        true => read_idf(path, &text, encoding.is_some(), library)?,
+        false => read_epjson(path, &text, library)?,
+    };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;
-    version::update(&mut model, &library.version()).map_err(|problem| refused(path, vec![problem]))?;
-    check(&model).map_err(|problems| refused(path, problems))?;
-    Ok(model)
+    check(&model, &Schema::of(library)).map_err(|problems| refused(path, problems))?;
+    let mut notes = Notes { warnings: encoding.into_iter().collect(), ..Notes::default() };
+    match found {
+        Found::Same => {}
+        Found::Assumed(version) => {
+            notes.warnings.push(format!("the model has no Version object; EnergyPlus {version} is assumed"));
+        }
+        Found::Converted(conversion) => notes.conversion = Some(conversion),
+    }
+    Ok(Imported { model, notes })
+}
+
+fn read_idf(path: &Path, text: &str, decoded: bool, library: &Library) -> Result<(Model, Found)> {
+    let mut document = idf::parse(text).map_err(|problem| refused(path, vec![problem]))?;
+    if let Some(problem) = document.objects.iter().find_map(|object| template(&object.class)) {
+        return Err(refused(path, vec![problem]));
+    }
+    let found =
+        versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
+    if !decoded && !matches!(found, Found::Converted(_)) {
+        return Ok((Model::read(path, library)?, found));
+    }
+    let folder = temporary_folder("b2b-import-").map_err(b2b_energyplus::Error::from)?;
+    let copy = folder.path().join(path.file_name().unwrap_or_default());
+    std::fs::write(&copy, idf::write(&document))
+        .map_err(|source| Error::Io { path: copy.clone(), source })?;
+    let epjson = library.convert_idf(&copy).map_err(|error| error.on_model(path))?;
+    Ok((Model::from_epjson(&epjson, path)?, found))
+}
+
+fn read_epjson(path: &Path, text: &str, library: &Library) -> Result<(Model, Found)> {
+    let model = Model::from_epjson(text, path)?;
+    let mut document = Document::from_model(&model);
+    let found =
+        versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
+    match found {
+        Found::Converted(_) => Ok((document.into_model(), found)),
+        _ => Ok((model, found)),
+    }
 }
 
 /// Returns whether a path has the extension of a model.
@@ -68,30 +130,56 @@ pub fn check_file(path: &Path) -> Result<()> {
     if !is_model_file(path) {
         return refuse("not an EnergyPlus model; expected a .idf or .epJSON file".into());
     }
+    Ok(())
+}
+
+/// Returns the text of a file that may be a model, and a warning about its encoding.
+fn checked_text(path: &Path) -> Result<(String, Option<String>)> {
+    check_file(path)?;
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    match path.extension() {
-        Some(e) if e.eq_ignore_ascii_case("idf") => {
-            idf::check(&bytes).map_err(|why| refused(path, vec![why]))
-        }
-        _ => Ok(()),
+    let (text, warning) = text::decode(&bytes);
+    if is_idf(path) {
+        text::check(&text).map_err(|why| refused(path, vec![why]))?;
     }
+    Ok((text, warning))
+}
+
+fn is_idf(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("idf"))
 }
 
 /// Checks a model for problems that the engine silently accepts.
-fn check(model: &Model) -> std::result::Result<(), Vec<String>> {
+fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>> {
     let mut problems = Vec::new();
     problems.extend(templates(model));
     problems.extend(like_named(model));
     if model.objects("Zone").is_empty() {
         problems.push("it has no Zone".into());
     }
-    problems.extend(references::dangling(model));
+    problems.extend(references::dangling(model, schema));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
 fn templates(model: &Model) -> Option<String> {
-    let class = model.classes().find(|class| class.starts_with("HVACTemplate:"))?;
-    Some(format!("it has an {class}: expand templates with ExpandObjects, which ships with EnergyPlus"))
+    model.classes().find_map(template)
+}
+
+/// Classes that programs of EnergyPlus replace by others before it reads a model: beginning and program.
+const TEMPLATES: [(&str, &str); 3] = [
+    ("HVACTemplate:", "ExpandObjects"),
+    ("GroundHeatTransfer:", "ExpandObjects"),
+    ("Parametric:", "ParametricPreprocessor"),
+];
+
+/// Returns the problem with a class of templates.
+fn template(class: &str) -> Option<String> {
+    let begins =
+        |begin: &str| class.get(..begin.len()).is_some_and(|start| start.eq_ignore_ascii_case(begin));
+    let (_, program) = TEMPLATES.iter().find(|(begin, _)| begins(begin))?;
+    Some(format!(
+        "it has templates ({class}), which EnergyPlus replaces by objects before it reads a model: run {program} of an \
+         EnergyPlus installation of the model's version on it (`energyplus -x` does), and import its output, expanded.idf"
+    ))
 }
 
 /// To the engine, zones whose names differ only by case are the same.
@@ -114,7 +202,7 @@ mod tests {
 
     fn problems(model: Value) -> String {
         let model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();
-        check(&model).map_or_else(|problems| problems.join("\n"), |()| String::new())
+        check(&model, &Schema::default()).map_or_else(|problems| problems.join("\n"), |()| String::new())
     }
 
     #[test]

@@ -1,33 +1,22 @@
 //! Dangling references.
 //!
-//! The engine stops at some dangling references and ignores others. Two patterns of field names cover the essential ones:
-//! `…_object_type` with `…_name`, and `…_schedule_name`. A few more are listed by class.
+//! The engine stops at some dangling references and ignores others. Checked are `…_object_type` with `…_name`, schedules, and
+//! fields that must be given, except in objects that only sizing reads. What a field may name is in the engine's schema: groups of references, such as the surfaces
+//! that a window may be in.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use serde_json::Value;
 
 use crate::model::{Fields, Model};
+use crate::schema::Schema;
 
 /// Maximum number of reported references; a truncated file has hundreds.
 const MAX_REPORTED: usize = 5;
 
-/// Fields that refer to an object of one class.
-const BY_CLASS: [(&str, &str, &str); 9] = [
-    ("BuildingSurface:Detailed", "zone_name", "Zone"),
-    ("FenestrationSurface:Detailed", "building_surface_name", "BuildingSurface:Detailed"),
-    ("ZoneHVAC:EquipmentConnections", "zone_name", "Zone"),
-    ("ZoneHVAC:EquipmentConnections", "zone_conditioning_equipment_list_name", "ZoneHVAC:EquipmentList"),
-    ("AirLoopHVAC", "branch_list_name", "BranchList"),
-    ("PlantLoop", "plant_side_branch_list_name", "BranchList"),
-    ("PlantLoop", "demand_side_branch_list_name", "BranchList"),
-    ("BranchList", "branch_name", "Branch"),
-    ("AirLoopHVAC:OutdoorAirSystem", "controller_list_name", "AirLoopHVAC:ControllerList"),
-];
-
 /// Reports the first dangling references, one per line, and the number of the others.
-pub(super) fn dangling(model: &Model) -> Vec<String> {
-    let mut search = Search { model, schedules: schedules(model), found: Vec::new() };
+pub(super) fn dangling(model: &Model, schema: &Schema) -> Vec<String> {
+    let mut search = Search { model, schema, members: members(model, schema), found: Vec::new() };
     let classes: Vec<_> = model.classes().map(str::to_owned).collect();
     for class in &classes {
         for (name, fields) in model.objects(class) {
@@ -45,8 +34,9 @@ pub(super) fn dangling(model: &Model) -> Vec<String> {
 
 struct Search<'a> {
     model: &'a Model,
-    /// Names of all schedules, in lower case.
-    schedules: HashSet<String>,
+    schema: &'a Schema,
+    /// Names in each group of references, in lower case.
+    members: HashMap<&'a str, HashSet<String>>,
     found: Vec<String>,
 }
 
@@ -70,29 +60,69 @@ impl Search<'_> {
             let part = field.strip_suffix("_name")?;
             fields.get(&format!("{part}_object_type"))?.as_str().map(str::to_owned)
         };
-        let by_class = || {
-            let known = |(c, f, _): &&(&str, &str, &str)| c.eq_ignore_ascii_case(class) && *f == field;
-            BY_CLASS.iter().find(known).map(|(_, _, target)| (*target).to_owned())
-        };
-        if field.ends_with("schedule_name") {
-            if !self.schedules.contains(&name.to_lowercase()) {
-                self.found.push(format!("{class} `{object}` refers to a missing schedule `{name}`"));
+        if let Some(target) = typed() {
+            if !self.model.contains(&target, name) {
+                self.found.push(format!("{class} `{object}` refers to a missing {target} `{name}`"));
             }
-        } else if let Some(target) = typed().or_else(by_class)
-            && !self.model.contains(&target, name)
-        {
-            self.found.push(format!("{class} `{object}` refers to a missing {target} `{name}`"));
+        } else if self.is_missing(class, field, name) {
+            let kind = if field.ends_with("schedule_name") { "schedule" } else { "object" };
+            self.found.push(format!("{class} `{object}` refers to a missing {kind} `{name}` ({field})"));
+        }
+    }
+
+    /// Returns whether a field must name a member of a group and does not.
+    fn is_missing(&self, class: &str, field: &str, name: &str) -> bool {
+        let Some(known) = self.schema.field(class, field) else { return false };
+        let is_for_sizing = class.to_ascii_lowercase().starts_with("sizing:");
+        let is_essential = (known.required && !is_for_sizing) || field.ends_with("schedule_name");
+        let is_of_objects =
+            !known.names.is_empty() && known.names.iter().all(|group| self.schema.has_group(group));
+        let name = name.to_lowercase();
+        let is_member =
+            |group: &String| self.members.get(group.as_str()).is_some_and(|names| names.contains(&name));
+        is_essential && is_of_objects && !known.names.iter().any(is_member)
+    }
+}
+
+/// Returns the names in each group of references, in lower case.
+fn members<'a>(model: &Model, schema: &'a Schema) -> HashMap<&'a str, HashSet<String>> {
+    let mut members = HashMap::new();
+    for class in model.classes() {
+        for (name, fields) in model.objects(class) {
+            add(&mut members, schema.groups(class), name);
+            add_fields(&mut members, schema, class, fields);
+        }
+    }
+    members
+}
+
+fn add_fields<'a>(
+    members: &mut HashMap<&'a str, HashSet<String>>,
+    schema: &'a Schema,
+    class: &str,
+    fields: &Fields,
+) {
+    for (field, value) in fields {
+        match value {
+            Value::Array(items) => {
+                items
+                    .iter()
+                    .filter_map(Value::as_object)
+                    .for_each(|item| add_fields(members, schema, class, item));
+            }
+            Value::String(name) => {
+                let groups = schema.field(class, field).map_or(&[][..], |known| &known.groups);
+                add(members, groups, name);
+            }
+            _ => {}
         }
     }
 }
 
-fn schedules(model: &Model) -> HashSet<String> {
-    let classes = model.classes().filter(|class| class.to_ascii_lowercase().starts_with("schedule:"));
-    let names = classes.flat_map(|class| model.objects(class)).map(|(name, _)| name.to_lowercase());
-    let external = ["ExternalInterface:Schedule", "ExternalInterface:FunctionalMockupUnitImport:To:Schedule"];
-    names
-        .chain(external.iter().flat_map(|class| model.names(class)).map(|name| name.to_lowercase()))
-        .collect()
+fn add<'a>(members: &mut HashMap<&'a str, HashSet<String>>, groups: &'a [String], name: &str) {
+    for group in groups {
+        members.entry(group.as_str()).or_default().insert(name.to_lowercase());
+    }
 }
 
 #[cfg(test)]
@@ -103,8 +133,40 @@ mod tests {
 
     use super::*;
 
+    /// Zones, schedules and surfaces of two classes, as in the engine's schema.
+    fn schema() -> Schema {
+        let class = |groups: Value, fields: Value, required: Value| {
+            json!({"name": {"reference": groups},
+                   "patternProperties": {".*": {"properties": fields, "required": required}}})
+        };
+        let names = |group: &str| json!({"object_list": [group]});
+        let fan = json!({"availability_schedule_name": names("ScheduleNames")});
+        let surface = json!({"zone_name": names("ZoneNames")});
+        let window = json!({"building_surface_name": names("SurfaceNames")});
+        Schema::of_json(&json!({"properties": {
+            "Zone": class(json!(["ZoneNames"]), json!({}), json!([])),
+            "Schedule:Constant": class(json!(["ScheduleNames"]), json!({}), json!([])),
+            "Fan:OnOff": class(json!([]), fan, json!([])),
+            "BuildingSurface:Detailed": class(json!(["SurfaceNames"]), surface.clone(), json!(["zone_name"])),
+            "Wall:Detailed": class(json!(["SurfaceNames"]), surface, json!(["zone_name"])),
+            "Window": class(json!([]), window, json!(["building_surface_name"])),
+        }}))
+    }
+
     fn dangling_in(model: Value) -> Vec<String> {
-        dangling(&Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap())
+        let model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();
+        dangling(&model, &schema())
+    }
+
+    #[test]
+    fn a_window_may_be_in_a_wall_of_any_class_of_surfaces() {
+        let with = |wall: &str| {
+            json!({"Zone": {"A": {}}, "Wall:Detailed": {"South": {"zone_name": "A"}},
+                   "Window": {"Pane": {"building_surface_name": wall}}})
+        };
+        assert_eq!(dangling_in(with("SOUTH")), [""; 0]);
+        let found = dangling_in(with("North")).join("\n");
+        assert!(found.contains("Window `Pane`") && found.contains("`North`"), "{found}");
     }
 
     #[test]
@@ -122,7 +184,7 @@ mod tests {
         let all = found.join("\n");
         for end in [
             "`Main` refers to a missing Coil:Heating:Fuel `H`",
-            "`Roof` refers to a missing Zone `B`",
+            "`Roof` refers to a missing object `B`",
             "`G` refers to a missing schedule `Off`",
         ] {
             assert!(all.contains(end), "{all}");

@@ -21,17 +21,19 @@
 //! `DesignSpecification:OutdoorAir` itself; where it leaves that to `Sizing:Zone`, the engine uses
 //! defaults and reports a severe message. No model that ships with the engine does.
 
-mod exceptions;
+mod names;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use b2b_energyplus::Library;
-use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
+use names::{field_name, pairs};
 use rusqlite::Connection;
 use serde_json::{Value, json};
 
 use crate::model::Fields;
 use crate::output_database::OutputDatabase;
+use crate::schema::Schema;
 use crate::{Error, Model, Result};
 
 /// A size that the engine reports.
@@ -53,6 +55,8 @@ pub struct Size {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sizes {
     sizes: Vec<Size>,
+    /// What the engine accepts.
+    schema: Arc<Schema>,
 }
 
 impl Sizes {
@@ -67,7 +71,7 @@ impl Sizes {
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
         let database = OutputDatabase::of(&sizing_only(model), weather, library, "b2b-sizing-")?;
         let sizes = database.read(read_table, |path, source| Error::SizeTable { path, source })?;
-        Ok(Self { sizes })
+        Ok(Self { sizes, schema: Schema::of(library) })
     }
 
     /// Returns all sizes, in the order of the engine's report.
@@ -75,71 +79,115 @@ impl Sizes {
         self.sizes.iter()
     }
 
-    /// Returns the size of a field of an object, in the engine's unit; `None` if the engine reports none.
+    /// Returns the size of a field of an object, in the engine's unit; `None` if the engine reports none under its name.
     ///
     /// Values that the model gives (`User-Specified`) are not sizes.
     pub fn get(&self, class: &str, object: &str, field: &str) -> Option<f64> {
-        let of_object =
+        self.of_object(class, object)
+            .rev()
+            .find(|size| field_name(&size.description) == field)
+            .map(|size| size.value)
+    }
+
+    fn of_object(&self, class: &str, object: &str) -> impl DoubleEndedIterator<Item = &Size> {
+        let is_of =
             |size: &&Size| size.class.eq_ignore_ascii_case(class) && size.object.eq_ignore_ascii_case(object);
-        let named = |name: &str| {
-            self.sizes.iter().filter(of_object).rfind(|s| field_name(&s.description) == name).map(|s| s.value)
-        };
-        named(field).or_else(|| {
-            ALIASES.iter().filter(|(f, _)| *f == field).find_map(|(_, other)| named(&field_name(other)))
-        })
+        self.sizes.iter().filter(is_of)
     }
 
     /// Writes the sizes into every autosized field of the model, switches sizing off and removes what only
-    /// sizing reads. On failure the model is not changed.
+    /// sizing reads. Returns the fields that are left to the engine, each as class, object and field.
+    ///
+    /// An autosized field without a size does not depend on the design days:
+    ///
+    /// - The object was not sized at all: nothing uses it, and it stays as it is.
+    /// - Every size of the object belongs to another field: the object does not use this one. It gets the smallest number
+    ///   that the engine accepts, which has no effect.
+    /// - Else it is left to the engine, which rejects the model if it cannot size the field.
     ///
     /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields without
     /// sizing (the volume of a zone, the view factors of a surface).
-    ///
-    /// # Errors
-    /// [`Error::Unsized`] with every autosized field for which there is no size.
-    pub fn write_into(&self, model: &mut Model) -> Result<()> {
-        let mut sized = model.clone();
-        let mut missing = Vec::new();
-        for class in model.classes().filter(|class| !is_for_sizing(class)) {
-            for (name, _) in model.objects(class) {
-                let fields = sized.require_mut(class, name)?;
-                let unsized_fields = self.write_into_object(class, name, fields);
-                missing.extend(unsized_fields.into_iter().map(|field| format!("{class} `{name}`: {field}")));
-            }
+    pub fn write_into(&self, model: &mut Model) -> Vec<String> {
+        let mut left = Vec::new();
+        for (class, name, fields) in model.objects_mut().filter(|(class, ..)| !is_for_sizing(class)) {
+            let of_object = self.write_into_object(class, name, fields);
+            left.extend(of_object.into_iter().map(|field| format!("{class} `{name}`: {field}")));
         }
-        if !missing.is_empty() {
-            return Err(Error::Unsized { fields: missing });
-        }
-        FOR_SIZING.iter().for_each(|class| sized.remove_class(class));
-        switch_sizing_off(&mut sized);
-        lift_outdoor_air_limit(&mut sized);
-        *model = sized;
-        Ok(())
+        FOR_SIZING.iter().for_each(|class| model.remove_class(class));
+        switch_sizing_off(model);
+        lift_outdoor_air_limit(model);
+        left
     }
 
-    /// Writes the sizes of an object and returns the autosized fields without one.
+    /// Writes the sizes of an object and returns the autosized fields that are left to the engine.
     fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
-        for (_, field) in OPTIONAL.iter().filter(|(c, _)| c.eq_ignore_ascii_case(class)) {
-            if self.get(class, object, field).is_some() {
-                fields.entry(*field).or_insert_with(|| json!("Autosize"));
+        for field in self.schema.sized_if_blank(class) {
+            let is_blank = fields.get(field).is_none_or(|value| value.as_str() == Some(""));
+            if is_blank && self.get(class, object, field).is_some() {
+                fields.insert(field.to_owned(), json!("Autosize"));
             }
         }
-        let mut equipment_flows = self.equipment_flows(class, object);
-        let automatic = fields.iter().filter(|(_, value)| is_automatic(value));
-        let automatic: Vec<String> = automatic.map(|(field, _)| field.clone()).collect();
-        for field in automatic {
-            let size = self.get(class, object, &field).or_else(|| unused(class, fields, &field));
-            let size = size.or_else(|| is_equipment_flow(&field).then(|| equipment_flows.next()).flatten());
-            if let Some(size) = size {
-                let value = json!(size.max(minimum(class, &field)));
-                fields.insert(field, value);
-            }
+        if fields.values().any(is_automatic) {
+            self.write_automatic(class, object, fields);
         }
         let mut left = Vec::new();
         for (field, value) in fields.iter() {
             find_autosized(field, value, &mut left);
         }
         left
+    }
+
+    fn write_automatic(&self, class: &str, object: &str, fields: &mut Fields) {
+        let mut equipment_flows = self.equipment_flows(class, object);
+        let matched = self.matched(class, object, fields);
+        let automatic = fields.iter().filter(|(_, value)| is_automatic(value));
+        let automatic: Vec<String> = automatic.map(|(field, _)| field.clone()).collect();
+        for field in automatic {
+            let size = matched.sizes.iter().find(|(name, _)| *name == field).map(|(_, size)| *size);
+            let size = size.or_else(|| is_equipment_flow(&field).then(|| equipment_flows.next()).flatten());
+            let is_unused = matched.are_all_used && is_word(&fields[&field], "Autosize");
+            if let Some(size) = size.or_else(|| is_unused.then_some(0.0)) {
+                let size = if size > 0.0 { size } else { size.max(self.minimum(class, &field)) };
+                fields.insert(field, json!(size));
+            }
+        }
+    }
+
+    /// Assigns the sizes of an object to its fields.
+    fn matched(&self, class: &str, object: &str, fields: &Fields) -> Matched {
+        let is_size = |size: &&Size| {
+            !size.description.starts_with("User-Specified ")
+                && !size.description.starts_with("Initial Design Size ")
+        };
+        let mut sizes: Vec<(String, f64)> = Vec::new();
+        for size in self.of_object(class, object).filter(is_size) {
+            let name = field_name(&size.description);
+            sizes.retain(|(known, _)| *known != name);
+            sizes.push((name, size.value));
+        }
+        // An autosized field that is reported as given: high-temperature radiant heaters.
+        for size in self.of_object(class, object) {
+            let Some(given) = size.description.strip_prefix("User-Specified ") else { continue };
+            let name = field_name(given);
+            if fields.get(&name).is_some_and(is_automatic) && !sizes.iter().any(|(known, _)| *known == name) {
+                sizes.push((name, size.value));
+            }
+        }
+        let names: Vec<&str> = fields.keys().map(String::as_str).collect();
+        let descriptions: Vec<&str> = sizes.iter().map(|(name, _)| name.as_str()).collect();
+        let pairs = pairs(&names, &descriptions);
+        Matched {
+            are_all_used: !sizes.is_empty() && pairs.len() == sizes.len(),
+            sizes: pairs.iter().map(|(f, d)| (names[*f].to_owned(), sizes[*d].1)).collect(),
+        }
+    }
+
+    /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a zone that
+    /// needs no heat, and then reject that.
+    fn minimum(&self, class: &str, field: &str) -> f64 {
+        let is_fan_flow = starts_with(class, "Fan:") && field.ends_with("maximum_flow_rate");
+        let is_positive = self.schema.field(class, field).is_some_and(|field| field.positive);
+        if is_positive || is_fan_flow { SMALLEST } else { f64::NEG_INFINITY }
     }
 
     /// The flows of the equipment of a plant's setpoint scheme, in its order: the engine reports one for each that is
@@ -155,6 +203,17 @@ impl Sizes {
         self.sizes.iter().filter(of_scheme).map(|s| s.value)
     }
 }
+
+/// Sizes of an object, assigned to its fields.
+struct Matched {
+    /// Field and size.
+    sizes: Vec<(String, f64)>,
+    /// Whether there are sizes and each belongs to a field.
+    are_all_used: bool,
+}
+
+/// The smallest size where the engine excludes zero.
+const SMALLEST: f64 = 1e-3;
 
 /// Returns whether a field is the flow of one of several pieces of equipment: `component_1_flow_rate`.
 fn is_equipment_flow(field: &str) -> bool {
@@ -236,31 +295,6 @@ fn read_table(database: &Connection) -> rusqlite::Result<Vec<Size>> {
     sizes.collect()
 }
 
-/// The epJSON field that a description names: without `Design Size` and a unit in brackets, in snake case.
-/// `User-Specified …` and `Initial Design Size …` keep their prefix and therefore match no field.
-fn field_name(description: &str) -> String {
-    let description = description.strip_prefix("Design Size ").unwrap_or(description);
-    let description = description.split(['[', '(']).next().unwrap_or_default();
-    let words = description.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-    words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
-}
-
-/// Returns the value of an autosized field that an object of this class does not use.
-fn unused(class: &str, fields: &Fields, field: &str) -> Option<f64> {
-    let entry =
-        UNUSED.iter().find(|unused| starts_with(class, unused.class) && field.ends_with(unused.field))?;
-    let is_used = entry
-        .used_with
-        .is_some_and(|(other, value)| fields.get(other).is_some_and(|given| is_word(given, value)));
-    (!is_used).then_some(entry.value)
-}
-
-/// Returns the minimum that the engine accepts for a field.
-fn minimum(class: &str, field: &str) -> f64 {
-    let entry = POSITIVE.iter().find(|(c, f, _)| c.eq_ignore_ascii_case(class) && *f == field);
-    entry.map_or(f64::NEG_INFINITY, |(_, _, minimum)| *minimum)
-}
-
 /// Returns whether a field is sized or calculated by the engine.
 fn is_automatic(value: &Value) -> bool {
     is_word(value, "Autosize") || is_word(value, "Autocalculate")
@@ -314,14 +348,6 @@ mod tests {
     }
 
     #[test]
-    fn a_description_names_its_field() {
-        assert_eq!(field_name("Design Size Maximum Air Flow Rate"), "maximum_air_flow_rate");
-        assert_eq!(field_name("Design Size maximum_flow_rate"), "maximum_flow_rate");
-        assert_eq!(field_name("Design Size U-Factor Times Area Value [W/K]"), "u_factor_times_area_value");
-        assert_eq!(field_name("Design Flow Rate"), "design_flow_rate");
-    }
-
-    #[test]
     fn sizes_are_written_to_autosized_fields_only() {
         let mut model =
             model(json!({"maximum_flow_rate": "autosize", "pressure_rise": 500, "end_use": "Autosized"}));
@@ -332,8 +358,9 @@ mod tests {
                 size("User-Specified maximum_flow_rate", 2.0),
                 size("Design Size pressure_rise", 4.0),
             ],
+            ..Sizes::default()
         };
-        sizes.write_into(&mut model).unwrap();
+        assert!(sizes.write_into(&mut model).is_empty());
         let fan = model.require("Fan:OnOff", "Supply Fan").unwrap();
         assert_eq!(fan["maximum_flow_rate"], json!(0.1 + 0.2));
         assert_eq!(fan["pressure_rise"], 500);
@@ -343,13 +370,37 @@ mod tests {
     }
 
     #[test]
-    fn every_field_without_a_size_is_reported_and_the_model_does_not_change() {
-        let shipped = model(json!({"maximum_flow_rate": "Autosize", "speeds": [{"ratio": "AUTOSIZE"}]}));
-        let mut model = shipped.clone();
-        let error = Sizes::default().write_into(&mut model).unwrap_err().to_string();
-        assert!(error.contains("Fan:OnOff `Supply Fan`: maximum_flow_rate"), "{error}");
-        assert!(error.contains("Fan:OnOff `Supply Fan`: speeds[0].ratio"), "{error}");
-        assert_eq!(model, shipped);
+    fn an_object_that_was_not_sized_is_left_alone_and_listed() {
+        let mut model = model(json!({"maximum_flow_rate": "Autosize", "speeds": [{"ratio": "AUTOSIZE"}]}));
+        let left = Sizes::default().write_into(&mut model);
+        assert_eq!(
+            left,
+            ["Fan:OnOff `Supply Fan`: maximum_flow_rate", "Fan:OnOff `Supply Fan`: speeds[0].ratio"]
+        );
+        assert_eq!(model.get("Fan:OnOff", "Supply Fan").unwrap()["maximum_flow_rate"], "Autosize");
+    }
+
+    #[test]
+    fn a_field_without_a_size_is_unused_if_every_size_belongs_to_another() {
+        let fan = json!({"maximum_flow_rate": "Autosize", "design_power": "Autosize"});
+        let written = |sizes: Vec<Size>| {
+            let mut model = model(fan.clone());
+            let left = Sizes { sizes, ..Sizes::default() }.write_into(&mut model);
+            (model.get("Fan:OnOff", "Supply Fan").unwrap()["design_power"].clone(), left.len())
+        };
+        let flow = size("Design Size maximum_flow_rate", 3.0);
+        assert_eq!(written(vec![flow.clone()]), (json!(0.0), 0));
+        assert_eq!(written(vec![flow, size("Heat Loss", 5.0)]), (json!("Autosize"), 1));
+    }
+
+    #[test]
+    fn a_small_size_is_kept_and_a_fan_without_flow_gets_the_smallest() {
+        for (sized, written) in [(5e-5, 5e-5), (0.0, SMALLEST)] {
+            let mut model = model(json!({"maximum_flow_rate": "Autosize"}));
+            let sizes = vec![size("Design Size maximum_flow_rate", sized)];
+            Sizes { sizes, ..Sizes::default() }.write_into(&mut model);
+            assert_eq!(model.get("Fan:OnOff", "Supply Fan").unwrap()["maximum_flow_rate"], written);
+        }
     }
 
     #[test]
@@ -357,7 +408,7 @@ mod tests {
         let mut model = Model::default();
         model.insert("Zone", "Attic", json!({"volume": "Autocalculate"}));
         model.insert("Sizing:System", "Loop", json!({"cooling_design_capacity": "Autosize"}));
-        Sizes::default().write_into(&mut model).unwrap();
+        Sizes::default().write_into(&mut model);
         assert_eq!(model.get("Zone", "Attic").unwrap()["volume"], "Autocalculate");
         assert!(!model.contains("Sizing:System", "Loop"));
     }

@@ -3,9 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use b2b_building::hvac::{Kind, Unsupported};
-use b2b_building::{Conditioning, Error, PreparedBuilding, import};
+use b2b_building::import::{Imported, Notes};
+use b2b_building::{Conditioning, Error, PreparedBuilding, design_days, import};
+use b2b_climate::Site;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
+use serde_json::{Value, json};
+
+use crate::room::room;
 
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 
@@ -134,8 +139,12 @@ fn models_of_the_previous_version_are_updated() {
 #[test]
 fn models_of_another_version_and_other_files_are_rejected() {
     let stock = Stock::new();
-    let old = stock.text("SmallOffice").replacen("Version,25.2", "Version,9.4", 1);
-    assert_says(&stock.refusal("old.idf", &old), &["9.4", "25.2", "IDFVersionUpdater"]);
+    let old = stock.text("SmallOffice").replacen("Version,25.2", "Version,7.2", 1);
+    assert_says(&stock.refusal("old.idf", &old), &["7.2", "8.8 to 25.2", "IDFVersionUpdater"]);
+    let new = stock.text("SmallOffice").replacen("Version,25.2", "Version,26.1", 1);
+    assert_says(&stock.refusal("new.idf", &new), &["26.1", "newer than the engine"]);
+    let template = "Version,25.2;Zone,Room;HVACTemplate:Thermostat,T,,20,,26;";
+    assert_says(&stock.refusal("template.idf", template), &["HVACTemplate:Thermostat", "ExpandObjects"]);
     assert_says(&stock.refusal("empty.idf", "! nothing\n"), &["empty"]);
     assert_says(&stock.refusal("noise.idf", "what is this;"), &["noise.idf"]);
     let shed = "Version,25.2;\nBuilding,Shed;\nGlobalGeometryRules,UpperLeftCorner,Clockwise,Relative;";
@@ -147,4 +156,114 @@ fn models_of_another_version_and_other_files_are_rejected() {
         assert!(matches!(error, Error::Import { .. }), "{error}");
         assert_says(&error.to_string(), &[path, words]);
     }
+}
+
+/// Reads a model of this name and content.
+fn read(stock: &Stock, name: &str, content: &[u8]) -> b2b_building::Result<Imported> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    import::read_with_notes(&path, &stock.library, false)
+}
+
+fn read_room(stock: &Stock, room: &Value) -> b2b_building::Result<Imported> {
+    read(stock, "room.epJSON", room.to_string().as_bytes())
+}
+
+#[test]
+fn windows_may_be_in_walls_of_any_class() {
+    let stock = Stock::new();
+    let mut model = room();
+    let mut wall = model["BuildingSurface:Detailed"].as_object_mut().unwrap().remove("South").unwrap();
+    wall.as_object_mut().unwrap().remove("surface_type");
+    model["Wall:Detailed"] = json!({"South": wall});
+    let window = |wall: &str| json!({"Pane": {"surface_type": "Window", "construction_name": "Wall", "building_surface_name": wall}});
+    model["FenestrationSurface:Detailed"] = window("South");
+    read_room(&stock, &model).unwrap();
+    model["FenestrationSurface:Detailed"] = window("Gone");
+    assert_says(&read_room(&stock, &model).unwrap_err().to_string(), &["`Pane`", "`Gone`"]);
+}
+
+#[test]
+fn a_missing_schedule_file_and_a_missing_version_are_named() {
+    let stock = Stock::new();
+    let mut model = room();
+    model.as_object_mut().unwrap().remove("Version");
+    let notes = read_room(&stock, &model).unwrap().notes;
+    assert_says(&notes.warnings.join(" "), &["no Version", "25.2 is assumed"]);
+    model["Schedule:File"] =
+        json!({"F": {"file_name": "absent.csv", "column_number": 1, "rows_to_skip_at_top": 0}});
+    assert_says(&read_room(&stock, &model).unwrap_err().to_string(), &["`F`", "`absent.csv`", "is missing"]);
+}
+
+#[test]
+fn an_old_idf_in_latin_1_is_converted_and_its_errors_name_the_users_file() {
+    let stock = Stock::new();
+    let text = |algorithm: &str| {
+        let text = format!(
+            "Version,9.4;\nBuilding,B;\nGlobalGeometryRules,UpperLeftCorner,CounterClockWise,World;\nZone,B\u{fc}ro;\n\
+             Material,Block,Rough,0.2,0.1,600,900;\nConstruction,Wall,Block;\nHeatBalanceAlgorithm,{algorithm};\n\
+             BuildingSurface:Detailed,South,Wall,Wall,B\u{fc}ro,Outdoors,,SunExposed,WindExposed,0.5,4,0,0,3,0,0,0,10,0,\
+             0,10,0,3;\n"
+        );
+        text.chars().map(|character| character as u8).collect::<Vec<u8>>()
+    };
+    let Imported { model, notes } = read(&stock, "old.idf", &text("ConductionTransferFunction")).unwrap();
+    let south = model.get("BuildingSurface:Detailed", "South").unwrap();
+    assert_eq!((&south["zone_name"], &south["sun_exposure"]), (&json!("B\u{fc}ro"), &json!("SunExposed")));
+    let conversion = notes.conversion.unwrap();
+    assert_eq!((conversion.from.as_str(), conversion.to.as_str()), ("9.4", "25.2"));
+    assert_says(&notes.warnings.join(" "), &["not UTF-8 (line 4)", "Latin-1"]);
+    let said = read(&stock, "old.idf", &text("Guess")).unwrap_err().to_string();
+    assert_says(&said, &["old.idf", "Guess"]);
+    assert!(!said.contains("b2b-import"), "{said}");
+}
+
+/// A tank that its own sizing sizes, and equipment that nothing uses.
+#[test]
+fn the_weather_decides_sizes_and_what_is_not_sized_is_left_alone() {
+    let stock = Stock::new();
+    let mut model = room();
+    model.as_object_mut().unwrap().remove("SizingPeriod:DesignDay");
+    model["ZoneHVAC:IdealLoadsAirSystem"] = json!({"Spare": {"zone_supply_air_node_name": "Nowhere",
+        "maximum_heating_air_flow_rate": "Autosize", "heating_limit": "LimitFlowRate"}});
+    model["WaterHeater:Mixed"] = json!({"Tank": {"tank_volume": 0.2, "setpoint_temperature_schedule_name": "Hot",
+        "heater_control_type": "Cycle", "heater_maximum_capacity": "Autosize", "heater_fuel_type": "Electricity",
+        "heater_thermal_efficiency": 1, "maximum_temperature_limit": 80, "ambient_temperature_indicator": "Zone",
+        "ambient_temperature_zone_name": "Room", "peak_use_flow_rate": 0}});
+    model["WaterHeater:Sizing"] = json!({"S": {"waterheater_name": "Tank", "design_mode": "ResidentialHUD-FHAMinimum",
+        "number_of_bathrooms": 1, "number_of_bedrooms": 2}});
+    model["Schedule:Constant"]["Hot"] = json!({"schedule_type_limits_name": "Any", "hourly_value": 55});
+    let prepared = |weather: &Path| {
+        let Imported { mut model, mut notes } = read_room(&stock, &model).unwrap();
+        design_days::of_imported(&mut model, &Site::read(weather).unwrap(), false, &mut notes);
+        assert_says(notes.design_days.as_deref().unwrap(), &["the weather file's"]);
+        PreparedBuilding::as_far_as_possible("room", model, weather, &stock.library).unwrap()
+    };
+    let miami = stock.weather.with_file_name("USA_FL_Miami.Intl.AP.722020_TMY3.epw");
+    let buildings = [prepared(&stock.weather), prepared(&miami)];
+    let capacity = |building: &PreparedBuilding| {
+        let heater = building.model().get("ZoneHVAC:Baseboard:Convective:Electric", "Heater").unwrap();
+        heater["heating_design_capacity"].as_f64().unwrap()
+    };
+    // 21 °C inside: 41 K above the heating design day of Chicago and 12 K above Miami's.
+    let [chicago, miami] = [&buildings[0], &buildings[1]].map(capacity);
+    assert!(chicago > 2.5 * miami, "{chicago} {miami} W");
+    let left = &buildings[0].notes.left_autosized;
+    assert!(left.iter().any(|field| field.contains("`Spare`: maximum_heating_air_flow_rate")), "{left:?}");
+}
+
+#[test]
+fn design_days_that_are_kept_are_compared_with_the_weather() {
+    let stock = Stock::new();
+    let site = Site::read(&stock.weather).unwrap();
+    let mut model = read_room(&stock, &room()).unwrap().model;
+    let mut notes = Notes::default();
+    design_days::of_imported(&mut model, &site, true, &mut notes);
+    assert_eq!(model.names("SizingPeriod:DesignDay"), ["Cold", "Hot"]);
+    assert_says(notes.design_days.as_deref().unwrap(), &["the model's, -20.0 and 33.0 °C"]);
+    assert_eq!(notes.warnings, [""; 0]);
+    model.get_mut("SizingPeriod:DesignDay", "Cold").unwrap()["maximum_dry_bulb_temperature"] = json!(9.0);
+    design_days::of_imported(&mut model, &site, true, &mut notes);
+    assert_says(&notes.warnings.join(" "), &["another climate", "--keep-design-days"]);
 }

@@ -4,4 +4,5 @@ mod air_loop;
 mod external;
 mod import;
 mod kinds;
+mod room;
 mod sizing;

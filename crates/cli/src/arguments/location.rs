@@ -23,6 +23,9 @@ pub struct Location {
     /// Let a model file run code (FMU, Python) and open files outside its folder; only for models that you trust
     #[arg(long)]
     allow_external: bool,
+    /// Size a model file's equipment for its own design days instead of the weather file's
+    #[arg(long)]
+    keep_design_days: bool,
 }
 
 fn find_place(name: &str) -> Result<&'static Place> {
@@ -44,7 +47,8 @@ impl Location {
         let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
         let external = self.allow_external.then(|| "--allow-external".into());
         let control = self.control.map(|control| ["--control".into(), control.name().into()]);
-        place.into_iter().chain(weather).chain(control).flatten().chain(external).collect()
+        let keep = self.keep_design_days.then(|| "--keep-design-days".into());
+        place.into_iter().chain(weather).chain(control).flatten().chain(external).chain(keep).collect()
     }
 
     /// Returns these options in the form used by the catalog.
@@ -54,6 +58,7 @@ impl Location {
             weather: self.weather.clone(),
             allow_external: self.allow_external,
             control: self.control.unwrap_or_default(),
+            keep_design_days: self.keep_design_days,
         }
     }
 }

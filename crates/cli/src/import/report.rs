@@ -1,6 +1,7 @@
 //! The zones and systems of an imported model.
 
 use b2b_building::hvac::{self, Kind, Uncontrolled};
+use b2b_building::import::Notes;
 use b2b_building::{Carrier, Conditioning};
 use b2b_dataset::BuildingName;
 use serde::Serialize;
@@ -23,6 +24,8 @@ pub struct Report {
     pub follows_setpoints: Vec<Uncontrolled>,
     /// The components that it does not control, with the reason.
     pub not_controlled: Vec<Uncontrolled>,
+    /// How the model was read and sized.
+    pub notes: Notes,
     pub trial: Option<Trial>,
 }
 
@@ -64,6 +67,7 @@ impl Report {
             systems: building.systems.iter().map(|system| System::of(&**system)).collect(),
             follows_setpoints,
             not_controlled,
+            notes: building.notes.clone(),
             trial,
         }
     }

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use b2b_building::hvac::Uncontrolled;
+use b2b_building::import::Notes;
+use b2b_building::import::versions::Change;
 
 use super::report::{Report, groups};
 use super::trial::Trial;
@@ -31,6 +33,7 @@ pub fn text(report: &Report, model: &Path, location: &Location) -> String {
         }
     }
     parts.push(format!("Zones\n{}", zones_text(report)));
+    parts.extend(notes_text(&report.notes));
     parts.extend(report.trial.as_ref().map(trial_text));
     parts.push(next_steps(model, location));
     parts.join("\n\n")
@@ -72,6 +75,35 @@ fn zones_text(report: &Report) -> String {
         table.row([zone.name.clone(), format!("{:.1}", zone.floor_area_m2), zone.equipment.clone()]);
     }
     table.text()
+}
+
+/// Returns how the model was read and sized; `None` if there is nothing to say.
+fn notes_text(notes: &Notes) -> Option<String> {
+    if notes.is_empty() {
+        return None;
+    }
+    let mut lines: Vec<String> =
+        notes.design_days.iter().map(|days| format!("design days: {days}")).collect();
+    if let Some(conversion) = &notes.conversion {
+        lines.push(format!("converted from EnergyPlus {} to {}", conversion.from, conversion.to));
+        lines.extend(changes("changed", &conversion.changed));
+        lines.extend(changes("left out, because it no longer exists", &conversion.left_out));
+    }
+    if !notes.left_autosized.is_empty() {
+        lines.push("autosized, without a size from the engine, and left to it:".to_owned());
+        lines.extend(notes.left_autosized.iter().map(|field| format!("  {field}")));
+    }
+    lines.extend(notes.warnings.iter().map(|warning| format!("warning: {warning}")));
+    Some(format!("How the model was read\n  {}", lines.join("\n  ")))
+}
+
+fn changes(title: &str, changes: &[Change]) -> Vec<String> {
+    let line = |change: &Change| {
+        let Change { version, class, objects, what } = change;
+        format!("    {version}: {objects} × {class}: {what}")
+    };
+    let lines = changes.iter().map(line);
+    if changes.is_empty() { Vec::new() } else { [format!("  {title}:")].into_iter().chain(lines).collect() }
 }
 
 fn trial_text(trial: &Trial) -> String {

@@ -1,7 +1,7 @@
 //! Relocation: site, design days, ground temperatures and mains water.
 
-use b2b_building::Model;
-use b2b_climate::{DesignDay, Site};
+use b2b_building::{Model, design_days};
+use b2b_climate::Site;
 use serde_json::{Value, json};
 
 use crate::ground_temperatures;
@@ -22,11 +22,7 @@ pub(super) fn relocate(model: &mut Model, site: &Site) {
             }),
         )],
     );
-    replace(
-        model,
-        "SizingPeriod:DesignDay",
-        &[("Heating 99.6 %", heating_day(site)), ("Cooling 0.4 %", cooling_day(site))],
-    );
+    design_days::replace(model, site);
     ground(model, site);
     replace(model, "Site:WaterMainsTemperature", &[("Mains Water", mains_water(site))]);
 }
@@ -37,55 +33,6 @@ fn replace(model: &mut Model, class: &str, objects: &[(&str, Value)]) {
     for (name, fields) in objects {
         model.insert(class, name, fields.clone());
     }
-}
-
-/// The fields that both design days share.
-fn design_day(site: &Site, day: &DesignDay, day_type: &str, wet_bulb: f64) -> Value {
-    json!({
-        "month": day.month,
-        "day_of_month": 21,
-        "day_type": day_type,
-        "maximum_dry_bulb_temperature": day.dry_bulb,
-        "daily_dry_bulb_temperature_range": day.daily_range,
-        "dry_bulb_temperature_range_modifier_type": "DefaultMultipliers",
-        "humidity_condition_type": "WetBulb",
-        "wetbulb_or_dewpoint_at_maximum_dry_bulb": wet_bulb,
-        "barometric_pressure": site.pressure(),
-        "wind_speed": day.wind_speed.unwrap_or(0.0),
-        "wind_direction": day.wind_direction.unwrap_or(0.0),
-        "rain_indicator": "No",
-        "snow_indicator": "No",
-        "daylight_saving_time_indicator": "No",
-    })
-}
-
-/// A saturated day without sun, as in the example models of the engine.
-fn heating_day(site: &Site) -> Value {
-    let mut day = design_day(site, &site.heating, "WinterDesignDay", site.heating.dry_bulb);
-    day["solar_model_indicator"] = json!("ASHRAEClearSky");
-    day["sky_clearness"] = json!(0.0);
-    day
-}
-
-/// A clear day, with the optical depths of the sky if they are known.
-fn cooling_day(site: &Site) -> Value {
-    let cooling = &site.cooling;
-    // Without a record: the dew point is near the night's lowest dry bulb, and the wet bulb about a third of the way
-    // down to it.
-    let wet_bulb = cooling.wet_bulb.unwrap_or(cooling.dry_bulb - cooling.daily_range / 3.0);
-    let mut day = design_day(site, cooling, "SummerDesignDay", wet_bulb);
-    match cooling.optical_depths {
-        Some([beam, diffuse]) => {
-            day["solar_model_indicator"] = json!("ASHRAETau");
-            day["ashrae_clear_sky_optical_depth_for_beam_irradiance_taub_"] = json!(beam);
-            day["ashrae_clear_sky_optical_depth_for_diffuse_irradiance_taud_"] = json!(diffuse);
-        }
-        None => {
-            day["solar_model_indicator"] = json!("ASHRAEClearSky");
-            day["sky_clearness"] = json!(1.0);
-        }
-    }
-    day
 }
 
 /// Ground temperatures at 2 m, for slabs on grade and other surfaces in ground contact.
@@ -116,6 +63,7 @@ fn mains_water(site: &Site) -> Value {
 mod tests {
     use super::*;
     use b2b_building::model::{number, text};
+    use b2b_climate::DesignDay;
 
     fn site() -> Site {
         let day = DesignDay {

@@ -22,7 +22,7 @@ pub struct Packaged {
     pub economizer: bool,
     /// Design flow of the exhaust fans in its zone, kg/s. Air that the unit does not supply infiltrates.
     pub exhaust: f64,
-    /// Its compressor, if that heats.
+    /// Its compressor, if it heats and its size is known.
     pub heat_pump: Option<HeatPump>,
 }
 
@@ -53,9 +53,12 @@ impl HeatPump {
         let Some(heating) = heating.filter(|coil| coil.class.eq_ignore_ascii_case(HEATING_COIL)) else {
             return Ok(None);
         };
-        let flow = model.require_size(HEATING_COIL, &heating.name, "rated_air_flow_rate")?;
-        let capacity = model.require_size(HEATING_COIL, &heating.name, "gross_rated_heating_capacity")?;
-        let cutoff = number(model.require(HEATING_COIL, &heating.name)?, CUTOFF).unwrap_or(ENGINE_CUTOFF);
+        let fields = model.require(HEATING_COIL, &heating.name)?;
+        let rated =
+            ["gross_rated_heating_capacity", "rated_air_flow_rate"].map(|field| number(fields, field));
+        // The engine may size a coil of a user's model itself.
+        let [Some(capacity), Some(flow)] = rated else { return Ok(None) };
+        let cutoff = number(fields, CUTOFF).unwrap_or(ENGINE_CUTOFF);
         Ok(Some(Self { lift: capacity / (flow * RATED_AIR_DENSITY * AIR_SPECIFIC_HEAT), cutoff }))
     }
 }

@@ -134,7 +134,8 @@ impl TrainingSet {
         let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
         let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
         let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
-        Ok(Placement { place, weather, allow_external: self.allow_external, control: self.control })
+        let Self { allow_external, control, .. } = *self;
+        Ok(Placement { place, weather, allow_external, control, ..Placement::default() })
     }
 
     /// Returns the training buildings as text for readers.

@@ -1,0 +1,25 @@
+//! Notes on an imported model: what its author should know about how it was read.
+
+use serde::{Deserialize, Serialize};
+
+use super::versions::Conversion;
+
+/// What was found and changed when a model was read and sized.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Notes {
+    /// The conversion of a model of another version.
+    pub conversion: Option<Conversion>,
+    /// The design days for which equipment was sized.
+    pub design_days: Option<String>,
+    /// Autosized fields that the engine does not size and that were left to it.
+    pub left_autosized: Vec<String>,
+    /// What may not be as the author expects.
+    pub warnings: Vec<String>,
+}
+
+impl Notes {
+    /// Returns whether there is nothing to say.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
