@@ -173,12 +173,13 @@ impl Sizes {
                 sizes.push((name, size.value));
             }
         }
-        let names: Vec<&str> = fields.keys().map(String::as_str).collect();
+        let names: Vec<_> =
+            fields.iter().map(|(field, value)| (field.as_str(), is_automatic(value))).collect();
         let descriptions: Vec<&str> = sizes.iter().map(|(name, _)| name.as_str()).collect();
         let pairs = pairs(&names, &descriptions);
         Matched {
             are_all_used: !sizes.is_empty() && pairs.len() == sizes.len(),
-            sizes: pairs.iter().map(|(f, d)| (names[*f].to_owned(), sizes[*d].1)).collect(),
+            sizes: pairs.iter().map(|(f, d)| (names[*f].0.to_owned(), sizes[*d].1)).collect(),
         }
     }
 

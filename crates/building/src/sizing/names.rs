@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 
 /// Smallest share of common words in all words of a pair.
 const SIMILAR: f64 = 0.4;
+/// What a field gains that the engine sizes: a given one is reported as `User-Specified`.
+const ADVANTAGE: f64 = 1e-6;
 /// Two pairs with shares as near as this are ambiguous.
 const EQUAL: f64 = 1e-9;
 
@@ -20,29 +22,32 @@ pub(super) fn field_name(description: &str) -> String {
     words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
-/// Returns pairs of a field and a description, as indices. Descriptions are given as names of fields. Pairs of the same name
-/// come first, then those with most words in common; ambiguous ones are left out.
-pub(super) fn pairs(fields: &[&str], descriptions: &[&str]) -> Vec<(usize, usize)> {
+/// Returns pairs of a field and a description, as indices. Descriptions are given as names of fields; a field comes with
+/// whether the engine sizes it. Pairs of the same name come first, then those with most words in common; of fields with
+/// equally many, the one that the engine sizes; ambiguous ones are left out.
+pub(super) fn pairs(fields: &[(&str, bool)], descriptions: &[&str]) -> Vec<(usize, usize)> {
     let mut scores: Vec<(f64, usize, usize)> = Vec::new();
-    for (f, field) in fields.iter().enumerate() {
-        for (d, description) in descriptions.iter().enumerate() {
+    for (f, &(field, is_sized)) in fields.iter().enumerate() {
+        for (d, &description) in descriptions.iter().enumerate() {
             let score = if field == description { f64::INFINITY } else { similarity(field, description) };
             if score >= SIMILAR {
-                scores.push((score, f, d));
+                scores.push((score + if is_sized { ADVANTAGE } else { 0.0 }, f, d));
             }
         }
     }
     scores.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut found: Vec<(usize, usize)> = Vec::new();
     while let Some(&(score, f, d)) = scores.first() {
-        let rival = |other: &&(f64, usize, usize)| {
-            (other.1 == f) != (other.2 == d) && score.is_finite() && (score - other.0).abs() < EQUAL
-        };
-        let is_ambiguous = scores.iter().any(|other| rival(&other));
-        if !is_ambiguous {
+        let is_rival = |other: &(f64, usize, usize)| score.is_finite() && (score - other.0).abs() < EQUAL;
+        let several_fields = scores.iter().any(|other| other.1 != f && other.2 == d && is_rival(other));
+        let several_descriptions = scores.iter().any(|other| other.1 == f && other.2 != d && is_rival(other));
+        if !several_fields && !several_descriptions {
             found.push((f, d));
         }
-        scores.retain(|other| if is_ambiguous { other.1 != f } else { other.1 != f && other.2 != d });
+        // `Supply Air Flow Rate` fits the flows of cooling and of heating alike and is neither.
+        let drops_field = several_descriptions || !several_fields;
+        let drops_description = several_fields || !several_descriptions;
+        scores.retain(|other| !(drops_field && other.1 == f || drops_description && other.2 == d));
     }
     found
 }
@@ -68,8 +73,9 @@ mod tests {
     fn description_of<'a>(field: &str, fields: &[&str], descriptions: &[&'a str]) -> Option<&'a str> {
         let names: Vec<String> = descriptions.iter().map(|text| field_name(text)).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let is_field = |(f, _): &&(usize, usize)| fields[*f] == field;
-        pairs(fields, &names).iter().find(is_field).map(|(_, d)| descriptions[*d])
+        let fields: Vec<_> = fields.iter().map(|name| (*name, true)).collect();
+        let is_field = |(f, _): &&(usize, usize)| fields[*f].0 == field;
+        pairs(&fields, &names).iter().find(is_field).map(|(_, d)| descriptions[*d])
     }
 
     #[test]
@@ -89,14 +95,24 @@ mod tests {
         ];
         let fields =
             ["no_load_supply_air_flow_rate", "cooling_supply_air_flow_rate", "heating_supply_air_flow_rate"];
+        let with_another = [&["Supply Air Flow Rate"], &flows[..]].concat();
         for (field, flow) in fields.iter().zip([flows[2], flows[0], flows[1]]) {
             assert_eq!(description_of(field, &fields, &flows), Some(flow));
+            assert_eq!(description_of(field, &fields, &with_another), Some(flow));
         }
         let tower =
             ["Fan Power at Design Air Flow Rate", "U-Factor Times Area Value at Design Air Flow Rate"];
         let fields = ["design_u_factor_times_area_value", "design_fan_power"];
         assert_eq!(description_of(fields[0], &fields, &tower), Some(tower[1]));
         assert_eq!(description_of(fields[1], &fields, &tower), Some(tower[0]));
+    }
+
+    #[test]
+    fn a_size_belongs_to_the_field_that_the_engine_sizes() {
+        let pump = [("design_maximum_flow_rate", true), ("design_minimum_flow_rate", false)];
+        assert_eq!(pairs(&pump, &["design_flow_rate"]), [(0, 0)]);
+        let both = pump.map(|(field, _)| (field, true));
+        assert_eq!(pairs(&both, &["design_flow_rate"]), []);
     }
 
     #[test]

@@ -94,7 +94,8 @@ fn a_hard_sized_model_behaves_as_the_autosized_one(name: &str) {
     let library = library();
     let shipped = without_outdoor_air_limit(archetype(name, &library));
     let mut hard = shipped.clone();
-    Sizes::of(&shipped, &weather(DENVER), &library).unwrap().write_into(&mut hard);
+    let left = Sizes::of(&shipped, &weather(DENVER), &library).unwrap().write_into(&mut hard);
+    assert_eq!(left, [""; 0]);
     assert_eq!(autosized(&hard), [""; 0]);
 
     let (expected, got) = (run(&shipped, &library), run(&hard, &library));

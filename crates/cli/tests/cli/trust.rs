@@ -74,7 +74,7 @@ fn a_file_next_to_the_model_is_read_and_one_elsewhere_on_request() {
     std::fs::write(elsewhere.path(), "0.5\n".repeat(8760)).unwrap();
     let folder = folder_with(&schedule("shares.csv"));
     let import = "import m.idf --weather w.epw";
-    assert_rejected(folder.path(), import, &["`Shares`", "is not in the folder of the model"]);
+    assert_rejected(folder.path(), import, &["`Shares`", "`shares.csv`, which is missing"]);
     std::fs::write(folder.path().join("shares.csv"), "0.5\n".repeat(8760)).unwrap();
     assert!(json(folder.path(), import).is_object());
     // The engine reads it from wherever the command runs.
@@ -233,7 +233,7 @@ fn a_limit_of_the_shell_is_an_error_that_names_it_and_leaves_nothing() {
         ("ulimit -f", 100, "run SingleFamilyHouse --period 01-01..01-02 --out o"),
         ("ulimit -f", 100, "evaluate SingleFamilyHouse --policy constant --period 01-01..01-01 --out o"),
         // Its prototype is an IDF, whose conversion writes more.
-        ("ulimit -f", 100, "evaluate Warehouse-0001 --policy constant --period 01-01..01-01 --out o"),
+        ("ulimit -f", 100, "evaluate Warehouse-0001 --policy constant --period 01-01..01-01 --out w"),
         ("ulimit -f", 10, "generate SingleFamilyHouse --count 1 --out o"),
         ("ulimit -v", 6_000_000, "run SingleFamilyHouse --period 01-01..01-02 --out o"),
     ] {
