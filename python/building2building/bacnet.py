@@ -20,7 +20,7 @@ from .buildings import find_building
 from .env import BuildingEnv
 from .errors import Error, SettingError, need
 from .registration import make_env
-from .rollouts import ReactiveController
+from .rollouts import BuiltInController
 
 #: BACnet's names of units; any other is only in an object's description.
 _UNITS = {"°C": "degreesCelsius", "%": "percentRelativeHumidity", "h": "hours", "kg/s": "kilogramsPerSecond"}
@@ -42,8 +42,8 @@ class Plant:
     =====================  ===========================================================================================
     ``analog-input i``     Slot i of the observation, from 1.
     ``analog-output i``    Actuator i, from 1, in physical units. Commandable within its bounds: without a command, and
-                           after one is relinquished, it takes the action of the reactive controllers, like a point
-                           under a building's own control.
+                           after one is relinquished, it takes the action of the task's baseline, like a point under
+                           a building's own control.
     ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets the reply after these steps. A
                            request that the client sends again runs nothing.
     ``analog-value 2``     *steps left* in the episode.
@@ -54,7 +54,7 @@ class Plant:
 
     Names, units and bounds are in the objects. Clients can write the present value of outputs, of *steps to run* and of
     *new episode*, and nothing else. BACnet/IP has no authentication: whoever reaches the address can do so. BACnet's
-    numbers are f32; actions of the reactive controllers keep f64.
+    numbers are f32; actions of the baseline keep f64.
     """
 
     def __init__(self, env: BuildingEnv, address: str = _ADDRESS, *, device: int = 26100) -> None:
@@ -68,7 +68,7 @@ class Plant:
         self.env = env
         #: Held while steps run.
         self.running = asyncio.Lock()
-        self._controller = ReactiveController(env)
+        self._controller = BuiltInController(env, kind=env.setting.baseline)
         layout = env.layout
         self._inputs = [_input(number, slot) for number, slot in enumerate(layout.observation, 1)]
         self._outputs = [_output(number, slot) for number, slot in enumerate(layout.action, 1)]
@@ -122,7 +122,7 @@ class Plant:
         self._application.close()
 
     def _action(self) -> NDArray[np.float64]:
-        """Returns the next action: commands, and the reactive controllers' actions where there are none."""
+        """Returns the next action: commands, and the baseline's actions where there are none."""
         commanded = [output.currentCommandPriority.unsigned is not None for output in self._outputs]
         return np.where(commanded, [float(output.presentValue) for output in self._outputs], self._own)
 

@@ -254,6 +254,12 @@ impl Setting {
         serde_json::to_string(&self.setting.episode.task).expect("a task is plain data")
     }
 
+    /// Name of the task's baseline controller.
+    #[getter]
+    fn baseline(&self) -> &'static str {
+        b2b_control::baseline(&self.setting.episode.task).name()
+    }
+
     /// Path of the weather file.
     #[getter]
     fn weather(&self) -> &Path {

@@ -54,8 +54,8 @@ def as_client(session):
 
 
 def test_a_client_reads_points_runs_steps_and_commands_actuators(plant):
-    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09", task="constant")
-    own = b2b.rollout(env, b2b.ReactiveController(env), steps=STEPS)
+    env = b2b.make_env("OfficeSmall", run_period="01-09..01-09")
+    own = b2b.rollout(env, b2b.Guideline36Controller(env), steps=STEPS)
     names, actuator = env.metadata["observation_names"], env.layout.action[0]
 
     async def session(client):

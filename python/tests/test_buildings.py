@@ -33,8 +33,9 @@ def test_the_dataset_is_listed_by_type_split_and_climate_zone():
 
 @pytest.mark.parametrize("building_type", b2b.list_building_types())
 def test_an_episode_equals_the_command_s_episode(building_type, b2b_command, tmp_path):
-    command = [b2b_command, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
-    ran = subprocess.run([*command, "--out", tmp_path / "run"], capture_output=True, text=True, check=True)
+    options = ["--period", DAY, "--task", "constant", "--controller", "random", "--seed", "5", "--json"]
+    command = [b2b_command, "run", building_type, *options, "--out", tmp_path / "run"]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
     env = b2b.make_env(building_type, run_period=DAY, task="constant")
     trajectory = b2b.rollout(env, b2b.RandomController(env, seed=5))
     env.close()

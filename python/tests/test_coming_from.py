@@ -70,7 +70,7 @@ def _(was, now, make):
     parameters = inspect.signature(b2b.make_env).parameters
     assert set(re.findall(r"(\w+)=\.\.\.", was)) <= parameters.keys()
     assert parameters["run_period"].default == "winter" and "`winter` instead of `full_year`" in now
-    assert parameters["task"].default == "operate" and "without `task`, `operate`" in now
+    assert parameters["task"].default == "operate" and "without `task`, [`operate`]" in now
     assert select_building("OfficeSmall").name == "OfficeSmall"
     assert select_building("OfficeSmall", index=0).name == b2b.list_buildings("OfficeSmall", "train")[0]
     with pytest.raises(errors.SettingError, match="pass index=0"):

@@ -53,7 +53,6 @@ fn nobody_gains_by_freezing_people_or_by_holding_one_temperature() {
         assert!(scores[3] > 1.2 && scores[2] > 1.2, "{scores:?}");
         assert!((scores[3] - hold[season].cost).abs() < 1e-9, "comfort gains nothing");
     }
-    // The model's own thermostats save a seventh in January by letting people freeze in the morning, which does not
-    // pay.
-    assert!(own[0].cost < 0.95 && own[0].marked && own[0].score > 1.0, "{} {}", own[0].cost, own[0].score);
+    // The model's own thermostats cost no more in January, but let people freeze in the morning, which does not pay.
+    assert!(own[0].cost < 1.0 && own[0].marked && own[0].score > 1.1, "{} {}", own[0].cost, own[0].score);
 }
