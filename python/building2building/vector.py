@@ -100,9 +100,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:
             buildings = list_buildings(building_type, split or "train")
         if buildings is None:
-            buildings = [
-                select_building(building_type, split, index, building_id, place, weather, building, control)
-            ]
+            buildings = [select_building(building_type, split, index, building_id, place, weather, building, control)]
         if not buildings:
             raise SettingError("buildings is empty; pass at least one")
         #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
