@@ -29,7 +29,7 @@ pub struct Span {
     pub heating: Option<f64>,
     /// Cooling setpoint, °C; `None` without cooling.
     pub cooling: Option<f64>,
-    /// Whether people use the zone, as [`least_in_use`](crate::people::least_in_use) defines.
+    /// Whether people use the zone, as [`least_in_use`] defines.
     pub people: bool,
 }
 
