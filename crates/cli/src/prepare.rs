@@ -56,8 +56,8 @@ impl Prepared {
         if let Some(note) = weather::design_day_note(&found.site).filter(|_| !keeps_own) {
             eprintln!("{place}: {note}");
         }
-        for warning in &found.notes.warnings {
-            eprintln!("{name}: {warning}");
+        for note in found.notes.lines() {
+            eprintln!("{name}: {note}");
         }
         interrupt::check()?;
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);

@@ -239,9 +239,11 @@ impl Arguments {
                 Err(_) => bail!("unknown building `{building}`; {hint}"),
             },
         };
-        if self.building.is_none() {
-            placement.control = Control::split_name(building).1;
+        let recorded = Control::split_name(building).1;
+        if placement.control != Control::default() && placement.control != recorded {
+            bail!("the trajectory was recorded under `--control {}`; remove --control", recorded.name());
         }
+        placement.control = recorded;
         // The file names the place of a building type; a building of the dataset has its own.
         let is_type = matches!(name, BuildingName::Type(_));
         if is_type && placement.weather.is_none() && placement.place.is_none() {

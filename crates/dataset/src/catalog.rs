@@ -107,14 +107,17 @@ impl Catalog {
     /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; errors of the weather
-    /// file and the model.
+    /// [`Error::HasPlace`], [`Error::NoWeather`] and [`Error::HasDesignDays`] when the placement does not fit the name; errors
+    /// of the weather file and the model.
     pub fn find(
         &self,
         name: &BuildingName,
         placement: &Placement,
         progress: &mut dyn Progress,
     ) -> Result<Found> {
+        if placement.keep_design_days && !matches!(name, BuildingName::Model(_)) {
+            return Err(Error::HasDesignDays { name: name.to_string() });
+        }
         let (place, weather) = self.weather(name, placement, progress)?;
         let site = self.site(&weather)?;
         let (model, notes) = match name {

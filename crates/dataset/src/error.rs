@@ -106,6 +106,12 @@ pub enum Error {
         /// Its place.
         place: String,
     },
+    /// Design days of the model are to be kept, but the building is generated for its weather.
+    #[error("`{name}` has the design days of its weather; --keep-design-days is for model files, remove it")]
+    HasDesignDays {
+        /// The building.
+        name: String,
+    },
     /// A user's model without a weather file.
     #[error("{path} needs weather: use --weather FILE.epw or --place NAME (see `b2b list places`)")]
     NoWeather {

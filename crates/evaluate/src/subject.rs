@@ -65,7 +65,7 @@ impl Subject {
     /// [`Error::Io`](crate::Error::Io) for a file that cannot be read.
     pub fn identity(&self) -> Result<String> {
         let what = match &self.name {
-            BuildingName::Model(path) => hash_of_model(path)?,
+            BuildingName::Model(path) => format!("{}#{IMPORT_REVISION}", hash_of_model(path)?),
             BuildingName::Type(_) | BuildingName::Id(_) => self.name.to_string(),
         };
         let interface = self.placement.control.suffix();
@@ -75,7 +75,8 @@ impl Subject {
             (None, None, BuildingName::Type(building_type)) => format!("{what}@{}", building_type.home()),
             (None, None, _) => what,
         };
-        Ok(identity + interface)
+        let days = if self.placement.keep_design_days { "+own-design-days" } else { "" };
+        Ok(identity + interface + days)
     }
 
     /// Finds the site of the building.
@@ -103,6 +104,10 @@ impl Subject {
         Ok(SiteInfo { place: found.place.clone(), climate_zone })
     }
 }
+
+/// Raised when a change to import, conversion or sizing changes the episodes of users' models, so that results and baselines
+/// from before are not reused.
+const IMPORT_REVISION: u32 = 1;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {
@@ -146,7 +151,7 @@ mod tests {
         let [model, file] = ["model.epJSON", "people.csv"].map(|name| folder.path().join(name));
         std::fs::write(&model, r#"{"Schedule:File": {"S": {"file_name": "people.csv"}}}"#).unwrap();
         let identity = || Subject::at_home(BuildingName::Model(model.clone())).identity().unwrap();
-        assert_eq!(identity(), hash_of(&model).unwrap());
+        assert_eq!(identity(), format!("{}#{IMPORT_REVISION}", hash_of(&model).unwrap()));
         std::fs::write(&file, "1").unwrap();
         let first = identity();
         std::fs::write(&file, "2").unwrap();

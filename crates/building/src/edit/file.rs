@@ -23,8 +23,10 @@ pub fn edit_file(
     allow_external: bool,
 ) -> Result<Report> {
     check_output(output)?;
-    let mut edited = import::read(model, library, allow_external)?;
+    let import::Imported { model: mut edited, notes } =
+        import::read_with_notes(model, library, allow_external)?;
     let mut report = apply(&mut edited, edits)?;
+    report.warnings.extend(notes.lines());
     write_aside(&edited, output)?;
     report.warnings.extend(names_files_elsewhere(&edited, output));
     Ok(report)

@@ -65,7 +65,7 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
 /// # Errors
 /// Those of reading the model.
 pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let text = String::from_utf8_lossy(&std::fs::read(path)?).replace('\\', "/");
+    let text = super::text::decode(&std::fs::read(path)?).0.replace('\\', "/");
     let folder = path.parent().unwrap_or(Path::new(""));
     let defaults = FILES.iter().filter_map(|(_, _, default)| *default);
     let named: BTreeSet<&str> = text.split(['"', ',', ';', '\n']).map(str::trim).chain(defaults).collect();

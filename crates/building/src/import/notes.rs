@@ -18,6 +18,18 @@ pub struct Notes {
 }
 
 impl Notes {
+    /// Returns the warnings and a summary of the conversion, a line each.
+    pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
+        let summary = self.conversion.as_ref().map(|Conversion { from, to, changed, left_out }| {
+            let (changed, left_out) = (changed.len(), left_out.len());
+            format!(
+                "converted from EnergyPlus {from} to {to}: {changed} kinds of changes, {left_out} left out; `b2b import` \
+                 lists them"
+            )
+        });
+        self.warnings.iter().cloned().chain(summary)
+    }
+
     /// Returns whether there is nothing to say.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

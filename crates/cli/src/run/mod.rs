@@ -227,7 +227,7 @@ impl Arguments {
             let building = self.location.placement().control.name_of(&self.building);
             let mut name = format!("{building}-{place}-{period}-{}", chosen.name());
             if *task != task::usual() {
-                name += &format!("-{task}").replace([':', '#'], "_");
+                name += &format!("-{task}").replace([':', '#', '/'], "_");
             }
             PathBuf::from("b2b-out").join(name)
         })

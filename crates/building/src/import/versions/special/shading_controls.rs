@@ -78,8 +78,9 @@ fn take_controlled(document: &mut Document) -> Vec<Window> {
 /// Returns the name of a surface in lower case, and its zone.
 fn zone_of_surface(object: &Object) -> Option<(String, String)> {
     let at = if object.is("BuildingSurface:Detailed") { 4 } else { 3 };
-    let is_surface = ["BuildingSurface:", "Wall:", "Roof", "Ceiling:", "Floor:"];
-    is_surface.iter().any(|begin| object.class.starts_with(begin)).then_some(())?;
+    let class = object.class.to_ascii_lowercase();
+    let is_surface = ["buildingsurface:", "wall:", "roof", "ceiling:", "floor:"];
+    is_surface.iter().any(|begin| class.starts_with(begin)).then_some(())?;
     Some((object.name().to_lowercase(), object.get(Field { at, name: "zone_name" })?))
 }
 

@@ -32,8 +32,11 @@ fn lookup(table: &Object) -> [Object; 3] {
     let pairs = pairs(table);
     let reference = text(10, "normalization_reference");
     let divisor = if reference.is_empty() { "None" } else { "DivisorOnly" };
-    let interpolation =
-        if text(3, "interpolation_method").starts_with("Linear") { "Linear" } else { "Cubic" };
+    let interpolation = if text(3, "interpolation_method").to_ascii_lowercase().starts_with("linear") {
+        "Linear"
+    } else {
+        "Cubic"
+    };
     let no_file = ["external_file_name", "external_file_column_number", "external_file_starting_row_number"];
     let blank = no_file.map(|field| (field, String::new()));
     let mut of_table = vec![

@@ -33,6 +33,9 @@ pub(super) fn convert(document: &mut Document, version: &str, report: &mut Conve
     let terminal =
         |object: &Object| Terminal { name: object.name(), outlet: object.get(outlet).unwrap_or_default() };
     let terminals: Vec<Terminal> = document.of(CLASS).map(terminal).collect();
+    if terminals.is_empty() {
+        return Vec::new();
+    }
     let lists = upstream_lists(document);
     let problems = airflow_network(document, &terminals);
     let mut units = Vec::new();
