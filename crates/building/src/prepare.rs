@@ -139,10 +139,9 @@ impl PreparedBuilding {
         kinds: &[Kind],
         unsupported: Unsupported,
     ) -> Result<Self> {
-        let sized = size(name, &mut model, weather, library)?;
+        let (air_density, notes) = size(name, &mut model, weather, library)?;
         let years = years(name, &model, weather, library)?;
-        let discovery = hvac::discover(&mut model, sized.air_density, kinds, unsupported)?;
-        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
+        let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
     }
 
@@ -158,11 +157,10 @@ impl PreparedBuilding {
         library: &Library,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let sized = size(name, &mut model, weather, library)?;
+        let (air_density, notes) = size(name, &mut model, weather, library)?;
         let years = years(name, &model, weather, library)?;
         complete(&mut model, &years);
-        let discovery = hvac::discover_setpoints(&mut model, sized.air_density)?;
-        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
+        let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
     }
 
@@ -179,8 +177,7 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let sized = size(name, &mut model, weather, library)?;
-        let notes = Notes { left_autosized: sized.left_autosized, ..Notes::default() };
+        let (_, notes) = size(name, &mut model, weather, library)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
         complete(&mut model, &controlled.years);
         for_episodes(&mut model);
@@ -307,24 +304,16 @@ impl PreparedBuilding {
     }
 }
 
-/// What the sizing of a model found.
-struct Sized {
-    /// Air density of its design flows, kg/m³.
-    air_density: f64,
-    /// Autosized fields that are left to the engine.
-    left_autosized: Vec<String>,
-}
-
-/// Writes sizes into a model.
-fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<Sized> {
+/// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and the fields that are left to the engine.
+fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<(f64, Notes)> {
     let site = Site::read(weather)?;
-    let mut left_autosized = Vec::new();
+    let mut notes = Notes::default();
     if sizing::needs_sizing(model) {
         let sizes = Sizes::of(model, weather, library)
             .map_err(|error| error.on_model(name).while_doing(format!("sizing {name}")))?;
-        left_autosized = sizes.write_into(model);
+        notes.left_autosized = sizes.write_into(model);
     }
-    Ok(Sized { air_density: standard_air_density(site.elevation), left_autosized })
+    Ok((standard_air_density(site.elevation), notes))
 }
 
 /// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the elevation

@@ -14,7 +14,7 @@ pub struct ControlledZone {
     pub penalize_above_target: bool,
     /// Whether the zone has both heating and cooling.
     pub fully_conditioned: bool,
-    /// Least number of people with which the zone is occupied; more than 0 in any case.
+    /// Number of people from which the zone is occupied; 0: from anyone on.
     pub least_people: f64,
 }
 
@@ -26,12 +26,14 @@ pub struct ControlledZone {
 pub(crate) fn controlled_zones(building: &PreparedBuilding, task: &Task) -> Result<Vec<ControlledZone>> {
     let both_sides = task.heating_only_zones == HeatingOnlyZones::BothSides;
     let model = building.model();
-    let groups = if task.is_operation() { people::groups(model)? } else { Vec::new() };
+    let groups = task.is_operation().then(|| people::groups(model)).transpose()?;
     let zones = building.zones.iter().enumerate();
     let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(slot, zone)| {
         let fully_conditioned = zone.conditioning == Conditioning::HeatingAndCooling;
         let penalize_above_target = fully_conditioned || both_sides;
-        let least_people = people::least_in_use(model, &groups, &zone.name)?;
+        let in_use =
+            groups.as_ref().map(|groups| people::least_in_use(model, groups, &zone.name)).transpose()?;
+        let least_people = in_use.unwrap_or(0.0);
         Ok(ControlledZone { slot, penalize_above_target, fully_conditioned, least_people })
     });
     zones.collect()

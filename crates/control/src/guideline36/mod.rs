@@ -5,8 +5,7 @@
 //! - `modes`: modes of zone groups. `zone`: setpoints, optimum start, demand limiting, loops and requests of a zone.
 //! - `air_loop`: an air handler of several zones, with trim and respond, the supply air temperature, the economizer,
 //!   outdoor air and terminals.
-//! - `single_zone`: a unit of one zone. `heater`: a heater under a thermostat. `thermostat`: a zone whose equipment follows
-//!   its setpoints.
+//! - `single_zone`: a unit of one zone. `thermostat`: a heater, or a zone whose equipment follows its setpoints.
 //!
 //! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations.
 //!
@@ -14,7 +13,6 @@
 //! the stages of freeze protection on coils.
 
 mod air_loop;
-mod heater;
 mod inputs;
 mod kind;
 mod modes;
@@ -29,7 +27,7 @@ mod zone;
 
 use std::ops::Range;
 
-use b2b_building::hvac::{Sequence, System, SystemLayout};
+use b2b_building::hvac::{Actuator, Sequence, System, SystemLayout};
 use b2b_env::{Controller, Decisions, Spaces};
 
 pub use air_loop::TrimRespond as Guideline36Reset;
@@ -41,7 +39,6 @@ pub use zone::LoopGains;
 pub use zone::demand::DemandLevel;
 
 use air_loop::AirLoop;
-use heater::Heater;
 use inputs::Inputs;
 use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
@@ -75,7 +72,6 @@ struct ControlledSystem {
 enum Sequences {
     AirLoop(Box<AirLoop>),
     SingleZone(Box<SingleZone>),
-    Heater(Box<Heater>),
     Thermostat(Box<Thermostat>),
 }
 
@@ -150,22 +146,25 @@ impl Sequences {
                 let rules = parameters.zone_rules(unitary.gains);
                 Self::SingleZone(Box::new(SingleZone::new(unit, unitary, rules)))
             }
-            Sequence::Thermostat => {
-                let rules = parameters.zone_rules(LoopGains::UNIT);
-                Self::Heater(Box::new(Heater::new(system.actuators()[0], rules)))
-            }
-            Sequence::Setpoints { heating, cooling } => {
-                let rules = parameters.zone_rules(LoopGains::UNIT);
-                Self::Thermostat(Box::new(Thermostat::new(heating, cooling, rules)))
-            }
+            Sequence::Thermostat => Self::thermostat(system.actuators()[0], None, parameters),
+            Sequence::Setpoints { heating, cooling } => Self::thermostat(heating, cooling, parameters),
         }
+    }
+
+    fn thermostat(
+        heating: &Actuator,
+        cooling: Option<&Actuator>,
+        parameters: &Guideline36Parameters,
+    ) -> Self {
+        let rules = parameters.zone_rules(LoopGains::UNIT);
+        Self::Thermostat(Box::new(Thermostat::new(heating, cooling, rules)))
     }
 
     fn entries(&self) -> &'static [Entry] {
         match self {
             Self::AirLoop(_) => Entry::AIR_LOOP,
             Self::SingleZone(_) => Entry::UNIT,
-            Self::Heater(_) | Self::Thermostat(_) => Entry::HEATER,
+            Self::Thermostat(_) => Entry::THERMOSTAT,
         }
     }
 
@@ -173,7 +172,6 @@ impl Sequences {
         match self {
             Self::AirLoop(own) => own.reset(),
             Self::SingleZone(own) => own.reset(),
-            Self::Heater(own) => own.reset(),
             Self::Thermostat(own) => own.reset(),
         }
     }
@@ -188,7 +186,6 @@ impl Sequences {
         match self {
             Self::AirLoop(own) => own.act(site, zones, action, hours),
             Self::SingleZone(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
-            Self::Heater(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
             Self::Thermostat(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
         }
     }
@@ -198,9 +195,6 @@ impl Sequences {
         match self {
             Self::AirLoop(own) => writer.write(entries, |entry| own.value(entry), own.zones()),
             Self::SingleZone(own) => {
-                writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
-            }
-            Self::Heater(own) => {
                 writer.write(entries, |entry| own.value(entry), std::iter::once(own.zone()));
             }
             Self::Thermostat(own) => {

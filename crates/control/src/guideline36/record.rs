@@ -34,8 +34,8 @@ impl Entry {
     ];
     /// The entries of a unit.
     pub(super) const UNIT: &[Self] = &[Self::Mode, Self::SupplyTemperature, Self::MinimumOutdoorAir];
-    /// The entries of a heater, and of a thermostat.
-    pub(super) const HEATER: &[Self] = &[Self::Mode];
+    /// The entries of a thermostat.
+    pub(super) const THERMOSTAT: &[Self] = &[Self::Mode];
 
     /// Returns its name, unit and states.
     fn described(self) -> (&'static str, &'static str, &'static [&'static str]) {

@@ -1,5 +1,5 @@
-//! A zone whose equipment follows the setpoints of its thermostat: the setpoints in use by mode, with optimum start
-//! (Guideline 36, 5.3.2 and 5.4.6). The equipment of the engine holds them.
+//! A heater, or a zone whose equipment follows the setpoints of its thermostat: the setpoints in use by mode, with optimum
+//! start (Guideline 36, 5.3.2 and 5.4.6). The equipment of the engine holds them.
 
 use b2b_building::hvac::Actuator;
 
@@ -14,7 +14,7 @@ use super::zone::{Zone, ZoneRules};
 pub(super) struct Thermostat {
     /// Bounds of the heating setpoint.
     heating: [f64; 2],
-    /// Bounds of the cooling setpoint; `None` for a zone that nothing cools.
+    /// Bounds of the cooling setpoint; `None` for a heater and a zone that nothing cools.
     cooling: Option<[f64; 2]>,
     group: ZoneGroup,
     zone: Zone,

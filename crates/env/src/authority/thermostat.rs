@@ -107,13 +107,14 @@ fn judge(row: &Row, free: f64) -> Verdict {
     };
     let (moved, missing) = (sign * (row.mean - free), sign * (row.command - row.mean));
     let works = row.heat.unwrap_or(0.0) > SOME_HEAT;
-    match () {
-        () if moved > RISE && missing <= AT_SETPOINT => Verdict::Follows,
-        () if moved > RISE => Verdict::AtCapacity(short),
-        () if missing <= 0.0 && !works => Verdict::AtCapacity(idle),
-        () if missing.abs() <= AT_SETPOINT && works => Verdict::Follows,
-        () if works => Verdict::AtCapacity(short),
-        () => Verdict::Fails,
+    if moved > RISE {
+        return if missing <= AT_SETPOINT { Verdict::Follows } else { Verdict::AtCapacity(short) };
+    }
+    match works {
+        true if missing.abs() <= AT_SETPOINT => Verdict::Follows,
+        true => Verdict::AtCapacity(short),
+        false if missing <= 0.0 => Verdict::AtCapacity(idle),
+        false => Verdict::Fails,
     }
 }
 

@@ -72,14 +72,9 @@ impl Case {
         let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
         let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-        let preparation = Preparation {
-            name: building_type.name().to_owned(),
-            class: Some(Class::new(building_type, None)),
-            prototype: false,
-            own: false,
-            controls: Controls::Setpoints,
-            model,
-        };
+        let class = Some(Class::new(building_type, None));
+        let preparation = Preparation::new(building_type.name(), model);
+        let preparation = Preparation { class, controls: Controls::Setpoints, ..preparation };
         Self::of(preparation, weather, library)
     }
 
@@ -88,14 +83,8 @@ impl Case {
         let engine = Engine::ensure(&mut Quiet).unwrap();
         let library = Library::load(&engine.library).unwrap();
         let weather = engine.models.unwrap().parent().unwrap().join("weather").join(CHICAGO);
-        let preparation = Preparation {
-            name: "user".to_owned(),
-            class: None,
-            prototype: false,
-            own: true,
-            controls,
-            model: Model::from_epjson(&model.to_string(), "user.epJSON".as_ref()).unwrap(),
-        };
+        let model = Model::from_epjson(&model.to_string(), "user.epJSON".as_ref()).unwrap();
+        let preparation = Preparation { own: true, controls, ..Preparation::new("user", model) };
         Self::of(preparation, weather, library)
     }
 

@@ -143,22 +143,18 @@ impl SingleZone {
         let outdoor = site.outdoor_temperature;
         let outputs = self.zone.control(mode, self.reaches(mode, outdoor), hours);
         let aims = self.zone.aims();
-        let (stage, supply) = match () {
-            () if outputs.heating > 0.0 => {
-                let stage = self.heat(mode, outputs.heating, outdoor);
-                (stage, aims.heating + stage.difference)
-            }
-            () if outputs.cooling > 0.0 => {
-                let stage = self.cool(mode, outputs.cooling, outdoor);
-                (stage, aims.cooling - stage.difference)
-            }
-            () => {
-                let flow = self.ventilation_flow(mode, outdoor);
-                (Stage { flow, difference: 0.0 }, self.neutral(mode, flow, outdoor))
-            }
+        let (flow, supply) = if outputs.heating > 0.0 {
+            let Stage { flow, difference } = self.heat(mode, outputs.heating, outdoor);
+            (flow, aims.heating + difference)
+        } else if outputs.cooling > 0.0 {
+            let Stage { flow, difference } = self.cool(mode, outputs.cooling, outdoor);
+            (flow, aims.cooling - difference)
+        } else {
+            let flow = self.ventilation_flow(mode, outdoor);
+            (flow, self.neutral(mode, flow, outdoor))
         };
         self.setpoint = supply.clamp(self.unit.supply[0], self.unit.supply[1]);
-        action[FLOW] = (stage.flow * self.unit.design_flow).max(self.outdoor_air(mode));
+        action[FLOW] = (flow * self.unit.design_flow).max(self.outdoor_air(mode));
         action[SUPPLY_TEMPERATURE] = self.setpoint;
     }
 

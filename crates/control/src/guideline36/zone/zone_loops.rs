@@ -30,13 +30,13 @@ impl LoopGains {
     /// outside its band for an hour after people come; this one is in the middle of those at which the paper's loops are
     /// stable, at steps of 5 min, in buildings of all types.
     pub const UNIT: Self = Self { proportional: 0.25, integral_time: Self::INTEGRAL_TIME };
+    /// Gains of a terminal of an air loop, likewise.
+    pub const TERMINAL: Self = Self { proportional: 0.5, integral_time: Self::INTEGRAL_TIME };
+
     /// Returns the gains with at most this proportional gain, 1/K.
     pub(in super::super) fn at_most(self, proportional: f64) -> Self {
         Self { proportional: self.proportional.min(proportional), ..self }
     }
-
-    /// Gains of a terminal of an air loop, likewise.
-    pub const TERMINAL: Self = Self { proportional: 0.5, integral_time: Self::INTEGRAL_TIME };
 }
 
 /// The range of a loop.
@@ -141,7 +141,8 @@ impl ZoneLoops {
         self.heating.stop();
     }
 
-    /// Returns the outputs for a temperature, °C, each within its reach. A loop without a setpoint is off. While both loops are on, the one that is leaving gives way.
+    /// Returns the outputs for a temperature, °C, each within its reach. A loop without a setpoint is off. While both loops
+    /// are on, the one that is leaving gives way.
     pub(in super::super) fn step(
         &mut self,
         temperature: f64,
