@@ -1,5 +1,6 @@
 //! Buildings: found by name, generated, or imported by the user.
 
+use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -11,6 +12,7 @@ use b2b_energyplus::install::use_packages_in;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::{SiteInfo, Subject};
 use b2b_workers::{AnyOf, Draw, Jobs, Sampler, Source, Windows, WorkerOptions};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -327,6 +329,10 @@ pub fn find_building(
         return Ok(Building { inner });
     }
     let found = py.detach(|| catalog()?.find(&name, &placement, &mut Signals).map_err(of_building))?;
+    for note in found.notes.lines() {
+        let text = CString::new(format!("{name}: {note}")).unwrap_or_default();
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)?;
+    }
     let origin = placement.origin(&name);
     let (class, place, weather) = (found.class, found.place.clone(), found.weather.clone());
     let inner = Arc::new(Inner::new(found.into(), class, place, weather, origin).with_parameters(&name));

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::import::Notes;
 use crate::model::{Fields, Model, number, text};
+use crate::sizing::needs_sizing;
 
 const CLASS: &str = "SizingPeriod:DesignDay";
 /// Classes of periods that equipment can be sized for.
@@ -21,6 +22,17 @@ pub fn replace(model: &mut Model, site: &Site) {
 
 /// Replaces the design days of a user's model by those of a weather file, unless `keep`, and notes which it has.
 pub fn of_imported(model: &mut Model, site: &Site, keep: bool, notes: &mut Notes) {
+    if !needs_sizing(model) {
+        notes.design_days = Some("none used: the model gives the sizes of its equipment".to_owned());
+        if keep {
+            notes.warnings.push(
+                "--keep-design-days has no effect: the model gives the sizes of its equipment".to_owned(),
+            );
+        } else {
+            replace(model, site);
+        }
+        return;
+    }
     let of_site = format!("{:.1} and {:.1} °C", site.heating.dry_bulb, site.cooling.dry_bulb);
     let own = own_temperatures(model);
     let has_periods = PERIODS.iter().any(|class| !model.objects(class).is_empty());

@@ -240,7 +240,7 @@ impl Arguments {
             },
         };
         let recorded = Control::split_name(building).1;
-        if placement.control != Control::default() && placement.control != recorded {
+        if self.location.control.is_some_and(|given| given != recorded) {
             bail!("the trajectory was recorded under `--control {}`; remove --control", recorded.name());
         }
         placement.control = recorded;

@@ -26,7 +26,7 @@ pub use notes::Notes;
 use versions::document::Document;
 use versions::{Found, idf};
 
-use crate::model::Model;
+use crate::model::{Model, begins};
 use crate::schema::Schema;
 use crate::{Error, Result};
 
@@ -56,9 +56,9 @@ pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Mode
 /// # Errors
 /// As [`read`].
 pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> Result<Imported> {
-    let (text, encoding) = checked_text(path)?;
+    let Text { text, is_original, encoding } = checked_text(path)?;
     let (mut model, found) = match is_idf(path) {
-        true => read_idf(path, &text, encoding.is_some(), library)?,
+        true => read_idf(path, &text, is_original, library)?,
         false => read_epjson(path, &text, library)?,
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -75,14 +75,14 @@ pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> 
     Ok(Imported { model, notes })
 }
 
-fn read_idf(path: &Path, text: &str, decoded: bool, library: &Library) -> Result<(Model, Found)> {
+fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Result<(Model, Found)> {
     let mut document = idf::parse(text).map_err(|problem| refused(path, vec![problem]))?;
     if let Some(problem) = document.objects.iter().find_map(|object| template(&object.class)) {
         return Err(refused(path, vec![problem]));
     }
     let found =
         versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
-    if !decoded && !matches!(found, Found::Converted(_)) {
+    if is_original && !matches!(found, Found::Converted(_)) {
         return Ok((Model::read(path, library)?, found));
     }
     let folder = temporary_folder("b2b-import-").map_err(b2b_energyplus::Error::from)?;
@@ -133,15 +133,24 @@ pub fn check_file(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Returns the text of a file that may be a model, and a warning about its encoding.
-fn checked_text(path: &Path) -> Result<(String, Option<String>)> {
+/// The text of a model.
+struct Text {
+    text: String,
+    /// Whether the file has these bytes, so that the engine reads the same.
+    is_original: bool,
+    /// A warning about the encoding.
+    encoding: Option<String>,
+}
+
+/// Returns the text of a file that may be a model.
+fn checked_text(path: &Path) -> Result<Text> {
     check_file(path)?;
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    let (text, warning) = text::decode(&bytes);
+    let (text, encoding) = text::decode(&bytes);
     if is_idf(path) {
         text::check(&text).map_err(|why| refused(path, vec![why]))?;
     }
-    Ok((text, warning))
+    Ok(Text { is_original: text.as_bytes() == bytes, text, encoding })
 }
 
 fn is_idf(path: &Path) -> bool {
@@ -173,9 +182,7 @@ const TEMPLATES: [(&str, &str); 3] = [
 
 /// Returns the problem with a class of templates.
 fn template(class: &str) -> Option<String> {
-    let begins =
-        |begin: &str| class.get(..begin.len()).is_some_and(|start| start.eq_ignore_ascii_case(begin));
-    let (_, program) = TEMPLATES.iter().find(|(begin, _)| begins(begin))?;
+    let (_, program) = TEMPLATES.iter().find(|(beginning, _)| begins(class, beginning))?;
     Some(format!(
         "it has templates ({class}), which EnergyPlus replaces by objects before it reads a model: run {program} of an \
          EnergyPlus installation of the model's version on it (`energyplus -x` does), and import its output, expanded.idf"

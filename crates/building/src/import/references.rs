@@ -1,14 +1,14 @@
 //! Dangling references.
 //!
 //! The engine stops at some dangling references and ignores others. Checked are `…_object_type` with `…_name`, schedules, and
-//! fields that must be given, except in objects that only sizing reads. What a field may name is in the engine's schema: groups of references, such as the surfaces
-//! that a window may be in.
+//! fields that must be given, except in objects that only sizing reads. The engine's schema says what a field may name: groups
+//! of references, such as the surfaces that a window may be in.
 
 use std::collections::{HashMap, HashSet};
 
 use serde_json::Value;
 
-use crate::model::{Fields, Model};
+use crate::model::{Fields, Model, begins};
 use crate::schema::Schema;
 
 /// Maximum number of reported references; a truncated file has hundreds.
@@ -73,7 +73,7 @@ impl Search<'_> {
     /// Returns whether a field must name a member of a group and does not.
     fn is_missing(&self, class: &str, field: &str, name: &str) -> bool {
         let Some(known) = self.schema.field(class, field) else { return false };
-        let is_for_sizing = class.to_ascii_lowercase().starts_with("sizing:");
+        let is_for_sizing = begins(class, "Sizing:");
         let is_essential = (known.required && !is_for_sizing) || field.ends_with("schedule_name");
         let is_of_objects =
             !known.names.is_empty() && known.names.iter().all(|group| self.schema.has_group(group));

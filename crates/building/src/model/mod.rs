@@ -293,6 +293,11 @@ impl<'de> Visitor<'de> for UniqueVisitor {
     }
 }
 
+/// Returns whether the name of a class begins in a certain way, such as `Sizing:`. Case is ignored.
+pub(crate) fn begins(class: &str, beginning: &str) -> bool {
+    class.get(..beginning.len()).is_some_and(|start| start.eq_ignore_ascii_case(beginning))
+}
+
 /// Returns a text field; `None` if it is missing or not text.
 pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
     fields.get(field)?.as_str()

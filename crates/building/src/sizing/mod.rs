@@ -31,7 +31,7 @@ use names::{field_name, pairs};
 use rusqlite::Connection;
 use serde_json::{Value, json};
 
-use crate::model::Fields;
+use crate::model::{Fields, begins};
 use crate::output_database::OutputDatabase;
 use crate::schema::Schema;
 use crate::{Error, Model, Result};
@@ -186,7 +186,7 @@ impl Sizes {
     /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a zone that
     /// needs no heat, and then reject that.
     fn minimum(&self, class: &str, field: &str) -> f64 {
-        let is_fan_flow = starts_with(class, "Fan:") && field.ends_with("maximum_flow_rate");
+        let is_fan_flow = begins(class, "Fan:") && field.ends_with("maximum_flow_rate");
         let is_positive = self.schema.field(class, field).is_some_and(|field| field.positive);
         if is_positive || is_fan_flow { SMALLEST } else { f64::NEG_INFINITY }
     }
@@ -321,10 +321,6 @@ fn is_word(value: &Value, word: &str) -> bool {
 
 fn is_for_sizing(class: &str) -> bool {
     FOR_SIZING.iter().any(|other| class.eq_ignore_ascii_case(other))
-}
-
-fn starts_with(class: &str, prefix: &str) -> bool {
-    class.get(..prefix.len()).is_some_and(|start| start.eq_ignore_ascii_case(prefix))
 }
 
 #[cfg(test)]

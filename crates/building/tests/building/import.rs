@@ -219,6 +219,13 @@ fn an_old_idf_in_latin_1_is_converted_and_its_errors_name_the_users_file() {
     assert!(!said.contains("b2b-import"), "{said}");
 }
 
+#[test]
+fn an_idf_with_a_byte_order_mark_is_read_as_without() {
+    let text = "\u{feff}Version,25.2;\nBuilding,B;\nGlobalGeometryRules,UpperLeftCorner,CounterClockWise,World;\nZone,Room;\n";
+    let Imported { model, notes } = read(&Stock::new(), "marked.idf", text.as_bytes()).unwrap();
+    assert!(model.contains("Zone", "Room") && notes.is_empty(), "{notes:?}");
+}
+
 /// A tank that its own sizing sizes, and equipment that nothing uses.
 #[test]
 fn the_weather_decides_sizes_and_what_is_not_sized_is_left_alone() {
@@ -266,4 +273,8 @@ fn design_days_that_are_kept_are_compared_with_the_weather() {
     model.get_mut("SizingPeriod:DesignDay", "Cold").unwrap()["maximum_dry_bulb_temperature"] = json!(9.0);
     design_days::of_imported(&mut model, &site, true, &mut notes);
     assert_says(&notes.warnings.join(" "), &["another climate", "--keep-design-days"]);
+    model.remove_class("SimulationControl");
+    design_days::of_imported(&mut model, &site, true, &mut notes);
+    assert_says(notes.design_days.as_deref().unwrap(), &["none used", "gives the sizes"]);
+    assert_says(&notes.warnings.join(" "), &["--keep-design-days has no effect"]);
 }

@@ -19,7 +19,7 @@ pub struct Location {
     /// What the agent sets: `actuators` of the systems, or the heating and cooling `setpoints` of every zone, which the
     /// building's equipment follows [default: actuators]
     #[arg(long, value_name = "INTERFACE")]
-    control: Option<Control>,
+    pub control: Option<Control>,
     /// Let a model file run code (FMU, Python) and open files outside its folder; only for models that you trust
     #[arg(long)]
     allow_external: bool,

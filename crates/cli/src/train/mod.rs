@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Control, Placement};
+use b2b_dataset::{BuildingName, Placement};
 use b2b_evaluate::statistics::beats_baseline;
 use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, TrainConfig};
 
@@ -186,13 +186,11 @@ impl Arguments {
         set(&mut budget.seed, &self.seed);
         set(&mut budget.environments, &self.environments);
         set(&mut agent.observation.form, &self.observation);
-        let Placement { place, weather, allow_external, control, .. } = self.location.placement();
+        let Placement { place, weather, allow_external, .. } = self.location.placement();
         set(&mut training_set.place, &place.map(|place| place.name.to_owned()));
         set(&mut training_set.weather, &weather.as_deref().map(absolute));
         training_set.allow_external |= allow_external;
-        if control != Control::default() {
-            training_set.control = control;
-        }
+        set(&mut training_set.control, &self.location.control);
         if self.direct {
             agent.acting = Acting::Direct;
         }

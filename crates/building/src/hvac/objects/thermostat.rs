@@ -23,8 +23,8 @@ pub struct Setpoints {
 }
 
 /// Gives a zone a thermostat of its own: a heating and a cooling setpoint that no other zone shares, in the
-/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that another schedule has
-/// gets a suffix.
+/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that is taken gets a
+/// suffix.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
@@ -62,14 +62,28 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
     Ok(setpoints)
 }
 
-/// Returns a name for a `Schedule:Constant` that no other kind of schedule has.
+/// Returns a name for a `Schedule:Constant` that may be replaced.
 fn free_name(model: &Model, mut name: String) -> String {
-    let others =
-        || model.classes().filter(|class| class.starts_with("Schedule:") && *class != "Schedule:Constant");
-    while others().any(|class| model.contains(class, &name)) {
+    while is_taken(model, &name) {
         name.push_str(" in Use");
     }
     name
+}
+
+/// Returns whether another kind of schedule has a name, or a constant one that is used for more than setpoints of
+/// thermostats.
+fn is_taken(model: &Model, name: &str) -> bool {
+    const CONSTANT: &str = "Schedule:Constant";
+    let is_other = |class: &str| class.starts_with("Schedule:") && class != CONSTANT;
+    let names = |fields: &Fields| {
+        fields.values().any(|value| value.as_str().is_some_and(|text| text.eq_ignore_ascii_case(name)))
+    };
+    let uses = |class: &str| {
+        !class.starts_with("ThermostatSetpoint:")
+            && model.objects(class).into_iter().any(|(_, fields)| names(fields))
+    };
+    model.classes().any(|class| is_other(class) && model.contains(class, name))
+        || model.contains(CONSTANT, name) && model.classes().any(uses)
 }
 
 /// Removes the thermal comfort control of a zone, which would set its setpoints instead of its thermostat. A zone without
@@ -182,6 +196,21 @@ mod tests {
         assert_eq!(dual["heating_setpoint_temperature_schedule_name"], setpoints.heating);
         assert_eq!(model.require("Schedule:Constant", &setpoints.cooling).unwrap()["hourly_value"], 90.0);
         assert_eq!(model.require("ZoneControl:Thermostat", "B").unwrap()["control_1_name"], "Shared");
+    }
+
+    #[test]
+    fn a_schedule_that_another_object_uses_is_not_replaced() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ZA"}},
+            "Schedule:Constant": {"ZA Heating Setpoint": {"hourly_value": 18.0},
+                                  "ZA Cooling Setpoint": {"hourly_value": 25.0}},
+            "SetpointManager:Scheduled": {"M": {"schedule_name": "za heating setpoint"}},
+            "ThermostatSetpoint:SingleCooling": {"S": {"setpoint_temperature_schedule_name": "ZA Cooling Setpoint"}},
+        }));
+        let setpoints = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        assert_eq!(setpoints.heating, "ZA Heating Setpoint in Use");
+        assert_eq!(setpoints.cooling, "ZA Cooling Setpoint");
+        assert_eq!(model.require("Schedule:Constant", "ZA Heating Setpoint").unwrap()["hourly_value"], 18.0);
     }
 
     #[test]

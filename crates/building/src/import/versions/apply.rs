@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use super::document::{Body, Document, Field, Object};
 use super::report::Conversion;
 use super::rules::{ClassRule, Edit, ListField, SplitField, Step};
+use crate::model::begins;
 
 /// Beginnings of the classes whose fields name output variables or meters.
 const NAMES_OUTPUTS: [&str; 7] = [
@@ -131,16 +132,12 @@ impl Context<'_> {
 
     /// Renames output variables and meters.
     fn rename_outputs(&mut self, object: &mut Object, names: &[(String, String)]) {
-        let class = object.class.to_lowercase();
-        if !NAMES_OUTPUTS.iter().any(|begin| class.starts_with(&begin.to_lowercase())) {
+        if !NAMES_OUTPUTS.iter().any(|beginning| begins(&object.class, beginning)) {
             return;
         }
         let mut renamed = Vec::new();
         object.change_texts(|text| {
-            let (from, to) = names
-                .iter()
-                .find(|(from, to)| text.contains(from.as_str()) && !text.contains(to.as_str()))?;
-            let new = text.replace(from.as_str(), to);
+            let new = names.iter().find_map(|(from, to)| renamed_output(text, from, to))?;
             renamed.push(format!("`{text}` is now `{new}`"));
             Some(new)
         });
@@ -148,6 +145,22 @@ impl Context<'_> {
             self.report.changed(self.version, &object.class, what);
         }
     }
+}
+
+/// Returns the name of an output with `to` instead of `from`, in any case; `None` if it has no `from` or has `to` already.
+fn renamed_output(text: &str, from: &str, to: &str) -> Option<String> {
+    // ASCII lower case has the same positions.
+    let [lower, from, already] = [text, from, to].map(str::to_ascii_lowercase);
+    if !lower.contains(&from) || lower.contains(&already) {
+        return None;
+    }
+    let (mut new, mut end) = (String::new(), 0);
+    for (at, _) in lower.match_indices(&from) {
+        new += &text[end..at];
+        new += to;
+        end = at + from.len();
+    }
+    Some(new + &text[end..])
 }
 
 fn changed(object: &mut Object, field: &str, at: usize, values: &BTreeMap<String, String>) -> Option<String> {

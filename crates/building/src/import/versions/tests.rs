@@ -143,6 +143,8 @@ fn a_table_of_one_variable_is_a_lookup_table_in_order() {
 fn outputs_that_programs_read_are_renamed() {
     let (document, _) = idf("9.3", "EnergyManagementSystem:Sensor,S,Room,Lights Electric Power;");
     assert_eq!(values(&document, "EnergyManagementSystem:Sensor")[0][2], "Lights Electricity Rate");
+    let (document, _) = idf("9.3", "ENERGYMANAGEMENTSYSTEM:SENSOR,S,Room,LIGHTS ELECTRIC POWER;");
+    assert_eq!(values(&document, "EnergyManagementSystem:Sensor")[0][2], "LIGHTS Electricity Rate");
 }
 
 #[test]

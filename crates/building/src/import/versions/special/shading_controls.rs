@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use super::tables::with_values;
 use crate::import::versions::document::{Document, Field, Object};
 use crate::import::versions::report::Conversion;
+use crate::model::begins;
 
 const CLASS: &str = "WindowProperty:ShadingControl";
 /// Position of the control's name in a window.
@@ -78,9 +79,8 @@ fn take_controlled(document: &mut Document) -> Vec<Window> {
 /// Returns the name of a surface in lower case, and its zone.
 fn zone_of_surface(object: &Object) -> Option<(String, String)> {
     let at = if object.is("BuildingSurface:Detailed") { 4 } else { 3 };
-    let class = object.class.to_ascii_lowercase();
-    let is_surface = ["buildingsurface:", "wall:", "roof", "ceiling:", "floor:"];
-    is_surface.iter().any(|begin| class.starts_with(begin)).then_some(())?;
+    let is_surface = ["BuildingSurface:", "Wall:", "Roof", "Ceiling:", "Floor:"];
+    is_surface.iter().any(|beginning| begins(&object.class, beginning)).then_some(())?;
     Some((object.name().to_lowercase(), object.get(Field { at, name: "zone_name" })?))
 }
 

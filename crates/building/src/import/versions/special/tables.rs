@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::import::versions::document::{Body, Document, Field, Object};
 use crate::import::versions::report::Conversion;
+use crate::model::begins;
 
 const CLASS: &str = "Table:OneIndependentVariable";
 /// Position of the first pair of values in an IDF.
@@ -32,11 +33,8 @@ fn lookup(table: &Object) -> [Object; 3] {
     let pairs = pairs(table);
     let reference = text(10, "normalization_reference");
     let divisor = if reference.is_empty() { "None" } else { "DivisorOnly" };
-    let interpolation = if text(3, "interpolation_method").to_ascii_lowercase().starts_with("linear") {
-        "Linear"
-    } else {
-        "Cubic"
-    };
+    let is_linear = begins(&text(3, "interpolation_method"), "Linear");
+    let interpolation = if is_linear { "Linear" } else { "Cubic" };
     let no_file = ["external_file_name", "external_file_column_number", "external_file_starting_row_number"];
     let blank = no_file.map(|field| (field, String::new()));
     let mut of_table = vec![
