@@ -9,6 +9,7 @@ mod limited;
 mod named;
 mod onnx;
 mod onnx_format;
+mod onnx_state;
 
 pub use action_scale::ActionScale;
 pub use built_in::BuiltIn;

@@ -8,19 +8,21 @@ use b2b_control::Controller;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
 use rten::{Dimension, Model, RunError, RunOptions, ThreadPool, ValueOrView};
-use rten_tensor::NdTensorView;
 use rten_tensor::prelude::*;
+use rten_tensor::{NdTensorView, Tensor};
 
 use super::action_scale::ActionScale;
 use super::interface::{EpisodeContext, Interface, Policy};
 use super::limited::{self, LIMIT, Limited};
 use super::onnx_format;
+use super::onnx_state::OnnxState;
 use crate::error::at;
 use crate::panics::catch_panic;
 use crate::{Error, Result};
 
-/// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
-/// and returns one float32 array [1, action]. Only the first output is used.
+/// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1, observation];
+/// its first output the action, float32 [1, action]. Every further input is a [state](OnnxState), which the output of the
+/// same number replaces at every step.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
@@ -28,13 +30,15 @@ pub struct OnnxPolicy {
     identity: String,
     scale: ActionScale,
     model: Arc<Model>,
+    states: Vec<OnnxState>,
 }
 
 impl OnnxPolicy {
     /// Reads an ONNX file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] unless there is one input and at least one output.
+    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] without an input or an output, or for a state without
+    /// an output or of unknown shape.
     pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(at(path))?;
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
@@ -42,13 +46,10 @@ impl OnnxPolicy {
         onnx_format::check(&bytes).map_err(invalid)?;
         let load = limited::once(move || guarded(|| Model::load(bytes))).map_err(at(path))?;
         let model = load.unwrap_or_else(|| Err(endless())).map_err(invalid)?;
-        let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
-        if inputs != 1 || outputs == 0 {
-            let why = format!("it has {inputs} inputs and {outputs} outputs");
-            return Err(Error::InvalidPolicy { path: path.to_owned(), why });
-        }
+        let states =
+            OnnxState::all(&model).map_err(|why| Error::InvalidPolicy { path: path.to_owned(), why })?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model) })
+        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model), states })
     }
 
     /// Returns the width of the input, if the model declares it.
@@ -105,8 +106,9 @@ impl Policy for OnnxPolicy {
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
-        let mut inference = Inference::new(&self.model).map_err(at(&self.path))?;
+        let mut inference = Inference::new(&self.model, &self.states).map_err(at(&self.path))?;
         self.check_action(&mut inference, spaces, interface)?;
+        inference.reset();
         Ok(Box::new(OnnxController {
             inference,
             scale: self.scale,
@@ -125,7 +127,9 @@ struct OnnxController {
 }
 
 impl Controller for OnnxController {
-    fn reset(&mut self) {}
+    fn reset(&mut self) {
+        self.inference.reset();
+    }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         for (single, value) in self.observation.iter_mut().zip(observation) {
@@ -143,22 +147,46 @@ impl Controller for OnnxController {
 
 /// Runs a model on one dedicated thread, with a time limit. One thread keeps the order of sums the same on any number
 /// of cores.
-struct Inference(Limited<Vec<f32>, Output>);
+struct Inference(Limited<Option<Vec<f32>>, Output>);
 
 /// The first output of a model, or why it has none.
 type Output = std::result::Result<Vec<f32>, String>;
 
 impl Inference {
-    fn new(model: &Arc<Model>) -> std::io::Result<Self> {
+    fn new(model: &Arc<Model>, states: &[OnnxState]) -> std::io::Result<Self> {
         let (model, thread) = (Arc::clone(model), Arc::new(ThreadPool::with_num_threads(1)));
         let options = RunOptions::default().with_thread_pool(Some(thread));
-        let run = move |observation: Vec<f32>| guarded(|| infer(&model, &options, &observation));
+        let first: Vec<Tensor<f32>> = states.iter().map(OnnxState::first).collect();
+        let mut memory = first.clone();
+        let run = move |observation: Option<Vec<f32>>| match observation {
+            Some(observation) => {
+                let action = guarded(|| infer(&model, &options, &observation, &mut memory))?;
+                let changed = first.iter().zip(&memory).find(|(first, now)| first.shape() != now.shape());
+                changed.map_or(Ok(action), |(first, now)| {
+                    Err(format!(
+                        "a state of shape {:?} becomes one of shape {:?}",
+                        first.shape(),
+                        now.shape()
+                    ))
+                })
+            }
+            None => {
+                memory.clone_from(&first);
+                Ok(Vec::new())
+            }
+        };
         Ok(Self(Limited::new(run)?))
     }
 
     /// Returns the first output for an observation.
     fn run(&mut self, observation: &[f32]) -> Output {
-        self.0.call(observation.to_vec()).unwrap_or_else(|| Err(endless()))
+        self.0.call(Some(observation.to_vec())).unwrap_or_else(|| Err(endless()))
+    }
+
+    /// Sets the states to zero.
+    fn reset(&mut self) {
+        // A network that never ended gives no more actions.
+        let _ = self.0.call(None);
     }
 }
 
@@ -166,15 +194,23 @@ fn endless() -> String {
     format!("it was not finished within {} s", LIMIT.as_secs())
 }
 
-/// Returns the first output of a model for an observation.
+/// Returns the first output of a model for an observation and the states, and replaces these.
 fn infer(
     model: &Model,
     options: &RunOptions,
     observation: &[f32],
+    states: &mut [Tensor<f32>],
 ) -> std::result::Result<Vec<f32>, RunError> {
     let input = NdTensorView::from_data([1, observation.len()], observation);
-    let inputs = vec![(model.input_ids()[0], ValueOrView::from(input))];
-    let mut values = model.run(inputs, &model.output_ids()[..1], Some(options.clone()))?;
+    let values = std::iter::once(ValueOrView::from(input))
+        .chain(states.iter().map(|state| ValueOrView::from(state.view())));
+    let inputs = model.input_ids().iter().copied().zip(values).collect();
+    let mut values = model.run(inputs, &model.output_ids()[..=states.len()], Some(options.clone()))?;
+    for (state, value) in states.iter_mut().zip(values.drain(1..)) {
+        if let Some(next) = value.into_tensor::<f32>() {
+            *state = next;
+        }
+    }
     Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
 }
 
@@ -192,25 +228,64 @@ mod tests {
 
     use super::*;
 
+    /// Returns a value of shape [1, width].
+    fn value(name: &str, width: u64) -> Vec<u8> {
+        let shape = [bytes(1, &integer(1, 1)), bytes(1, &integer(1, width))].concat();
+        let tensor = [integer(1, 1), bytes(2, &shape)].concat();
+        [text(1, name), bytes(2, &bytes(1, &tensor))].concat()
+    }
+
+    /// Returns a model of a graph.
+    fn model(graph: &[Vec<u8>]) -> Vec<u8> {
+        let opset = [text(1, ""), integer(2, 17)].concat();
+        [integer(1, 8), bytes(7, &graph.concat()), bytes(8, &opset)].concat()
+    }
+
     /// Returns a model that is a chain of nodes.
     fn chain(nodes: usize) -> Vec<u8> {
         let name = |place: usize| format!("value {place}");
         let node =
             |place| bytes(1, &[text(1, &name(place)), text(2, &name(place + 1)), text(4, "Relu")].concat());
-        let value = |place| {
-            let width = [bytes(1, &integer(1, 1)), bytes(1, &integer(1, 2))].concat();
-            let tensor = [integer(1, 1), bytes(2, &width)].concat();
-            [text(1, &name(place)), bytes(2, &bytes(1, &tensor))].concat()
-        };
-        let graph = [
+        model(&[
             (0..nodes).flat_map(node).collect(),
             text(2, "chain"),
-            bytes(11, &value(0)),
-            bytes(12, &value(nodes)),
-        ]
-        .concat();
-        let opset = [text(1, ""), integer(2, 17)].concat();
-        [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
+            bytes(11, &value(&name(0), 2)),
+            bytes(12, &value(&name(nodes), 2)),
+        ])
+    }
+
+    /// Returns a model whose state, of a width, adds up the observations; its action is the sum up to the last step.
+    fn sum(width: u64, outputs: &[&str]) -> Vec<u8> {
+        let add = [text(1, "sum"), text(1, "observation"), text(2, "next sum"), text(4, "Add")].concat();
+        let keep = [text(1, "sum"), text(2, "action"), text(4, "Identity")].concat();
+        let mut graph = vec![bytes(1, &add), bytes(1, &keep), text(2, "sum")];
+        graph.extend([bytes(11, &value("observation", 2)), bytes(11, &value("sum", width))]);
+        graph.extend(outputs.iter().map(|name| bytes(12, &value(name, 2))));
+        model(&graph)
+    }
+
+    #[test]
+    fn a_state_is_kept_from_step_to_step_and_begins_every_episode_with_zeros() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("policy.onnx");
+        let read = |bytes: Vec<u8>| {
+            std::fs::write(&path, bytes).unwrap();
+            OnnxPolicy::read(&path, ActionScale::Physical)
+        };
+        let policy = read(sum(2, &["action", "next sum"])).unwrap();
+        let mut inference = Inference::new(&policy.model, &policy.states).unwrap();
+        for _ in 0..2 {
+            let actions: Vec<_> = (0..3).map(|_| inference.run(&[1.0, -2.0]).unwrap()).collect();
+            assert_eq!(actions, [[0.0, 0.0], [1.0, -2.0], [2.0, -4.0]]);
+            inference.reset();
+        }
+        let said = read(sum(2, &["action"])).unwrap_err().to_string();
+        assert!(said.contains("2 inputs and 1 outputs; expected an observation and states"), "{said}");
+        let said = read(sum(1 << 40, &["action", "next sum"])).unwrap_err().to_string();
+        assert!(said.contains("its state `sum`") && said.contains("more than"), "{said}");
+        let wider = read(sum(1, &["action", "next sum"])).unwrap();
+        let said = Inference::new(&wider.model, &wider.states).unwrap().run(&[1.0, -2.0]).unwrap_err();
+        assert!(said.contains("a state of shape [1, 1] becomes one of shape [1, 2]"), "{said}");
     }
 
     #[test]
@@ -224,7 +299,7 @@ mod tests {
         std::thread::scope(|scope| {
             let longest = scope.spawn(|| {
                 let policy = read(onnx_format::MOST_NODES).unwrap();
-                Inference::new(&policy.model).unwrap().run(&[1.0, -1.0]).unwrap()
+                Inference::new(&policy.model, &[]).unwrap().run(&[1.0, -1.0]).unwrap()
             });
             assert_eq!(longest.join().unwrap(), [1.0, 0.0]);
         });
