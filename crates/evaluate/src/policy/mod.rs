@@ -1,5 +1,6 @@
 //! Policies: built-in controllers, trained agents and networks in ONNX files.
 
+mod ablation;
 mod action_scale;
 mod agent;
 mod built_in;
@@ -10,6 +11,7 @@ mod named;
 mod onnx;
 mod onnx_format;
 
+pub use ablation::Ablation;
 pub use action_scale::ActionScale;
 pub use built_in::BuiltIn;
 pub(crate) use form::controller;
