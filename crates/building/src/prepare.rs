@@ -8,6 +8,7 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::band::{self, Year};
 use crate::hvac::{
     self, Actuator, Discovery, EngineVariable, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported,
 };
@@ -18,7 +19,7 @@ use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Class, Error, Result, ZoneYear, band};
+use crate::{Class, Error, Result, ZoneYear};
 
 /// A building prepared for control: hard-sized, with controllable systems and without output files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +50,10 @@ pub struct PreparedBuilding {
     /// The year of each zone according to its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
+    /// Days of the year, from 1 and in order, that the model declares special, such as holidays: its schedules do not follow
+    /// their day of the week.
+    #[serde(default)]
+    pub holidays: Vec<u32>,
     /// Outdoor air that the model controls: of the systems of a building under its own controls, and of air loops whose zones
     /// are controlled through their thermostats.
     #[serde(default)]
@@ -140,9 +145,9 @@ impl PreparedBuilding {
         unsupported: Unsupported,
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let years = years(name, &model, weather, library)?;
+        let Year { zones: years, holidays } = year(name, &model, weather, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
-        Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else. `complete`
@@ -158,10 +163,10 @@ impl PreparedBuilding {
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let years = years(name, &model, weather, library)?;
+        let Year { zones: years, holidays } = year(name, &model, weather, library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
-        Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
@@ -220,6 +225,7 @@ impl PreparedBuilding {
             uncontrolled,
             meters,
             years: Vec::new(),
+            holidays: Vec::new(),
             own_ventilation,
             notes: Notes::default(),
         })
@@ -386,12 +392,12 @@ fn for_episodes(model: &mut Model) {
     run_weather_alone(model);
 }
 
-/// Returns the years of the zones of a sized model, in model order.
-fn years(name: &str, model: &Model, weather: &Path, library: &Library) -> Result<Vec<ZoneYear>> {
+/// Returns the year of a sized model.
+fn year(name: &str, model: &Model, weather: &Path, library: &Library) -> Result<Year> {
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
-    let years = band::years(name, model, &names, weather, library);
-    years.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
+    let year = band::year(name, model, &names, weather, library);
+    year.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 
 /// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year without jumps.

@@ -1,4 +1,4 @@
-//! `b2b baseline`: the returns of the reactive controllers, as a table.
+//! `b2b baseline`: the returns of the baselines, as a table.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -24,6 +24,7 @@ use crate::{interrupt, program, shipped, stdout};
 ///
 /// A task is scored against the reactive controllers with the parameters tuned for its objective: comfort, or comfort
 /// and energy if it has an energy term. Within an objective, one episode gives the baseline for every energy weight.
+/// A task of operation is scored against the guideline controller.
 /// Finished episodes are cached: the same command resumes an interrupted run; --fresh ignores the cache. With --check,
 /// compares the results with the shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
 ///
@@ -35,6 +36,8 @@ use crate::{interrupt, program, shipped, stdout};
     after_help = "\
 Examples:
   b2b baseline --out crates/evaluate/data/baselines.csv     the shipped table
+  b2b baseline --task operate --period peak-heating typical-heating peak-cooling typical-cooling mixed \
+      --out crates/evaluate/data/baselines_operation.csv     the same of operation: 240 episodes, about an hour
   b2b baseline --check --fresh --sample 20 --seed 1          recompute 20 of the shipped rows
   b2b baseline --check --fresh SingleFamilyHouse-0018 --task constant --period winter"
 )]

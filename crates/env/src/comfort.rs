@@ -28,7 +28,8 @@ pub enum Comfort {
     },
 }
 
-/// Assumptions of the predicted mean vote (ISO 7730). Mean radiant temperature is taken as air temperature.
+/// Assumptions of the predicted mean vote (ISO 7730). In tasks of operation, mean radiant temperature and humidity are the
+/// zone's own; otherwise, the radiant temperature is the air temperature and the humidity an assumption.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pmv {
@@ -36,7 +37,7 @@ pub struct Pmv {
     pub metabolic_rate: f64,
     /// Air speed, m/s.
     pub air_speed: f64,
-    /// Indoor relative humidity, %.
+    /// Indoor relative humidity, %; not used in tasks of operation.
     pub humidity: f64,
     /// Clothing insulation, December to February, clo.
     pub winter_clothing: f64,
@@ -81,7 +82,7 @@ impl Comfort {
             Self::Band { weight } => weight * zone.deviation().abs(),
             Self::Pmv(_) if !zone.occupied => 0.0,
             Self::Pmv(pmv) => {
-                let vote = pmv.vote(zone.temperature, season);
+                let vote = zone.vote.unwrap_or_else(|| pmv.vote(zone.temperature, season));
                 if zone.penalize_above_target { vote.powi(2) } else { vote.min(0.0).powi(2) }
             }
         }
@@ -90,12 +91,17 @@ impl Comfort {
 
 impl Pmv {
     fn vote(&self, temperature: f64, season: Season) -> f64 {
+        self.vote_in(temperature, temperature, self.humidity, season)
+    }
+
+    /// Returns the vote at an air temperature and a mean radiant temperature, °C, and a relative humidity, %.
+    pub(crate) fn vote_in(&self, temperature: f64, radiant: f64, humidity: f64, season: Season) -> f64 {
         let clothing = match season {
             Season::Winter => self.winter_clothing,
             Season::Summer => self.summer_clothing,
             Season::Between => 0.5 * (self.winter_clothing + self.summer_clothing),
         };
-        let air = Air { temperature, radiant: temperature, speed: self.air_speed, humidity: self.humidity };
+        let air = Air { temperature, radiant, speed: self.air_speed, humidity };
         vote(&air, self.metabolic_rate, clothing)
     }
 }

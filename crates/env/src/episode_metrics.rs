@@ -236,6 +236,9 @@ episode_metrics! {
         /// operation only, as BOPTEST defines it: thermal discomfort, the deviation outside the band integrated over time, per zone
         tdis_tot: Option<f64> = "tdis_tot", "K h", Metrics::zone_discomfort,
             Display::lower("thermal discomfort (K·h per zone)", 1.0, 2);
+        /// operation with `+co2` only, as BOPTEST: CO₂ above the limit integrated over time, per zone
+        idis_tot: Option<f64> = "idis_tot", "ppm h", Metrics::zone_bad_air,
+            Display::lower("CO₂ above the limit (ppm·h per zone)", 1.0, 0);
         /// operation only, as BOPTEST: HVAC energy
         ener_tot: Option<f64> = "ener_tot", "kWh/m²", Metrics::operation_energy,
             Display::lower("HVAC energy (kWh/m²)", 1.0, 2);

@@ -159,9 +159,12 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A preview in a task with targets.
-    #[error("a preview needs comfort bands; expected a task such as operate+preview")]
-    PreviewWithoutBands,
+    /// A part of a task that needs bands, in a task with targets.
+    #[error("`{part}` needs comfort bands; expected a task such as operate+{part}")]
+    NeedsBands {
+        /// The part.
+        part: &'static str,
+    },
     /// A preview with a weather file that does not cover a year.
     #[error("the preview needs the 8760 hours of a year; {weather} has {hours}")]
     PreviewWeather {

@@ -3,9 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::kpis::Kpis;
-use crate::reward::{Reward, StepView};
+use crate::reward::{Reward, StepView, ZoneStep};
 use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
+
+/// Predicted mean vote up to which people are comfortable (ASHRAE 55).
+const NEUTRAL_VOTE: f64 = 0.5;
 
 /// Deviation of one zone from its target over an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -132,8 +135,9 @@ impl Metrics {
             zone.penalized_squares += penalized * penalized;
             zone.penalized_steps_outside += usize::from(penalized.abs() > self.comfort_band);
             zone.occupied_steps += usize::from(step.occupied);
-            zone.cold_steps += usize::from(step.occupied && penalized < -self.comfort_band);
-            zone.warm_steps += usize::from(step.occupied && penalized > self.comfort_band);
+            let [cold, warm] = uncomfortable(step, self.comfort_band);
+            zone.cold_steps += usize::from(step.occupied && cold);
+            zone.warm_steps += usize::from(step.occupied && warm);
             zone.squares += deviation * deviation;
             zone.absolutes += deviation.abs();
             zone.steps_outside += usize::from(deviation.abs() > self.comfort_band);
@@ -229,6 +233,11 @@ impl Metrics {
         Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
     }
 
+    /// Returns the CO₂ above the limit, ppm h for each zone, by the trapezoid rule; `None` in tasks without the CO₂ balance.
+    pub fn zone_bad_air(&self) -> Option<f64> {
+        self.kpis.as_ref()?.bad_air(self.zones.len())
+    }
+
     /// Returns the total of a term in a task of operation; `None` in tasks without bands.
     fn operation_total(&self, term: Term) -> Option<f64> {
         self.kpis.as_ref().map(|_| self.total(term))
@@ -260,10 +269,20 @@ impl Metrics {
     }
 }
 
+/// Returns whether a zone is too cold and whether it is too warm: by its predicted mean vote where that is known,
+/// otherwise by the comfort band, K.
+fn uncomfortable(step: &ZoneStep, comfort_band: f64) -> [bool; 2] {
+    let (value, limit) = match step.vote {
+        Some(vote) if step.penalize_above_target => (vote, NEUTRAL_VOTE),
+        Some(vote) => (vote.min(0.0), NEUTRAL_VOTE),
+        None => (step.deviation(), comfort_band),
+    };
+    [value < -limit, value > limit]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reward::ZoneStep;
     use crate::terms::Amounts;
 
     #[test]
@@ -294,5 +313,14 @@ mod tests {
             metrics.add(Reward::default(), &view, &[], &[]);
         }
         assert_eq!((metrics.occupied_too_cold(), metrics.occupied_too_warm()), (Some(0.25), Some(0.5)));
+    }
+
+    #[test]
+    fn a_vote_replaces_the_comfort_band() {
+        let zone = |vote, cooled| ZoneStep { vote, ..ZoneStep::with_target(30.0, 21.0, true, cooled) };
+        assert_eq!(uncomfortable(&zone(None, true), 0.5), [false, true]);
+        assert_eq!(uncomfortable(&zone(Some(0.4), true), 0.5), [false, false]);
+        assert_eq!(uncomfortable(&zone(Some(-0.6), true), 0.5), [true, false]);
+        assert_eq!(uncomfortable(&zone(Some(0.6), false), 0.5), [false, false], "nothing cools the zone");
     }
 }

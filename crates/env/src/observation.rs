@@ -8,6 +8,7 @@ use b2b_building::{Conditioning, PreparedBuilding};
 use crate::band::Pair;
 use crate::preview::PREVIEW_HOURS;
 use crate::task::Task;
+use crate::zone_air::ZoneAir;
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,9 +33,10 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
-/// With bands, a heating and a cooling setpoint replace the target. With a preview, these slots follow: the next
-/// setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor temperatures and
-/// solar radiations of the hours ahead.
+/// With bands, whether the day is a holiday follows the energy, and a heating and a cooling setpoint replace the target.
+/// Where the task needs them, these slots of every controlled zone follow: mean radiant temperature and humidity, CO₂. With
+/// a preview: the next setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor
+/// temperatures and solar radiations of the hours ahead.
 ///
 /// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
@@ -42,8 +44,13 @@ pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
     constant_target: Option<f64>,
+    /// Slot of the holiday, with bands.
+    holiday: Option<usize>,
     /// Occupancy and setpoint slots of each controlled zone; empty with constant targets.
     asked: Vec<AskedSlots>,
+    /// Quantities of zone air besides the temperature, and the first of their slots.
+    air: Vec<ZoneAir>,
+    first_air: usize,
     /// First slot of the preview.
     ahead: Option<usize>,
 }
@@ -234,6 +241,13 @@ impl ObservationSpace {
             let high = if *owner == Owner::Energy { energy } else { *high };
             slot(name, (*owner, *observed), unit, (*low, high), source)
         }));
+        let holiday = setpoints.is_band().then(|| {
+            let what = (Owner::Calendar, Observed::Holiday);
+            let source =
+                "calendar, 1 on a special day of the model, when schedules do not follow the day of the week";
+            slots.push(slot("holiday", what, "1", (0.0, 1.0), source));
+            slots.len() - 1
+        });
         let constant_target = setpoints.constant_target();
         let has_target =
             |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;
@@ -264,6 +278,16 @@ impl ObservationSpace {
             };
             asked.push(AskedSlots { occupancy, target });
         }
+        let (air, first_air) = (ZoneAir::of(task), slots.len());
+        for (number, zone) in building.zones.iter().enumerate() {
+            let controlled = zone.conditioning != Conditioning::None;
+            slots.extend(air.iter().filter(|_| controlled).map(|quantity| {
+                let quantity = quantity.slot();
+                let (name, what) =
+                    (format!("{} {}", zone.name, quantity.name), (Owner::Zone(number), quantity.observed));
+                slot(&name, what, quantity.unit, quantity.bounds, quantity.source)
+            }));
+        }
         let ahead = task.preview.map(|_| {
             let first = slots.len();
             preview_slots(building, |(name, owner, quantity, unit, bounds, source)| {
@@ -271,13 +295,23 @@ impl ObservationSpace {
             });
             first
         });
-        Self { slots, zones: building.zones.len(), constant_target, asked, ahead }
+        let zones = building.zones.len();
+        Self { slots, zones, constant_target, holiday, asked, air, first_air, ahead }
     }
 
     /// Returns a space of arbitrary slots.
     #[cfg(test)]
     pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
-        Self { slots, zones: 0, constant_target: Some(21.0), asked: Vec::new(), ahead: None }
+        Self {
+            slots,
+            zones: 0,
+            constant_target: Some(21.0),
+            holiday: None,
+            asked: Vec::new(),
+            air: Vec::new(),
+            first_air: 0,
+            ahead: None,
+        }
     }
 
     /// The slots in order.
@@ -325,6 +359,11 @@ impl ObservationSpace {
         self.shared(Shared::DayOfYear)
     }
 
+    /// Slot of whether the day is a holiday, in a task with bands.
+    pub fn holiday(&self) -> Option<usize> {
+        self.holiday
+    }
+
     /// Slot of the HVAC electricity of the step, Wh/m².
     pub fn electricity(&self) -> usize {
         self.shared(Shared::Electricity)
@@ -352,6 +391,23 @@ impl ObservationSpace {
             Some(target) => Target::Always(target),
             None => self.asked[controlled_zone].target,
         }
+    }
+
+    /// Slot of a quantity of the air of a controlled zone, given its index among the controlled zones; `None` if the task
+    /// does not observe it.
+    pub fn zone_air(&self, quantity: ZoneAir, controlled_zone: usize) -> Option<usize> {
+        let index = self.air.iter().position(|each| *each == quantity)?;
+        Some(self.first_air + controlled_zone * self.air.len() + index)
+    }
+
+    /// First slot of the quantities of zone air besides the temperature: of each controlled zone, all quantities.
+    pub(crate) fn first_air(&self) -> usize {
+        self.first_air
+    }
+
+    /// Quantities of zone air besides the temperature.
+    pub(crate) fn air(&self) -> &[ZoneAir] {
+        &self.air
     }
 
     /// First slot of the preview, if the task has one: see [`ObservationSpace`].

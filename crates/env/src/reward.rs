@@ -81,6 +81,10 @@ pub struct ZoneStep {
     pub occupied: bool,
     /// Whether temperatures above target are penalized.
     pub penalize_above_target: bool,
+    /// Predicted mean vote by the zone's own radiant temperature and humidity, in a task of operation with this comfort.
+    pub vote: Option<f64>,
+    /// CO₂ concentration at the end of the step, ppm, in a task with the CO₂ balance.
+    pub carbon_dioxide: Option<f64>,
 }
 
 impl ZoneStep {
@@ -92,7 +96,7 @@ impl ZoneStep {
         penalize_above_target: bool,
     ) -> Self {
         let pair = Pair { heating: target, cooling: target };
-        Self { temperature, target, pair, occupied, penalize_above_target }
+        Self { temperature, target, pair, occupied, penalize_above_target, vote: None, carbon_dioxide: None }
     }
 
     /// Deviation from the target or from the band, K; negative below.

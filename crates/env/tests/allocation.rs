@@ -48,7 +48,7 @@ fn a_step_allocates_nothing() {
         "occupancy+deadband+peak1",
         "occupancy+presence2",
         "operate",
-        "operate:21-24/15.6-28+tou+preview",
+        "operate:21-24/15.6-28+pmv+tou+preview+co2",
     ] {
         steps_allocate_nothing(&case, task);
     }

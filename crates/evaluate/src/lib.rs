@@ -38,7 +38,8 @@ pub use output::read_rows;
 pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{
-    ActionScale, BuiltIn, EpisodeContext, Form, HouseForm, Interface, OnnxPolicy, Policy, is_agent, is_onnx,
+    Ablation, ActionScale, BuiltIn, EpisodeContext, Form, HouseForm, Interface, OnnxPolicy, Policy, is_agent,
+    is_onnx,
 };
 pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;

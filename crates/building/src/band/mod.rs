@@ -148,18 +148,27 @@ fn day_and_hour(day_of_year: u32, hour: f64) -> (usize, f64) {
     (day as usize, hour - 24.0 * days)
 }
 
-/// Returns the years of zones according to the schedules of a model, in the order of their names. The setpoints of a
-/// house are drawn from surveys, by the name of the building.
+/// The calendar year of a building.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Year {
+    /// The zones, in the order of their names.
+    pub(crate) zones: Vec<ZoneYear>,
+    /// Days of the year, from 1 and in order, that the model declares special, such as holidays.
+    pub(crate) holidays: Vec<u32>,
+}
+
+/// Returns the year of zones according to the schedules of a model. The setpoints of a house are drawn from surveys, by
+/// the name of the building.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
-pub(crate) fn years(
+pub(crate) fn year(
     building: &str,
     model: &Model,
     zones: &[&str],
     weather: &Path,
     library: &Library,
-) -> Result<Vec<ZoneYear>> {
+) -> Result<Year> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
     let people = crate::people::groups(model)?;
     let of_zone = |zone: &&str| -> Vec<&PeopleGroup> {
@@ -180,7 +189,8 @@ pub(crate) fn years(
             Span { from: 0.0, heating, cooling, people: people > 0.0 && people >= least }
         })
     });
-    Ok(household::furnish(building, years.collect()))
+    let zones = household::furnish(building, years.collect());
+    Ok(Year { zones, holidays: sampled.into_holidays() })
 }
 
 #[cfg(test)]

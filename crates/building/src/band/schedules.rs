@@ -1,4 +1,5 @@
-//! The values of a model's schedules over a year, computed by the engine itself in a run without a building.
+//! The values of a model's schedules over a year and its holidays, computed by the engine itself in a run without a
+//! building.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,15 +17,22 @@ use crate::{Error, Model, Result, RunPeriod};
 /// Values per day. A change between two values is seen at the next one.
 pub(super) const PER_DAY: usize = 96;
 
+/// Days that a model declares to be of a special type.
+const SPECIAL_DAYS: &str = "RunPeriodControl:SpecialDays";
 /// Prefixes of the classes that the values of schedules depend on.
-const NEEDED: [&str; 5] =
-    ["Version", "Schedule", "RunPeriodControl:SpecialDays", "Site:Location", "GlobalGeometryRules"];
+const NEEDED: [&str; 5] = ["Version", "Schedule", SPECIAL_DAYS, "Site:Location", "GlobalGeometryRules"];
+/// The engine's output of a schedule, and its output of the type of the day.
+const OUTPUTS: [&str; 2] = ["Schedule Value", "Site Day Type Index"];
+/// The engine's first type of a special day, a holiday; the types before are days of the week.
+const FIRST_SPECIAL: f64 = 8.0;
 
 /// The values of schedules over the calendar year of an episode.
 #[derive(Debug)]
 pub(super) struct Sampled {
     /// By upper-case name.
     values: BTreeMap<String, Vec<f64>>,
+    /// Days of the year, from 1, whose type is not their day of the week.
+    holidays: Vec<u32>,
 }
 
 impl Sampled {
@@ -40,13 +48,20 @@ impl Sampled {
         }
         varying.sort_unstable();
         varying.dedup();
-        if !varying.is_empty() {
+        let mut holidays = Vec::new();
+        if !varying.is_empty() || !model.objects(SPECIAL_DAYS).is_empty() {
             let model = schedules_alone(model, &varying);
             let database = OutputDatabase::of(&model, weather, library, "b2b-schedules-")?;
-            let read = database.read(read_values, |path, source| Error::ScheduleTable { path, source })?;
-            values.extend(read);
+            let failed = |path, source| Error::ScheduleTable { path, source };
+            values.extend(database.read(read_values, failed)?);
+            holidays = database.read(read_holidays, failed)?;
         }
-        Ok(Self { values })
+        Ok(Self { values, holidays })
+    }
+
+    /// Returns the days of the year, from 1 and in order, that the model declares special, such as holidays.
+    pub(super) fn into_holidays(self) -> Vec<u32> {
+        self.holidays
     }
 
     /// Returns the values of a schedule; 0 for a missing schedule, although the engine rejects such a model.
@@ -84,14 +99,13 @@ fn schedules_alone(model: &Model, names: &[String]) -> Model {
     control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
     OutputDatabase::request(&mut alone);
-    for name in names {
-        let output = json!({
-            "key_value": name,
-            "variable_name": "Schedule Value",
-            "reporting_frequency": "Timestep",
-        });
-        alone.insert("Output:Variable", &format!("{name} value"), output);
-    }
+    let [value, day_type] = OUTPUTS;
+    let mut output = |key: &str, variable: &str, frequency: &str| {
+        let fields = json!({"key_value": key, "variable_name": variable, "reporting_frequency": frequency});
+        alone.insert("Output:Variable", &format!("{key} {variable}"), fields);
+    };
+    names.iter().for_each(|name| output(name, value, "Timestep"));
+    output("*", day_type, "Daily");
     alone
 }
 
@@ -100,12 +114,23 @@ fn read_values(database: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<f
     let mut values = BTreeMap::<String, Vec<f64>>::new();
     let mut rows = database.prepare(
         "SELECT KeyValue, Value FROM ReportData JOIN ReportDataDictionary USING (ReportDataDictionaryIndex) \
-         JOIN Time USING (TimeIndex) WHERE IFNULL(WarmupFlag, 0) = 0 ORDER BY TimeIndex",
+         JOIN Time USING (TimeIndex) WHERE Name = ?1 AND IFNULL(WarmupFlag, 0) = 0 ORDER BY TimeIndex",
     )?;
-    let pairs = rows.query_map([], |row| Ok((row.get::<_, String>(0)?, row.get::<_, f64>(1)?)))?;
+    let pairs = rows.query_map([OUTPUTS[0]], |row| Ok((row.get::<_, String>(0)?, row.get::<_, f64>(1)?)))?;
     for pair in pairs {
         let (name, value) = pair?;
         values.entry(name.to_uppercase()).or_insert_with(|| Vec::with_capacity(DAYS * PER_DAY)).push(value);
     }
     Ok(values)
+}
+
+/// Returns the days of the year whose type is not their day of the week.
+fn read_holidays(database: &Connection) -> rusqlite::Result<Vec<u32>> {
+    let mut rows = database.prepare(
+        "SELECT Value FROM ReportData JOIN ReportDataDictionary USING (ReportDataDictionaryIndex) \
+         JOIN Time USING (TimeIndex) WHERE Name = ?1 AND IFNULL(WarmupFlag, 0) = 0 ORDER BY TimeIndex",
+    )?;
+    let types: Vec<f64> = rows.query_map([OUTPUTS[1]], |row| row.get(0))?.collect::<rusqlite::Result<_>>()?;
+    let special = types.into_iter().zip(1..).filter(|(day_type, _)| *day_type >= FIRST_SPECIAL);
+    Ok(special.map(|(_, day)| day).collect())
 }

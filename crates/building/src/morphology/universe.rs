@@ -54,6 +54,12 @@ pub enum Observed {
     SolarAhead,
     /// Whether a zone is occupied, 0 or 1.
     Occupancy,
+    /// Mean radiant temperature of a zone, °C.
+    RadiantTemperature,
+    /// Relative humidity of a zone, %.
+    Humidity,
+    /// CO₂ concentration of a zone, ppm.
+    CarbonDioxide,
     /// Outdoor air temperature, °C.
     OutdoorTemperature,
     /// Outdoor relative humidity, %.
@@ -64,6 +70,8 @@ pub enum Observed {
     DayOfWeek,
     /// Day of the year, 1 January is 1.
     DayOfYear,
+    /// Whether the day is a holiday, 0 or 1.
+    Holiday,
     /// HVAC electricity of the step, Wh/m².
     Electricity,
     /// HVAC gas of the step, with other fuels and district energy, Wh/m².

@@ -5,7 +5,7 @@ use b2b_building::hvac::{Actuator, Quantity};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_energyplus::{Event, Run, Simulation};
-use b2b_env::{Env, Task};
+use b2b_env::{Band, Env, Task};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
@@ -16,17 +16,18 @@ use crate::prepare::Prepared;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
-/// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment
+/// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment of two tasks
 ///
-/// Three runs of the same model, with every actuator held at the middle of its range, alternate in one process: one
-/// simulated day each, in changing order, so that other load affects all three alike. Times and ratios are medians
+/// Four runs of the same model, with every actuator held at the middle of its range, alternate in one process: one
+/// simulated day each, in changing order, so that other load affects all alike. Times and ratios are medians
 /// over the days. The first two days, which warm-up still affects, are excluded.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Columns, CPU time per step in milliseconds:
   engine     EnergyPlus simulates the day without being suspended
   advance    EnergyPlus is suspended at the end of every step, nothing is read (Simulation::advance)
-  env        action, step, observation and reward (Env::step)
+  env        action, step, observation and reward (Env::step) of a tracking task, `constant`
+  operation  the same of a task of operation, `operate`
   mean, standard deviation: of 10,000 single steps of the environment, in a separate episode
 
 Examples:
@@ -51,7 +52,7 @@ const FIRST_DAYS: u32 = 2;
 /// Number of steps that are measured one by one, as in the paper.
 const SINGLE_STEPS: u32 = 10_000;
 /// Number of ways to run the model.
-const MODES: usize = 3;
+const MODES: usize = 4;
 
 /// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
 #[derive(Serialize)]
@@ -61,8 +62,10 @@ struct Speed {
     engine_ms: f64,
     advance_ms: f64,
     env_ms: f64,
+    operation_ms: f64,
     advance_to_engine: f64,
     env_to_engine: f64,
+    operation_to_env: f64,
     steps: u32,
     /// Mean and standard deviation of single steps of the environment.
     env_mean_ms: f64,
@@ -94,14 +97,16 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
         }
     }
     let (env_mean_ms, env_deviation_ms) = mean_and_deviation(&single_steps(&prepared)?);
-    let of_days = |value: fn(&[f64; 3]) -> f64| median(days.iter().map(value).collect());
+    let of_days = |value: fn(&[f64; MODES]) -> f64| median(days.iter().map(value).collect());
     Ok(Speed {
         building: building.to_string(),
         engine_ms: of_days(|ms| ms[0]),
         advance_ms: of_days(|ms| ms[1]),
         env_ms: of_days(|ms| ms[2]),
+        operation_ms: of_days(|ms| ms[3]),
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
+        operation_to_env: of_days(|ms| ms[3] / ms[2]),
         steps: MODES as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
         env_mean_ms,
         env_deviation_ms,
@@ -129,7 +134,7 @@ fn single_steps(prepared: &Prepared) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// One building, run in three modes at once, in the order of the table's columns.
+/// One building, run in all modes at once, in the order of the table's columns.
 struct Runs {
     modes: [Mode; MODES],
     /// Holds the model file.
@@ -146,7 +151,7 @@ enum Mode {
 }
 
 impl Runs {
-    /// Starts the three runs, up to the end of warm-up, one after another beginning with `first`: a run that reuses
+    /// Starts the runs, up to the end of warm-up, one after another beginning with `first`: a run that reuses
     /// memory freed by others is slower, so each mode is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
@@ -159,14 +164,16 @@ impl Runs {
                 0 => Mode::Engine(run(STEPS_PER_DAY)?),
                 1 => Mode::Advance(run(1)?),
                 _ => {
-                    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
+                    let task = if mode == 2 { Task::default() } else { Task::operate(Band::Own) };
+                    let mut env = prepared.env(period, STEPS_PER_HOUR, task)?;
                     env.reset()?;
                     let action = env.action_space().middle();
                     Mode::Env(Box::new(env), action)
                 }
             })
         };
-        let mut modes = [start(first)?, start((first + 1) % MODES)?, start((first + 2) % MODES)?];
+        let [a, b, c, d] = std::array::from_fn(|turn| start((first + turn) % MODES));
+        let mut modes = [a?, b?, c?, d?];
         modes.rotate_right(first);
         Ok(Self { modes, _folder: folder })
     }
@@ -232,8 +239,10 @@ fn text(speeds: &[Speed]) -> String {
         "engine (ms)",
         "advance (ms)",
         "env (ms)",
+        "operation (ms)",
         "advance/engine",
         "env/engine",
+        "operation/env",
         "steps",
         "mean of a step (ms)",
         "standard deviation (ms)",
@@ -244,8 +253,10 @@ fn text(speeds: &[Speed]) -> String {
             format!("{:.4}", speed.engine_ms),
             format!("{:.4}", speed.advance_ms),
             format!("{:.4}", speed.env_ms),
+            format!("{:.4}", speed.operation_ms),
             format!("{:.3}", speed.advance_to_engine),
             format!("{:.3}", speed.env_to_engine),
+            format!("{:.3}", speed.operation_to_env),
             speed.steps.to_string(),
             format!("{:.4}", speed.env_mean_ms),
             format!("{:.4}", speed.env_deviation_ms),

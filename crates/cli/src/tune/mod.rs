@@ -1,10 +1,12 @@
 //! `b2b tune`: parameters of the reactive controllers, optimized on training buildings.
 
+mod ablations;
 mod check;
 mod compare;
 mod operation;
 mod rollouts;
 mod search;
+mod two_weeks;
 
 use anyhow::Result;
 
@@ -39,10 +41,12 @@ Examples:
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
   b2b tune operation                             the scale and the weight of rewards of operation
+  b2b tune ablations OfficeMedium-0626           what the sequences of Guideline 36 save
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
 
 #[derive(clap::Subcommand)]
 enum Command {
+    Ablations(ablations::Arguments),
     Check(check::Arguments),
     Compare(compare::Arguments),
     Operation(operation::Arguments),
@@ -51,6 +55,7 @@ enum Command {
 /// Runs the command.
 pub fn tune(arguments: &Arguments) -> Result<()> {
     match &arguments.command {
+        Some(Command::Ablations(arguments)) => ablations::ablations(arguments),
         Some(Command::Check(arguments)) => check::check(arguments),
         Some(Command::Compare(arguments)) => compare::compare(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),

@@ -3,19 +3,18 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
-use b2b_building::Period;
-use b2b_climate::TwoWeeks;
+use anyhow::Result;
 use b2b_control::tune::TrainingBuildings;
-use b2b_dataset::{BuildingId, BuildingName};
-use b2b_env::{Band, CostScale, OPERATION_WEIGHT, Task};
+use b2b_dataset::BuildingId;
+use b2b_env::{CostScale, OPERATION_WEIGHT};
 use b2b_evaluate::operation_reward::{Balance, Operation, Ranked, WEIGHTS, balances, cost_scales, rank};
-use b2b_evaluate::{Baselines, BuiltIn, Episode, Evaluation, Folder, Policy, Results, Row, Subject};
+use b2b_evaluate::{BuiltIn, Evaluation, Policy, Row};
 use serde_json::json;
 
+use super::two_weeks::two_weeks;
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::{Bars, evaluation, fetch_weather};
+use crate::evaluation::evaluation;
 use crate::output_folder::OutputFolder;
 use crate::progress::Download;
 use crate::table::Table;
@@ -97,27 +96,7 @@ impl Arguments {
 
     /// Returns the episodes of a controller.
     fn run(&self, evaluation: &Evaluation<'_>, ids: &[BuildingId], policy: BuiltIn) -> Result<Vec<Row>> {
-        let episode = |id: &BuildingId, period: TwoWeeks| Episode {
-            subject: Subject::at_home(BuildingName::Id(*id)),
-            task: Task::operate(Band::Own),
-            period: Period::TwoWeeks(period),
-            seed: 0,
-            steps_per_hour: 12,
-        };
-        let episodes: Vec<Episode> =
-            ids.iter().flat_map(|id| TwoWeeks::ALL.map(|period| episode(id, period))).collect();
-        if episodes.is_empty() {
-            return Ok(Vec::new());
-        }
-        let folder = Folder::open(&self.out.join(policy.name()), &policy, &episodes)?;
-        fetch_weather(&episodes, self.json)?;
-        let (baselines, bars) = (Baselines::open()?, Bars::new(self.json));
-        let results = Results::of(evaluation, &folder, &episodes, &policy, &baselines, &bars)?;
-        drop(bars);
-        match results.rows.iter().find_map(|row| Some((&row.info, row.outcome.as_ref().err()?))) {
-            Some((info, lost)) => bail!("{info}: {lost}; run the same command again"),
-            None => Ok(results.rows),
-        }
+        two_weeks(evaluation, ids, &policy, &self.out.join(policy.name()), self.json)
     }
 }
 

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir, PreparedBuilding};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{by_carrier, per_area};
 use crate::Result;
 use crate::presence::Attendance;
+use crate::spaces::Spaces;
 use crate::zones::ControlledZone;
 
 pub(super) const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
@@ -39,6 +40,8 @@ struct Ventilated {
 pub(super) struct Engine {
     pub(super) simulation: Simulation,
     pub(super) temperatures: Vec<Variable>,
+    /// Quantities of zone air besides the temperature, in the order of their slots.
+    pub(super) air: Vec<Variable>,
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
@@ -64,15 +67,15 @@ pub(super) struct Engine {
 impl Engine {
     pub(super) fn start(
         library: &Library,
-        building: &PreparedBuilding,
+        spaces: &Spaces,
         zones: &[ControlledZone],
         model: &Path,
-        weather: &Path,
         attendance: Option<&Attendance>,
         observe_effects: bool,
     ) -> Result<Self> {
+        let building = &*spaces.building;
         let folder = model.parent().unwrap_or(Path::new("."));
-        let mut run = Run::new(model, weather).output(folder).yield_in_warmup();
+        let mut run = Run::new(model, &spaces.episode.weather).output(folder).yield_in_warmup();
         for zone in &building.zones {
             run = run.request(ZONE_TEMPERATURE, &zone.name);
         }
@@ -80,8 +83,9 @@ impl Engine {
             run = run.request(name, SITE);
         }
         let controlled = || zones.iter().map(|zone| building.zones[zone.slot].name.as_str());
+        let air: Vec<_> = spaces.observation.air().iter().map(|quantity| quantity.slot().variable).collect();
         for name in controlled() {
-            run = run.request(PEOPLE, name);
+            run = air.iter().fold(run.request(PEOPLE, name), |run, variable| run.request(*variable, name));
         }
         let groups: Vec<_> = attendance.into_iter().flat_map(Attendance::groups).collect();
         for group in &groups {
@@ -129,6 +133,10 @@ impl Engine {
                 .zones
                 .iter()
                 .map(|zone| simulation.variable(ZONE_TEMPERATURE, &zone.name))
+                .collect::<std::result::Result<_, _>>()?,
+            air: controlled()
+                .flat_map(|name| air.iter().map(move |variable| (*variable, name)))
+                .map(|(variable, name)| simulation.variable(variable, name))
                 .collect::<std::result::Result<_, _>>()?,
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
             // The engine has this variable only for zones with people.

@@ -199,11 +199,9 @@ impl Env {
             history.clear();
         }
         let (model, spaces) = (self.folder.join(MODEL_FILE), &self.spaces);
-        let weather = &spaces.episode.weather;
         let (library, effects) = (&self.library, self.observe_effects);
         let attendance = self.attendance.as_ref();
-        let mut engine =
-            Engine::start(library, &spaces.building, &self.zones, &model, weather, attendance, effects)?;
+        let mut engine = Engine::start(library, spaces, &self.zones, &model, attendance, effects)?;
         self.warm_up(&mut engine)?;
         if let Some(attendance) = &mut self.attendance {
             attendance.restart(self.spaces.episode.period.first().day_of_year());
@@ -501,6 +499,9 @@ impl Env {
 fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig, meters: &[HvacMeter]) -> Model {
     let mut model = building.model_for(episode.period, episode.steps_per_hour);
     meters::request(&mut model, meters);
+    if let Some(balance) = episode.task.carbon_dioxide {
+        balance.turn_on(&mut model);
+    }
     model
 }
 

@@ -5,7 +5,9 @@ use b2b_building::{Carrier, CarrierEnergy, EndUseEnergy};
 use super::Env;
 use super::engine::Engine;
 use crate::band::NextPair;
-use crate::calendar::Moment;
+use crate::calendar::{Moment, Season};
+use crate::carbon_dioxide::CarbonDioxide;
+use crate::comfort::Comfort;
 use crate::kpis::Kpis;
 use crate::observation::{Shared, Target};
 use crate::preview::PREVIEW_HOURS;
@@ -13,6 +15,7 @@ use crate::reward::{Reward, StepView, ZoneStep};
 use crate::setpoints::Asked;
 use crate::spaces::EpisodeConfig;
 use crate::terms::{Amounts, Measured};
+use crate::zone_air::ZoneAir;
 use crate::zones::ControlledZone;
 use crate::{Error, Result};
 
@@ -28,7 +31,8 @@ const DEMANDS: [&[Carrier]; 3] = [
 /// Returns a controlled zone in a step.
 pub(super) fn zone_step(temperature: f64, asked: Asked, zone: &ControlledZone) -> ZoneStep {
     let Asked { occupied, target, pair } = asked;
-    ZoneStep { temperature, target, pair, occupied, penalize_above_target: zone.penalize_above_target }
+    let step = ZoneStep::with_target(temperature, target, occupied, zone.penalize_above_target);
+    ZoneStep { pair, ..step }
 }
 
 impl Env {
@@ -71,9 +75,7 @@ impl Env {
 
     /// The reward of the step just observed; adds the step to the metrics.
     pub(super) fn judge(&mut self, began: Moment, energy: &CarrierEnergy) -> Reward {
-        for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
-            step.temperature = self.observation[zone.slot];
-        }
+        self.look_at_zones(Season::of(began.day_of_year));
         let step = StepView {
             zones: &self.zone_steps,
             observation: &self.observation,
@@ -95,6 +97,23 @@ impl Env {
             metrics.oscillating_steps += oscillation.add(step.temperature, step.target, hours_per_step);
         }
         reward
+    }
+
+    /// Reads the zones at the end of the step from the observation.
+    fn look_at_zones(&mut self, season: Season) {
+        let (space, observation) = (&self.spaces.observation, &self.observation);
+        for (number, (step, zone)) in self.zone_steps.iter_mut().zip(&self.zones).enumerate() {
+            let seen = |quantity| space.zone_air(quantity, number).map(|slot| observation[slot]);
+            step.temperature = observation[zone.slot];
+            step.carbon_dioxide = seen(ZoneAir::CarbonDioxide);
+            if let (Comfort::Pmv(pmv), Some(radiant), Some(humidity)) = (
+                &self.spaces.episode.task.comfort,
+                seen(ZoneAir::RadiantTemperature),
+                seen(ZoneAir::Humidity),
+            ) {
+                step.vote = Some(pmv.vote_in(step.temperature, radiant, humidity, season));
+            }
+        }
     }
 
     /// Writes the preview, if the task has one.
@@ -132,8 +151,16 @@ impl Env {
     /// Starts the indicators of operation in the state just observed.
     pub(super) fn begin_kpis(&mut self) {
         if self.spaces.episode.task.is_operation() {
+            let (space, task) = (&self.spaces.observation, &self.spaces.episode.task);
             let temperatures = self.zones.iter().map(|zone| self.observation[zone.slot]);
-            self.metrics.kpis = Some(Kpis::begin(temperatures.collect()));
+            let air = (0..self.zones.len()).filter_map(|zone| space.zone_air(ZoneAir::CarbonDioxide, zone));
+            let kpis = Kpis::begin(temperatures.collect());
+            self.metrics.kpis = Some(match task.carbon_dioxide {
+                Some(CarbonDioxide { limit, .. }) => {
+                    kpis.with_carbon_dioxide(limit, air.map(|slot| self.observation[slot]).collect())
+                }
+                None => kpis,
+            });
         }
     }
 
@@ -151,6 +178,10 @@ impl Env {
             *slot = engine.simulation.read(*variable);
         }
         let space = &self.spaces.observation;
+        let of_air = space.first_air();
+        for (slot, variable) in self.observation[of_air..].iter_mut().zip(&engine.air) {
+            *slot = engine.simulation.read(*variable);
+        }
         let [temperature, humidity] = engine.outdoor.map(|v| engine.simulation.read(v));
         let moment = self.moment();
         let mut put = |slot: Shared, value: f64| self.observation[space.shared(slot)] = value;
@@ -164,6 +195,10 @@ impl Env {
         put(Shared::DayOfYear, f64::from(moment.day_of_year));
         put(Shared::Electricity, energy[0]);
         put(Shared::Gas, energy[1]);
+        if let Some(slot) = space.holiday() {
+            let is_holiday = self.spaces.building.holidays.contains(&moment.day_of_year);
+            self.observation[slot] = f64::from(u8::from(is_holiday));
+        }
         for zone in 0..self.zones.len() {
             let asked = self.targets.at(zone, moment, engine.occupied(zone));
             self.asked[zone] = asked;

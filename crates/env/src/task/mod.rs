@@ -12,6 +12,7 @@ use b2b_building::{Class, user_file};
 use serde::{Deserialize, Serialize};
 
 use crate::band::Band;
+use crate::carbon_dioxide::CarbonDioxide;
 use crate::comfort::Comfort;
 use crate::cost_scale::CostScale;
 use crate::energy_scale::EnergyScale;
@@ -39,6 +40,7 @@ pub use tariff::DataFile;
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | tariff | none (constant prices), a name such as `tou` or `hq-m`, a TOML file |
 /// | preview | none, `preview` (next setpoints; prices and weather of the next 24 hours), with bands only |
+/// | CO₂ | none, `co2` (concentration in every zone), with bands only |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 /// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
 /// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
@@ -77,6 +79,9 @@ pub struct Task {
     /// Preview of the hours ahead in the observation, in a task with bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preview: Option<Preview>,
+    /// CO₂ of zones in the observation and the indicators, in a task with bands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carbon_dioxide: Option<CarbonDioxide>,
     /// Presence of people.
     #[serde(skip_serializing_if = "Presence::is_scheduled")]
     pub presence: Presence,
@@ -114,6 +119,7 @@ impl Default for Task {
             tariff: None,
             emission_profile: None,
             preview: None,
+            carbon_dioxide: None,
             presence: Presence::default(),
             faults: Faults::default(),
         }
@@ -213,16 +219,22 @@ impl Task {
         }
         self.tariff.as_ref().map_or(Ok(()), |tariff| tariff.tariff().map(drop))?;
         self.emission_profile.as_ref().map_or(Ok(()), |profile| profile.emissions().map(drop))?;
-        if let Some(preview) = &self.preview {
-            if !self.is_operation() {
-                return Err(Error::PreviewWithoutBands);
-            }
-            preview.check()?;
-        }
+        self.preview.map_or(Ok(()), |preview| preview.check())?;
+        self.carbon_dioxide.map_or(Ok(()), CarbonDioxide::check)?;
+        self.check_bands()?;
         self.presence.check()?;
         self.faults.check()?;
         self.setpoints.check()?;
         self.comfort.check()
+    }
+
+    /// Checks that a task with targets has nothing that needs bands.
+    fn check_bands(&self) -> Result<()> {
+        let parts = [("preview", self.preview.is_some()), ("co2", self.carbon_dioxide.is_some())];
+        match parts.into_iter().find(|(_, given)| *given && !self.is_operation()) {
+            Some((part, _)) => Err(Error::NeedsBands { part }),
+            None => Ok(()),
+        }
     }
 
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped

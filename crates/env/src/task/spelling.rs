@@ -8,6 +8,7 @@ use b2b_tariff::Tariff;
 
 use super::{DataFile, OPERATION_WEIGHT, Task};
 use crate::band::Band;
+use crate::carbon_dioxide::CarbonDioxide;
 use crate::comfort::{Comfort, Pmv};
 use crate::preview::Preview;
 use crate::setpoints::Setpoints;
@@ -17,6 +18,8 @@ use crate::{Error, Result};
 
 /// The part of a task with a preview.
 const PREVIEW: &str = "preview";
+/// The part of a task with the CO₂ balance.
+const CARBON_DIOXIDE: &str = "co2";
 /// The part of a task without the ventilation interlock.
 const FREE_VENTILATION: &str = "free-ventilation";
 
@@ -25,6 +28,18 @@ impl Task {
     fn disturbances(&mut self) -> [(&'static str, &mut f64); 5] {
         let [noise, bias, stuck, fouling] = self.faults.parts();
         [("presence", &mut self.presence.hours), noise, bias, stuck, fouling]
+    }
+
+    /// Turns on the option that a word names. Returns whether it was off; `None` if the word names no option.
+    fn turn_on(&mut self, word: &str) -> Option<bool> {
+        match word {
+            FREE_VENTILATION => {
+                Some(std::mem::replace(&mut self.ventilation, Ventilation::Free) != Ventilation::Free)
+            }
+            PREVIEW => Some(self.preview.replace(Preview::default()).is_none()),
+            CARBON_DIOXIDE => Some(self.carbon_dioxide.replace(CarbonDioxide::default()).is_none()),
+            _ => None,
+        }
     }
 
     /// Returns the text form of the nearest task that has one.
@@ -52,6 +67,7 @@ impl Task {
         };
         let tariff = self.tariff.as_ref().map_or_else(String::new, |tariff| format!("+{}", tariff.name()));
         let preview = self.preview.map_or_else(String::new, |_| format!("+{PREVIEW}"));
+        let air = self.carbon_dioxide.map_or_else(String::new, |_| format!("+{CARBON_DIOXIDE}"));
         let ventilation = match self.ventilation {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
@@ -59,7 +75,7 @@ impl Task {
         let mut task = self.clone();
         let disturbances = task.disturbances().into_iter().filter(|(_, value)| **value != 0.0);
         let disturbances: String = disturbances.map(|(word, value)| format!("+{word}{value}")).collect();
-        format!("{setpoints}{comfort}{resource}{tariff}{preview}{ventilation}{disturbances}")
+        format!("{setpoints}{comfort}{resource}{tariff}{preview}{air}{ventilation}{disturbances}")
     }
 }
 
@@ -93,17 +109,10 @@ impl FromStr for Task {
             Setpoints::Band { band } => Self::operate(band),
             setpoints => Self { setpoints, ..Self::default() },
         };
-        let (mut comfort, mut resource, mut ventilation) = (false, false, false);
+        let (mut comfort, mut resource) = (false, false);
         for part in parts {
-            if part == FREE_VENTILATION {
-                task.ventilation = Ventilation::Free;
-                if std::mem::replace(&mut ventilation, true) {
-                    return Err(twice(part));
-                }
-                continue;
-            }
-            if part == PREVIEW {
-                if task.preview.replace(Preview::default()).is_some() {
+            if let Some(is_new) = task.turn_on(part) {
+                if !is_new {
                     return Err(twice(part));
                 }
                 continue;
@@ -149,8 +158,9 @@ fn spelled_band(band: &Band) -> String {
 }
 
 /// Every word of a text form.
-const WORDS: [&str; 18] = [
+const WORDS: [&str; 19] = [
     PREVIEW,
+    CARBON_DIOXIDE,
     "constant",
     "occupancy",
     "random",
@@ -265,6 +275,8 @@ mod tests {
             "operate+energy0.5",
             "operate+tou",
             "operate+tou+preview",
+            "operate+co2",
+            "operate+pmv+tou+preview+co2",
             "operate:21-24/15.6-28+cost2+hq-m",
         ]) {
             assert_eq!(task(text).to_string(), text);

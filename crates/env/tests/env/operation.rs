@@ -43,11 +43,11 @@ fn the_band_of_a_medium_office_is_its_prototype_s() {
     assert!(day.iter().all(|pair| pair[1] - pair[0] > 2.0), "{day:?}");
 }
 
-/// Discomfort, energy, cost and peaks from the observations of an episode alone.
-fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 4] {
+/// Discomfort, bad air, energy, cost and peaks from the observations of an episode alone.
+fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 5] {
     let (hours, space) = (1.0 / 12.0, env.observation_space());
     let zones: Vec<_> = env.building().controlled_zones().map(|zone| zone.name.clone()).collect();
-    let mut discomfort = 0.0;
+    let (mut discomfort, mut bad_air) = (0.0, 0.0);
     for name in &zones {
         let [temperature, low, high] = ["air temperature", "band heating setpoint", "band cooling setpoint"]
             .map(|word| slot(env, &format!("{name} {word}")));
@@ -57,26 +57,31 @@ fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 4] {
             };
             discomfort += 0.5 * (outside(&pair[0]) + outside(&pair[1])) * hours / zones.len() as f64;
         }
+        let air = slot(env, &format!("{name} CO2 concentration"));
+        let above: Vec<f64> = rows.iter().map(|row| (row[air] - 894.0).max(0.0)).collect();
+        bad_air +=
+            above.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]) * hours).sum::<f64>() / zones.len() as f64;
     }
     let energy = |slot: usize| rows[1..].iter().map(|row| row[slot]).sum::<f64>();
     let [electricity, gas] = [space.electricity(), space.gas()].map(energy);
     let quarter = |three: &[Vec<f64>]| three.iter().map(|row| row[space.electricity()]).sum::<f64>() / 0.25;
     let peak = rows[1..].chunks(3).map(quarter).fold(0.0, f64::max);
-    [discomfort, (electricity + gas) / 1000.0, (0.127 * electricity + 0.0365 * gas) / 1000.0, peak / 1000.0]
+    let cost = 0.127 * electricity + 0.0365 * gas;
+    [discomfort, bad_air, (electricity + gas) / 1000.0, cost / 1000.0, peak / 1000.0]
 }
 
 #[test]
 fn indicators_follow_from_the_observations() {
     let case = Case::at_home(BuildingType::OfficeSmall);
-    let mut env = case.env_for("07-10..07-12", "operate:21-24/15.6-28");
+    let mut env = case.env_for("07-10..07-12", "operate:21-24/15.6-28+co2");
     let first = env.reset().unwrap().to_vec();
     let trajectory = random_episode(&mut env, 3);
     let metrics = EpisodeMetrics::from(env.metrics());
-    let reported =
-        [metrics.tdis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot].map(Option::unwrap);
+    let reported = [metrics.tdis_tot, metrics.idis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot];
+    let reported = reported.map(Option::unwrap);
     let engine: f64 = env.engine_meters().unwrap().iter().sum();
-    let error = (engine / 1000.0 - reported[1]).abs();
-    assert!(error < 1e-6 * reported[1], "the engine's meters say {engine} Wh/m²");
+    let error = (engine / 1000.0 - reported[2]).abs();
+    assert!(error < 1e-6 * reported[2], "the engine's meters say {engine} Wh/m²");
     for (reported, expected) in
         reported.into_iter().zip(by_hand(&env, &rows(&first, &trajectory, first.len())))
     {
@@ -84,6 +89,65 @@ fn indicators_follow_from_the_observations() {
         assert!(expected > 0.0);
     }
     assert_eq!(metrics.pdih_tot, None, "no district heat");
+}
+
+/// The predicted mean vote as ISO 7730 (2005), annex D, computes it: by substitution.
+fn vote([air, radiant, humidity]: [f64; 3], met: f64, clo: f64) -> f64 {
+    let (metabolism, insulation) = (met * 58.15, clo * 0.155);
+    let pressure = humidity * 10.0 * (16.6536 - 4030.183 / (air + 235.0)).exp();
+    let area = if insulation <= 0.078 { 1.0 + 1.29 * insulation } else { 1.05 + 0.645 * insulation };
+    let (air_k, radiant_k) = (air + 273.0, radiant + 273.0);
+    let mut surface = air_k + (35.5 - air) / (3.5 * (6.45 * insulation + 0.1));
+    let convective = |surface: f64| (2.38 * (surface - air_k).abs().powf(0.25)).max(12.1 * 0.1f64.sqrt());
+    for _ in 0..2000 {
+        let radiation = 3.96e-8 * area * (surface.powi(4) - radiant_k.powi(4));
+        let loss = radiation + area * convective(surface) * (surface - air_k);
+        surface += 0.1 * (35.7 - 0.028 * metabolism - insulation * loss + 273.0 - surface);
+    }
+    let radiation = 3.96 * area * ((surface / 100.0).powi(4) - (radiant_k / 100.0).powi(4));
+    let losses = 3.05e-3 * (5733.0 - 6.99 * metabolism - pressure)
+        + 0.42 * (metabolism - 58.15)
+        + 1.7e-5 * metabolism * (5867.0 - pressure)
+        + 0.0014 * metabolism * (34.0 - air)
+        + radiation
+        + area * convective(surface) * (surface - air_k);
+    (0.303 * (-0.036 * metabolism).exp() + 0.028) * (metabolism - losses)
+}
+
+#[test]
+fn the_vote_and_the_air_are_the_zone_s_own_and_observing_them_changes_nothing() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    let [mut plain, mut env] = ["operate:21-24/15.6-28", "operate:21-24/15.6-28+pmv+co2"]
+        .map(|task| case.env_for("07-10..07-10", task));
+    let without = random_episode(&mut plain, 3);
+    let first = env.reset().unwrap().to_vec();
+    let trajectory = random_episode(&mut env, 3);
+    let names: Vec<String> = env.building().controlled_zones().map(|zone| zone.name.clone()).collect();
+    for own in plain.observation_space().slots() {
+        let [here, there] = [&env, &plain].map(|env| slot(env, &own.name));
+        assert!(trajectory.observed(here).eq(without.observed(there)), "{}", own.name);
+    }
+    let rows = rows(&first, &trajectory, first.len());
+    let (mut cold_and_warm, mut occupied) = ([0.0; 2], 0.0);
+    for (step, pair) in rows.windows(2).enumerate() {
+        let mut penalty = 0.0;
+        for name in names.iter().filter(|name| pair[0][slot(&env, &format!("{name} occupancy"))] == 1.0) {
+            let air = ["air temperature", "mean radiant temperature", "relative humidity"];
+            let vote = vote(air.map(|word| pair[1][slot(&env, &format!("{name} {word}"))]), 1.2, 0.5);
+            penalty += vote * vote / names.len() as f64;
+            occupied += 1.0;
+            cold_and_warm[0] += f64::from(u8::from(vote < -0.5));
+            cold_and_warm[1] += f64::from(u8::from(vote > 0.5));
+        }
+        let rewarded = trajectory.penalties[step][0];
+        assert!((rewarded - penalty).abs() < 1e-6 * penalty.max(1.0), "step {step}: {rewarded}, {penalty}");
+    }
+    let metrics = EpisodeMetrics::from(env.metrics());
+    let shares = [metrics.occupied_too_cold, metrics.occupied_too_warm].map(Option::unwrap);
+    assert_eq!(shares, cold_and_warm.map(|steps| steps / occupied));
+    let air = slot(&env, "Core_ZN CO2 concentration");
+    let [night, noon] = [4, 12].map(|hour| rows[12 * hour][air]);
+    assert!(400.0 < night && night + 200.0 < noon, "people exhale: {night} ppm at night, {noon} at noon");
 }
 
 #[test]
@@ -180,6 +244,8 @@ fn a_building_under_its_own_controls_keeps_its_own_band() {
 fn operation_needs_bands_for_a_preview_and_a_valid_tariff() {
     for (text, words) in [
         ("constant+preview", "comfort bands"),
+        ("constant+co2", "comfort bands"),
+        ("operate+co2+co2", "given twice"),
         ("operate+tuo", "did you mean tou?"),
         ("operate:24-21/15-28", "at least 0.5 K above"),
         ("operate:21-24", "unknown task"),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::case::{Case, random_episode};
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Date};
 use b2b_climate::EpwFile;
 use b2b_dataset::{Catalog, Placement};
 use b2b_energyplus::install::Quiet;
@@ -111,17 +111,21 @@ fn an_office_is_empty_on_the_weekdays_that_the_page_lists_as_holidays() {
         })
         .collect();
     assert_eq!(holidays.len(), 8);
+    let days = holidays.iter().map(|date| date.parse::<Date>().unwrap().day_of_year());
     let case = Case::at_home(BuildingType::OfficeSmall);
-    let occupied = |date: &str| {
-        let mut env = case.env_for(&format!("{date}..{date}"), "occupancy");
-        let slots = env.observation_space().slots().iter().enumerate();
-        let occupancy: Vec<_> =
-            slots.filter(|(_, slot)| slot.name.ends_with("occupancy")).map(|(index, _)| index).collect();
-        let trajectory = random_episode(&mut env, 1);
-        occupancy.into_iter().any(|slot| trajectory.observed(slot).any(|there| there == 1.0))
-    };
-    for holiday in &holidays {
-        assert!(!occupied(holiday), "{holiday}");
+    let weekdays = case.building.holidays.iter().copied().filter(|day| Date::of_day(*day).weekday() < 5);
+    assert!(days.clone().eq(weekdays));
+    for day in days {
+        let spans = case.building.years.iter().flat_map(|year| year.spans_of(day));
+        assert!(spans.clone().count() > 0 && spans.clone().all(|span| !span.people), "day {day}");
     }
-    assert!(occupied("01-17") && occupied("07-05"), "other weekdays");
+    // 16 January is a holiday, the day after is not.
+    let mut env = case.env_for("01-16..01-17", "operate");
+    let slot = |name: &str| env.observation_space().slots().iter().position(|slot| slot.name == name);
+    let [holiday, occupancy] = ["holiday", "Core_ZN occupancy"].map(|name| slot(name).unwrap());
+    let trajectory = random_episode(&mut env, 1);
+    let (holidays, occupancies): (Vec<f64>, Vec<f64>) =
+        trajectory.observed(holiday).zip(trajectory.observed(occupancy)).unzip();
+    assert!(holidays[..287].iter().all(|value| *value == 1.0) && !occupancies[..287].contains(&1.0));
+    assert!(holidays[287..].iter().all(|value| *value == 0.0) && occupancies[287..].contains(&1.0));
 }

@@ -18,8 +18,9 @@ use crate::scores::Baseline;
 use crate::tuned::task_for;
 use crate::{BuiltIn, Error, Result, SiteInfo};
 
-/// The shipped baselines: `b2b baseline` writes them.
-const SHIPPED: &str = include_str!("../../data/baselines.csv");
+/// The shipped baselines of the tracking tasks and of operation: `b2b baseline` writes them.
+const SHIPPED: [&str; 2] =
+    [include_str!("../../data/baselines.csv"), include_str!("../../data/baselines_operation.csv")];
 
 /// A baseline on disk.
 #[derive(Serialize, Deserialize)]
@@ -53,8 +54,8 @@ impl Baselines {
 
     /// Opens the shipped baselines and a folder of cached ones.
     pub fn in_folder(folder: &Path) -> Self {
-        let shipped = table::read(SHIPPED).expect("a test reads the shipped table");
-        Self { shipped: shipped.into_iter().collect(), ..Self::without_shipped(folder) }
+        let tables = SHIPPED.map(|text| table::read(text).expect("a test reads the shipped tables"));
+        Self { shipped: tables.into_iter().flatten().collect(), ..Self::without_shipped(folder) }
     }
 
     /// Opens the baselines in a folder without the shipped ones, in order to recompute them.
@@ -262,17 +263,25 @@ mod tests {
     }
 
     #[test]
-    fn the_shipped_table_reads_back_as_it_is_and_is_of_these_controllers() {
-        let rows = table::read(SHIPPED).unwrap();
-        assert_eq!(table::text(&rows), SHIPPED);
-        for (key, terms) in &rows {
-            assert_eq!((key.generator.as_str(), key.engine.as_str()), (GENERATOR_VERSION, ENGINE_VERSION));
-            assert_eq!(key.revision, REVISION);
-            assert!(
-                terms.temperature_penalty >= 0.0
-                    && terms.used.iter().all(|used| used.is_some_and(|used| used > 0.0)),
-                "{key:?}"
-            );
+    fn the_shipped_tables_read_back_as_they_are_and_are_of_these_controllers() {
+        for (text, is_operation) in SHIPPED.into_iter().zip([false, true]) {
+            let rows = table::read(text).unwrap();
+            assert_eq!(table::text(&rows), text);
+            for (row, terms) in &rows {
+                assert_eq!(
+                    (row.generator.as_str(), row.engine.as_str()),
+                    (GENERATOR_VERSION, ENGINE_VERSION)
+                );
+                let own = key(&row.task);
+                assert_eq!(row.revision, own.revision, "{row:?}");
+                assert!(!is_operation || row.controller == own.controller, "{row:?}");
+                assert_eq!(terms.discomfort.is_some(), is_operation, "{row:?}");
+                assert!(
+                    terms.temperature_penalty >= 0.0
+                        && terms.used.iter().all(|used| used.is_some_and(|used| used > 0.0)),
+                    "{row:?}"
+                );
+            }
         }
         let one = vec![(key("constant"), TERMS)];
         assert_eq!(table::read(&table::text(&one)), Some(one));

@@ -1,5 +1,6 @@
 //! Policies: built-in controllers, trained agents and networks in ONNX files.
 
+mod ablation;
 mod action_scale;
 mod agent;
 mod built_in;
@@ -11,6 +12,7 @@ mod onnx;
 mod onnx_format;
 mod onnx_state;
 
+pub use ablation::Ablation;
 pub use action_scale::ActionScale;
 pub use built_in::BuiltIn;
 pub(crate) use form::controller;

@@ -1,7 +1,7 @@
 //! The key performance indicators of a test, from the end of its warm-up on.
 
 use b2b_building::Carrier;
-use b2b_env::{Amounts, Kpis, Pair, Spaces, Target, Term, ZoneStep};
+use b2b_env::{Amounts, CarbonDioxide, Kpis, Pair, Spaces, Target, Term, ZoneAir, ZoneStep};
 use b2b_tariff::{Bill, Fuel, Moment};
 use serde_json::{Value, json};
 
@@ -12,6 +12,7 @@ use crate::subject::{AllPrices, DAYS, PriceScenario};
 struct ZoneSlots {
     temperature: usize,
     target: Target,
+    carbon_dioxide: Option<usize>,
 }
 
 /// Running sums over a test.
@@ -41,6 +42,7 @@ impl Indicators {
         let zones = zones.map(|(controlled, zone)| ZoneSlots {
             temperature: zone,
             target: spaces.observation.target(controlled),
+            carbon_dioxide: spaces.observation.zone_air(ZoneAir::CarbonDioxide, controlled),
         });
         let mut begun = Self {
             zones: zones.collect(),
@@ -56,7 +58,12 @@ impl Indicators {
         };
         begun.ask(observation);
         begun.look(observation);
-        begun.kpis = Kpis::begin(begun.steps.iter().map(|zone| zone.temperature).collect());
+        let kpis = Kpis::begin(begun.steps.iter().map(|zone| zone.temperature).collect());
+        let air = begun.steps.iter().filter_map(|zone| zone.carbon_dioxide).collect();
+        begun.kpis = match spaces.episode.task.carbon_dioxide {
+            Some(CarbonDioxide { limit, .. }) => kpis.with_carbon_dioxide(limit, air),
+            None => kpis,
+        };
         begun
     }
 
@@ -89,11 +96,9 @@ impl Indicators {
     fn look(&mut self, observation: &[f64]) {
         self.steps.clear();
         self.steps.extend(self.zones.iter().zip(&self.asked).map(|(zone, pair)| ZoneStep {
-            temperature: observation[zone.temperature],
-            target: pair.middle(),
             pair: *pair,
-            occupied: false,
-            penalize_above_target: true,
+            carbon_dioxide: zone.carbon_dioxide.map(|slot| observation[slot]),
+            ..ZoneStep::with_target(observation[zone.temperature], pair.middle(), false, true)
         }));
     }
 
@@ -101,7 +106,7 @@ impl Indicators {
     pub fn payload(&self, scenario: PriceScenario, time_ratio: Option<f64>) -> Value {
         json!({
             "tdis_tot": self.kpis.discomfort(self.zones.len()),
-            "idis_tot": null,
+            "idis_tot": self.kpis.bad_air(self.zones.len()),
             "ener_tot": self.energy / 1000.0,
             "cost_tot": self.costs[scenario as usize],
             "emis_tot": self.emissions / 1000.0,

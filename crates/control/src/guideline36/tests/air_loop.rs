@@ -182,12 +182,13 @@ fn outdoor_air_is_closed_without_people_and_at_least_the_minimum_with_them() {
     }
 }
 
+/// Optimum start aims at 0.25 K from the setpoint; the loops make up for the rest in the first hour of the band.
 #[test]
 fn every_room_is_warm_when_the_band_changes_and_cold_at_night() {
     let week = week(WINTER.0, WINTER.1, |_| ());
     for day in 1..5 {
         let (morning, night) = (&week[day * DAY + 7 * 12 - 1], &week[day * DAY + 2 * 12]);
-        assert!(morning.temperatures.iter().all(|&t| t > 20.2), "day {day}: {:?}", morning.temperatures);
+        assert!(morning.temperatures.iter().all(|&t| t > 20.6), "day {day}: {:?}", morning.temperatures);
         assert!(night.temperatures.iter().all(|&t| t < 17.0), "day {day}: {:?}", night.temperatures);
         assert!(night.flow() < 0.3 * FAN_FLOW, "{} kg/s hold the setback", night.flow());
     }
@@ -203,7 +204,7 @@ fn rooms_stay_in_their_band() {
             moment.temperatures.iter().map(outside).sum()
         };
         let discomfort: f64 = week.iter().enumerate().map(outside).sum::<f64>() / ROOMS as f64;
-        assert!(discomfort < 4.0, "{discomfort} K·h a room at {mean} °C");
+        assert!(discomfort < 2.5, "{discomfort} K·h a room at {mean} °C");
     }
 }
 

@@ -97,18 +97,20 @@ fn an_empty_building_in_july_has_no_fan_and_no_heating() {
     }
 }
 
+/// Optimum start aims at 0.25 K from the setpoint; the loop makes up for the rest in the first hours of the band.
 #[test]
 fn setback_lets_the_room_cool_and_recovers_before_the_band_changes() {
     let week = week(JANUARY);
     let at = |day: usize, hour: usize| week[day * DAY + hour * 12 - 1];
     for day in 1..5 {
-        assert!(at(day, 7).temperature > 20.2, "{} °C at 7:00 on day {day}", at(day, 7).temperature);
+        assert!(at(day, 7).temperature > 20.6, "{} °C at 7:00 on day {day}", at(day, 7).temperature);
         assert!(at(day, 2).temperature < 17.0, "{} °C at 2:00 on day {day}", at(day, 2).temperature);
         assert!(at(day, 2).flow < 0.3, "a flow of {} holds the setback", at(day, 2).flow);
     }
-    assert!(discomfort(&week, 0..5 * DAY) < 3.0, "{} K·h", discomfort(&week, 0..5 * DAY));
+    assert!(discomfort(&week, 0..5 * DAY) < 1.0, "{} K·h", discomfort(&week, 0..5 * DAY));
 }
 
+/// The same quarter of a kelvin, for an hour and a half of five mornings, is all of it.
 #[test]
 fn a_room_is_in_its_band_in_july() {
     let week = week(JULY);
