@@ -140,7 +140,7 @@ impl PreparedBuilding {
         unsupported: Unsupported,
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let years = years(name, &model, weather, library)?;
+        let years = years(name, &model, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
     }
@@ -158,7 +158,7 @@ impl PreparedBuilding {
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let years = years(name, &model, weather, library)?;
+        let years = years(name, &model, library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         Ok(Self { years, notes, ..Self::with(name, model, discovery)? })
@@ -387,10 +387,10 @@ fn for_episodes(model: &mut Model) {
 }
 
 /// Returns the years of the zones of a sized model, in model order.
-fn years(name: &str, model: &Model, weather: &Path, library: &Library) -> Result<Vec<ZoneYear>> {
+fn years(name: &str, model: &Model, library: &Library) -> Result<Vec<ZoneYear>> {
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
-    let years = band::years(name, model, &names, weather, library);
+    let years = band::years(name, model, &names, library);
     years.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 

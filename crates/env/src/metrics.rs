@@ -263,6 +263,7 @@ impl Metrics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calendar::Season;
     use crate::reward::ZoneStep;
     use crate::terms::Amounts;
 
@@ -289,6 +290,7 @@ mod tests {
                 terms: Amounts::default(),
                 day_of_year: 1,
                 hour: 0.0,
+                season: Season::Winter,
             };
             metrics.steps += 1;
             metrics.add(Reward::default(), &view, &[], &[]);

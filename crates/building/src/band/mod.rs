@@ -8,8 +8,6 @@ mod household;
 mod schedules;
 mod thermostat;
 
-use std::path::Path;
-
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -157,7 +155,6 @@ pub(crate) fn years(
     building: &str,
     model: &Model,
     zones: &[&str],
-    weather: &Path,
     library: &Library,
 ) -> Result<Vec<ZoneYear>> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
@@ -168,7 +165,7 @@ pub(crate) fn years(
     let present: Vec<_> = zones.iter().map(of_zone).collect();
     let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
     names.extend(present.iter().flatten().map(|group| group.schedule.as_str()));
-    let sampled = schedules::Sampled::of(model, &names, weather, library)?;
+    let sampled = schedules::Sampled::of(model, &names, library)?;
     let least = zones.iter().map(|zone| least_in_use(model, &people, zone)).collect::<Result<Vec<_>>>()?;
     let years = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
         let setpoints = thermostat.as_ref().map(|thermostat| thermostat.setpoints(&sampled));

@@ -1,7 +1,6 @@
 //! The values of a model's schedules over a year, computed by the engine itself in a run without a building.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use b2b_energyplus::Library;
 use rusqlite::Connection;
@@ -29,7 +28,7 @@ pub(super) struct Sampled {
 
 impl Sampled {
     /// Computes the values of the named schedules of a model.
-    pub(super) fn of(model: &Model, names: &[&str], weather: &Path, library: &Library) -> Result<Self> {
+    pub(super) fn of(model: &Model, names: &[&str], library: &Library) -> Result<Self> {
         let mut values = BTreeMap::new();
         let mut varying = Vec::new();
         for name in names.iter().filter(|name| !name.is_empty()) {
@@ -42,7 +41,7 @@ impl Sampled {
         varying.dedup();
         if !varying.is_empty() {
             let model = schedules_alone(model, &varying);
-            let database = OutputDatabase::of(&model, weather, library, "b2b-schedules-")?;
+            let database = OutputDatabase::in_any_weather(&model, library, "b2b-schedules-")?;
             let read = database.read(read_values, |path, source| Error::ScheduleTable { path, source })?;
             values.extend(read);
         }

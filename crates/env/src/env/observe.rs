@@ -81,6 +81,7 @@ impl Env {
             terms: self.terms,
             day_of_year: began.day_of_year,
             hour: began.hour,
+            season: self.seasons.on(began.day_of_year),
         };
         let reward = self.reward.reward(&step);
         self.metrics.add(reward, &step, self.spaces.action.low(), self.spaces.action.high());
