@@ -16,8 +16,9 @@ TERMS_IN_INFO: tuple[str, ...]
 _Observed = tuple[NDArray[np.float32], NDArray[np.float64]]
 #: Observation as f32 and as f64; temperature penalty, energy penalty and the terms of `TERMS_IN_INFO`; truncated.
 _Stepped = tuple[NDArray[np.float32], NDArray[np.float64], Sequence[float], bool]
-#: Building, place, weather, allow_external, control, task, run period, seed and steps per hour of an episode.
-_Episode = tuple[str, str | None, str | None, bool, str, str, str, int, int]
+#: Building, place, weather, allow_external, control, keep_design_days, task, run period, seed and steps per hour of an
+#: episode.
+_Episode = tuple[str, str | None, str | None, bool, str, bool, str, str, int, int]
 #: Makes the controller of an episode from its spaces, building and seed.
 _ControllerMaker = Callable[[Spaces, Building, int], Callable[[NDArray[Any]], ArrayLike]]
 
@@ -53,6 +54,7 @@ def find_building(
     weather: str | PathLike[str] | None = None,
     allow_external: bool = False,
     control: str | None = None,
+    keep_design_days: bool = False,
 ) -> Building: ...
 def edit_model(
     model: str | PathLike[str],

@@ -99,10 +99,16 @@ class Found(NamedTuple):
     weather: str | None
     allow_external: bool = False
     control: str = "actuators"
+    keep_design_days: bool = False
 
     def build(self) -> Building:
         return find_building(
-            self.name, self.place, self.weather, allow_external=self.allow_external, control=self.control
+            self.name,
+            self.place,
+            self.weather,
+            allow_external=self.allow_external,
+            control=self.control,
+            keep_design_days=self.keep_design_days,
         )
 
 
@@ -188,31 +194,45 @@ def find_building(
     *,
     allow_external: bool = False,
     control: str = "actuators",
+    keep_design_days: bool = False,
 ) -> Building:
     """Finds a building by its name: a building type, an id of the dataset, or the path of a model.
 
-    A type is in its default place unless ``place`` or a ``weather`` file is given. ``allow_external`` is as for
-    :func:`import_building`. With ``control="setpoints"``, an agent sets the heating and the cooling setpoint of every
+    A type is in its default place unless ``place`` or a ``weather`` file is given. ``allow_external`` and
+    ``keep_design_days`` are as for :func:`import_building`. With ``control="setpoints"``, an agent sets the heating and the cooling setpoint of every
     zone, and the building's equipment follows by its own controls; otherwise it sets the actuators of the systems.
     """
     file = None if weather is None else os.fspath(weather)
-    origin = Found(name, place, file, allow_external, control)
-    return Building(_core.find_building(name, place, file, allow_external, control), origin)
+    origin = Found(name, place, file, allow_external, control, keep_design_days)
+    return Building(_core.find_building(*origin), origin)
 
 
 def import_building(
-    model: PathLike, weather: PathLike, *, allow_external: bool = False, control: str = "actuators"
+    model: PathLike,
+    weather: PathLike,
+    *,
+    allow_external: bool = False,
+    control: str = "actuators",
+    keep_design_days: bool = False,
 ) -> Building:
     """Imports an EnergyPlus model (IDF or epJSON, version 8.8 to 25.2) with a weather file (EPW).
 
     Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
     thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,
-    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``.
+    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``. Equipment is sized
+    for the design days of the weather file, or with ``keep_design_days`` for the model's.
     """
     path = Path(model).resolve()
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
-    return find_building(os.fspath(path), None, Path(weather).resolve(), allow_external=allow_external, control=control)
+    return find_building(
+        os.fspath(path),
+        None,
+        Path(weather).resolve(),
+        allow_external=allow_external,
+        control=control,
+        keep_design_days=keep_design_days,
+    )
 
 
 def edit_model(

@@ -323,9 +323,9 @@ def name_of(policy: Any) -> str:
 
 def _found(
     building: PathLike | Building, place: str | None, weather: PathLike | None, control: str
-) -> tuple[str, str | None, str | None, bool, str]:
-    """Returns building, place, weather, allow_external and control as the evaluation finds them."""
-    allow_external = False
+) -> tuple[str, str | None, str | None, bool, str, bool]:
+    """Returns building, place, weather, allow_external, control and keep_design_days as the evaluation finds them."""
+    allow_external = keep_design_days = False
     if isinstance(building, Building):
         origin = building.origin
         if not isinstance(origin, Found):
@@ -336,5 +336,6 @@ def _found(
         if place is not None or weather is not None:
             raise SettingError(f"{building!r} already has a place; omit place and weather")
         check_control(building, control)
-        building, place, weather, allow_external, control = origin
-    return os.fspath(building), place, None if weather is None else os.path.abspath(weather), allow_external, control
+        building, place, weather, allow_external, control, keep_design_days = origin
+    weather = None if weather is None else os.path.abspath(weather)
+    return os.fspath(building), place, weather, allow_external, control, keep_design_days

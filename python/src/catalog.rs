@@ -304,7 +304,7 @@ pub fn read_control(control: Option<&str>) -> PyResult<Control> {
 /// Finds a building by its name: a type, a dataset id or a model file. Except for model files, recent results with the
 /// same name and placement share their data.
 #[pyfunction]
-#[pyo3(signature = (name, place=None, weather=None, allow_external=false, control=None))]
+#[pyo3(signature = (name, place=None, weather=None, allow_external=false, control=None, keep_design_days=false))]
 pub fn find_building(
     py: Python<'_>,
     name: &str,
@@ -312,6 +312,7 @@ pub fn find_building(
     weather: Option<PathBuf>,
     allow_external: bool,
     control: Option<&str>,
+    keep_design_days: bool,
 ) -> PyResult<Building> {
     /// The most recently found buildings, by name and placement.
     static KNOWN: Mutex<Vec<(BuildingName, Placement, Arc<Inner>)>> = Mutex::new(Vec::new());
@@ -319,7 +320,7 @@ pub fn find_building(
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
     let control = read_control(control)?;
-    let placement = Placement { place, weather, allow_external, control, ..Placement::default() };
+    let placement = Placement { place, weather, allow_external, control, keep_design_days };
     let is_file = matches!(name, BuildingName::Model(_));
     let known = locked(&KNOWN)
         .iter()

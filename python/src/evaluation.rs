@@ -42,7 +42,8 @@ pub fn stopped() -> bool {
 }
 
 /// An episode to run: building, place, weather, permission of external code, interface, task, run period, seed, steps per hour.
-type EpisodeKey = (String, Option<String>, Option<PathBuf>, bool, Option<String>, String, String, u64, u32);
+type EpisodeKey =
+    (String, Option<String>, Option<PathBuf>, bool, Option<String>, bool, String, String, u64, u32);
 
 /// A policy and the episodes that it runs: an object of the package with these attributes.
 ///
@@ -229,14 +230,15 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
 }
 
 fn episode(key: EpisodeKey) -> PyResult<Episode> {
-    let (name, place, weather, allow_external, control, task, period, seed, steps_per_hour) = key;
+    let (name, place, weather, allow_external, control, keep_design_days, task, period, seed, steps_per_hour) =
+        key;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let name = name.parse().map_err(of_building)?;
     let control = catalog::read_control(control.as_deref())?;
     Ok(Episode {
         subject: Subject {
             name,
-            placement: Placement { place, weather, allow_external, control, ..Placement::default() },
+            placement: Placement { place, weather, allow_external, control, keep_design_days },
         },
         task: catalog::read_task(&task)?,
         period: period.parse().map_err(of_building)?,

@@ -84,14 +84,6 @@ pub enum Error {
         /// Reason.
         source: Box<b2b_building::Error>,
     },
-    /// A weather file without the hours of a year.
-    #[error("{path} has {hours} hours of weather instead of 8760; a forecast needs a whole year")]
-    Forecast {
-        /// The file.
-        path: PathBuf,
-        /// Its hours.
-        hours: usize,
-    },
     /// A weather file that cannot be read.
     #[error(transparent)]
     Weather(Box<b2b_climate::Error>),

@@ -113,13 +113,11 @@ pub enum Error {
     },
     /// A weather file without the hours of a year.
     #[error(
-        "{weather} has {hours} hourly temperatures; two weeks can be chosen only from a year of 8760; give the days as MM-DD..MM-DD"
+        "{weather} does not cover a year, from which two weeks are chosen; give the days as MM-DD..MM-DD"
     )]
     NotOneYear {
         /// The weather file.
         weather: PathBuf,
-        /// Its hours.
-        hours: usize,
     },
     /// A file could not be read or written.
     #[error("{path}: {source}")]

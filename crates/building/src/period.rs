@@ -42,9 +42,11 @@ impl Period {
             Self::Days(period) => return Ok(period),
             Self::TwoWeeks(two_weeks) => two_weeks,
         };
-        let hourly = EpwFile::open(weather)?.dry_bulbs();
-        let not_one_year = || Error::NotOneYear { weather: weather.to_owned(), hours: hourly.len() };
-        let first = two_weeks.first_day(&hourly).ok_or_else(not_one_year)?;
+        let file = EpwFile::open(weather)?;
+        let record = file.record()?;
+        let hourly = Some(record.dry_bulbs()).filter(|_| record.is_whole_year());
+        let first = hourly.and_then(|hourly| two_weeks.first_day(&hourly));
+        let first = first.ok_or_else(|| Error::NotOneYear { weather: weather.to_owned() })?;
         RunPeriod::new(Date::of_day(first), Date::of_day(first + TWO_WEEKS as u32 - 1))
     }
 }

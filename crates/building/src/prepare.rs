@@ -145,7 +145,7 @@ impl PreparedBuilding {
         unsupported: Unsupported,
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let Year { zones: years, holidays } = year(name, &model, weather, library)?;
+        let Year { zones: years, holidays } = year(name, &model, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
@@ -163,7 +163,7 @@ impl PreparedBuilding {
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let Year { zones: years, holidays } = year(name, &model, weather, library)?;
+        let Year { zones: years, holidays } = year(name, &model, library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
@@ -393,10 +393,10 @@ fn for_episodes(model: &mut Model) {
 }
 
 /// Returns the year of a sized model.
-fn year(name: &str, model: &Model, weather: &Path, library: &Library) -> Result<Year> {
+fn year(name: &str, model: &Model, library: &Library) -> Result<Year> {
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
-    let year = band::year(name, model, &names, weather, library);
+    let year = band::year(name, model, &names, library);
     year.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 

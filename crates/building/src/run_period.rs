@@ -11,7 +11,8 @@ use crate::{Error, Result};
 /// The calendar year of every episode: a common year, as in weather files, that starts on a Sunday.
 const YEAR: u32 = 2017;
 const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-const WEEKDAYS: [&str; 7] = ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
+pub(crate) const WEEKDAYS: [&str; 7] =
+    ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
 
 /// A day of the year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -67,6 +68,12 @@ impl Date {
     /// Day of the year, 1 to 365.
     pub fn day_of_year(self) -> u32 {
         MONTH_DAYS[..self.month as usize - 1].iter().sum::<u32>() + self.day
+    }
+
+    /// Returns the day of the week of 1 January of the year in which this date is on a given day of the week, 0 (Monday) to 6
+    /// (Sunday).
+    pub(crate) fn new_year_if_on(self, weekday: u32) -> u32 {
+        (weekday + 371 - (self.day_of_year() - 1)) % 7
     }
 
     /// Day of the week, 0 (Monday) to 6 (Sunday).

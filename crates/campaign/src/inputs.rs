@@ -203,7 +203,8 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
         of_file(work, "model", "m.epJSON", model, move |path| import::read(path, &library, false).is_ok())?,
         of_file(work, "weather: site", "w.epw", header, |path| Site::read(path).is_ok())?,
         of_file(work, "weather: degree days", "w.epw", weather, |path| {
-            EpwFile::open(path).is_ok_and(|file| file.degree_days().heating.is_finite())
+            EpwFile::open(path)
+                .is_ok_and(|file| file.degree_days().is_ok_and(|days| days.heating.is_finite()))
         })?,
         of_file(work, "task", "task.json", json(task), |path| Task::read(path).is_ok())?,
         of_file(work, "parameters", "parameters.json", json(parameters), |path| {

@@ -1,5 +1,6 @@
 //! Parallel runs of lists of episodes, with progress bars and interrupts.
 
+use std::collections::HashSet;
 use std::sync::Mutex;
 
 use anyhow::Result;
@@ -29,12 +30,14 @@ pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
 pub struct Bars {
     quiet: bool,
     bar: Mutex<ProgressBar>,
+    /// The notes that have been printed.
+    notes: Mutex<HashSet<String>>,
 }
 
 impl Bars {
     /// Creates the progress of an evaluation, without bars if `quiet`.
     pub fn new(quiet: bool) -> Self {
-        Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
+        Self { quiet, bar: Mutex::new(ProgressBar::hidden()), notes: Mutex::default() }
     }
 
     fn with(&self, change: impl FnOnce(&mut ProgressBar)) {
@@ -54,6 +57,14 @@ impl Progress for Bars {
 
     fn day(&self) {
         self.with(|bar| bar.inc(1));
+    }
+
+    fn note(&self, building: &str, note: &str) {
+        let line = format!("{building}: {note}");
+        let mut notes = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if notes.insert(line.clone()) {
+            self.with(|bar| bar.suspend(|| eprintln!("{line}")));
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
+use b2b_building::{Date, RunPeriod};
+use b2b_climate::EpwFile;
 use b2b_env::{
     Controller, DecisionLog, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory,
     authority, rollout,
@@ -14,9 +16,6 @@ use cpu_time::ProcessTime;
 use crate::interrupt;
 use crate::prepare::Prepared;
 use crate::progress::{Days, date_text};
-
-/// Zone time steps per hour in [`Prepared::check_start`].
-const STEPS_PER_HOUR: u32 = 12;
 
 /// A complete episode with the report of its engine.
 pub struct Rollout {
@@ -70,19 +69,29 @@ impl Prepared {
         Ok(authority::measure(&self.library, &self.building, &self.weather)?)
     }
 
-    /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model
-    /// only when it simulates.
+    /// Starts an episode of one day, the first of the year that the weather file has, up to its first observation:
+    /// EnergyPlus detects some errors of a model only when it simulates.
     pub fn check_start(&self) -> Result<()> {
-        let (period, task) = ("01-01..01-01".parse()?, Task::default());
+        let file = EpwFile::open(&self.weather)?;
+        let first = (1..=365)
+            .find(|day| file.record().is_ok_and(|record| record.first_missing(*day, *day).is_none()));
+        let first = Date::of_day(first.unwrap_or(1));
+        let (period, steps, task) = (RunPeriod::new(first, first)?, self.trial_steps()?, Task::default());
         #[cfg(target_os = "linux")]
         {
             let workers = b2b_workers::Workers::new(self.worker_options())?;
-            let spaces = self.spaces(period, STEPS_PER_HOUR, task)?;
+            let spaces = self.spaces(period, steps, task)?;
             workers.episode(&self.setting(spaces.episode))?.reset()?;
         }
         #[cfg(not(target_os = "linux"))]
-        self.env(period, STEPS_PER_HOUR, task)?.reset()?;
+        self.env(period, steps, task)?.reset()?;
         Ok(())
+    }
+
+    /// Returns the steps per hour of a trial: 12, or the rows of an hour in the weather file if it has several.
+    pub fn trial_steps(&self) -> Result<u32> {
+        let rows = EpwFile::open(&self.weather)?.record()?.intervals();
+        Ok(if rows > 1 { rows } else { 12 })
     }
 
     /// Runs an episode of this building to its end in this process. The CPU time of the environment includes the

@@ -1,13 +1,11 @@
 //! Degree-days of a weather file.
 
-use super::site::month_and_dry_bulb;
+use crate::epw::Record;
 
 /// Base temperature of heating degree-days, °C.
 const HEATING_BASE: f64 = 18.0;
 /// Base temperature of cooling degree-days, °C (ASHRAE 169).
 const COOLING_BASE: f64 = 10.0;
-/// Header lines of an EPW file.
-const HEADER_LINES: usize = 8;
 
 /// Degree-days of a year, K·d, from daily means.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,15 +17,13 @@ pub struct DegreeDays {
 }
 
 impl DegreeDays {
-    /// Computes the degree-days of an EPW text.
-    pub fn from_epw(text: &str) -> Self {
-        let hours = text.lines().skip(HEADER_LINES).filter_map(month_and_dry_bulb);
-        let hours: Vec<f64> = hours.map(|(dry_bulb, _)| dry_bulb).collect();
-        Self::of_hours(&hours)
+    /// Computes the degree-days of the hours of a file.
+    pub(crate) fn of(record: &Record) -> Self {
+        Self::of_hours(&record.hours().iter().map(|hour| hour.dry_bulb).collect::<Vec<_>>())
     }
 
     /// Degree-days of hourly dry bulbs, °C.
-    pub(super) fn of_hours(dry_bulbs: &[f64]) -> Self {
+    fn of_hours(dry_bulbs: &[f64]) -> Self {
         let mut sum = Self::default();
         for day in dry_bulbs.chunks(24) {
             let mean = day.iter().sum::<f64>() / day.len() as f64;

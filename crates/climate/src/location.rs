@@ -44,9 +44,9 @@ impl WeatherFile {
     pub fn read(path: &Path, ashrae_zone: Option<&str>) -> Result<Self> {
         let file = EpwFile::open(path)?;
         file.check()?;
-        let year = file.year().ok_or_else(|| Error::Malformed {
+        let year = file.year()?.ok_or_else(|| Error::Malformed {
             path: path.to_owned(),
-            why: "a month has no hours".to_owned(),
+            why: "it does not cover a whole year, which a generated building needs".to_owned(),
         })?;
         Ok(Self {
             path: path.to_owned(),

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::DegreeDays;
+use crate::epw::{Record, mean};
 
 /// Mean relative humidity below which a climate is dry, %.
 const DRY: f64 = 60.0;
@@ -26,23 +27,16 @@ pub struct ClimateYear {
     pub relative_humidity: f64,
 }
 
-/// Month, dry bulb (°C) and relative humidity (%) of an hour.
-type Hour = (usize, f64, f64);
-
 impl ClimateYear {
-    /// Computes the statistics of an EPW text; `None` if a month has no hours.
-    pub fn from_epw(text: &str) -> Option<Self> {
-        let hours: Vec<Hour> = text.lines().skip(8).filter_map(hour).collect();
-        let monthly_dry_bulbs =
-            std::array::from_fn(|month| mean(hours.iter().filter(|hour| hour.0 == month).map(|hour| hour.1)));
-        let dry_bulbs: Vec<f64> = hours.iter().map(|hour| hour.1).collect();
-        let days = DegreeDays::of_hours(&dry_bulbs);
-        let complete = monthly_dry_bulbs.iter().all(|mean: &f64| mean.is_finite());
-        complete.then(|| Self {
+    /// Computes the statistics of the hours of a file; `None` if a day of the year is missing.
+    pub(crate) fn of(record: &Record) -> Option<Self> {
+        let monthly_dry_bulbs = record.monthly_dry_bulbs()?;
+        let days = DegreeDays::of(record);
+        record.is_whole_year().then(|| Self {
             heating_degree_days: days.heating,
             cooling_degree_days: days.cooling,
             monthly_dry_bulbs,
-            relative_humidity: mean(hours.iter().map(|hour| hour.2)),
+            relative_humidity: mean(record.hours().iter().map(|hour| hour.relative_humidity)),
         })
     }
 
@@ -94,38 +88,18 @@ impl fmt::Display for ClimateYear {
     }
 }
 
-fn hour(line: &str) -> Option<Hour> {
-    let mut fields = line.split(',').map(str::trim);
-    let month = fields.nth(1)?.parse::<usize>().ok()?.checked_sub(1).filter(|month| *month < 12)?;
-    let mut number = |skip| fields.nth(skip)?.parse().ok().filter(|value: &f64| value.is_finite());
-    Some((month, number(4)?, number(1)?))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::PLACES;
+    use crate::{EpwFile, PLACES};
     use b2b_energyplus::install::Quiet;
 
     /// Uses the user's own cache, and fills it when it is empty.
     #[test]
     fn the_zone_of_every_place_follows_from_its_weather_file() {
         for place in &PLACES {
-            let bytes = std::fs::read(place.epw(&mut Quiet).unwrap()).unwrap();
-            let year = ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).unwrap();
+            let file = EpwFile::open(&place.epw(&mut Quiet).unwrap()).unwrap();
+            let year = file.year().unwrap().unwrap();
             assert_eq!(year.zone(), place.ashrae_zone, "{}: {year}", place.name);
         }
-    }
-
-    #[test]
-    fn a_year_with_a_month_missing_has_no_zone() {
-        assert_eq!(ClimateYear::from_epw(""), None);
-        let january = "1999,1,1,1,60,flags,20.0,10.0,50\n".repeat(8760);
-        assert_eq!(ClimateYear::from_epw(&("header\n".repeat(8) + &january)), None);
     }
 }

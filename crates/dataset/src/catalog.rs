@@ -207,6 +207,7 @@ impl Catalog {
         let Imported { mut model, mut notes } =
             import::read_with_notes(path, &self.library, placement.allow_external)?;
         design_days::of_imported(&mut model, site, placement.keep_design_days, &mut notes);
+        notes.warnings.extend(import::calendar::warnings(&model, site));
         Ok((model, notes))
     }
 
@@ -294,7 +295,7 @@ impl Placement {
             BuildingName::Type(building_type) => *building_type,
         };
         let zone = match &self.weather {
-            Some(_) => EpwFile::open(weather)?.year().map(|year| year.zone()),
+            Some(_) => EpwFile::open(weather)?.year()?.map(|year| year.zone()),
             None => {
                 let home = || Place::find(building_type.home());
                 Some(self.place.map_or_else(home, Ok)?.ashrae_zone.to_owned())
@@ -368,8 +369,7 @@ fn or_model_file(error: Error) -> Error {
 
 /// Checks a weather file before the engine reads it.
 fn check_weather(path: &Path) -> Result<()> {
-    EpwFile::open(path)?.check()?;
-    Ok(())
+    Ok(EpwFile::open(path)?.check()?)
 }
 
 #[cfg(test)]

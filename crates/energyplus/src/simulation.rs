@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code, reason = "the C API of EnergyPlus")]
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -12,6 +13,9 @@ use crate::event::Event;
 use crate::message::{Level, Messages};
 use crate::{Error, Library, Result};
 use b2b_base::scratch::temporary_folder;
+
+/// The byte order mark of a text.
+const MARK: &[u8; 3] = b"\xef\xbb\xbf";
 
 /// A run to be started: model, weather file and the variables to read.
 #[derive(Clone, Debug)]
@@ -107,17 +111,28 @@ impl Run {
                 (temporary.path().to_owned(), Some(temporary))
             }
         };
-        let arguments = [
-            "energyplus",
-            "-d",
-            path_text(&folder)?,
-            "-w",
-            path_text(&self.weather)?,
-            path_text(&self.model)?,
-        ];
+        let weather = without_mark(&self.weather, &folder)?;
+        let arguments =
+            ["energyplus", "-d", path_text(&folder)?, "-w", path_text(&weather)?, path_text(&self.model)?];
         let run = EngineRun::new(library, &arguments, &self.requests, self.stops)?;
         Ok(Simulation { run, model: self.model, _temporary: temporary })
     }
+}
+
+/// Returns a weather file, or a copy of it in a folder if it begins with a byte order mark: the engine would not recognize
+/// its first line and simulate it at another location.
+fn without_mark(weather: &Path, folder: &Path) -> Result<PathBuf> {
+    let failed = |path: &Path, source| Error::Io { path: path.to_owned(), source };
+    let mut first = [0; MARK.len()];
+    let file = std::fs::File::open(weather);
+    let read = file.and_then(|mut file| file.read(&mut first)).map_err(|source| failed(weather, source))?;
+    if first[..read] != *MARK {
+        return Ok(weather.to_owned());
+    }
+    let bytes = std::fs::read(weather).map_err(|source| failed(weather, source))?;
+    let copy = folder.join("weather.epw");
+    std::fs::write(&copy, &bytes[MARK.len()..]).map_err(|source| failed(&copy, source))?;
+    Ok(copy)
 }
 
 pub(crate) fn path_text(path: &Path) -> Result<&str> {

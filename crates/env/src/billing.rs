@@ -113,7 +113,8 @@ fn prices(task: &Task, weather: &Path) -> Result<Option<Prices>> {
     let Some(tariff) = &task.tariff else { return Ok(None) };
     let tariff = tariff.tariff()?;
     let year = calendar_year();
-    let outdoor = EpwFile::open(weather).map_err(Error::building)?.dry_bulbs();
+    let file = EpwFile::open(weather).map_err(Error::building)?;
+    let outdoor = file.record().map_err(Error::building)?.dry_bulbs();
     let events =
         if tariff.has_events() { tariff.events(year, &daily_means(&outdoor), None) } else { Vec::new() };
     let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());

@@ -1,5 +1,11 @@
 //! Calendar time of a run, and the seasons of setpoints and clothing.
 
+use std::path::Path;
+
+use b2b_climate::EpwFile;
+
+use crate::{Error, Result};
+
 /// A moment of the run: day of the year from 1, and hour of the day from 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
@@ -10,21 +16,38 @@ pub(crate) struct Moment {
 /// A season, in whole months.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Season {
-    /// December to February.
+    /// December to February; south of the equator, June to August.
     Winter,
-    /// June to August.
+    /// June to August; south of the equator, December to February.
     Summer,
     /// The other months.
     Between,
 }
 
-impl Season {
-    /// The season of a day of the year.
-    pub(crate) fn of(day_of_year: u32) -> Self {
+/// The seasons of a site.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Seasons {
+    is_south: bool,
+}
+
+impl Seasons {
+    /// Returns the seasons of the site of a weather file.
+    ///
+    /// # Errors
+    /// [`Error::Building`] if the file cannot be read.
+    pub(crate) fn of(weather: &Path) -> Result<Self> {
+        let site = EpwFile::open(weather).and_then(|file| file.site()).map_err(Error::building)?;
+        Ok(Self { is_south: site.latitude < 0.0 })
+    }
+
+    /// Returns the season of a day of the year.
+    pub(crate) fn on(self, day_of_year: u32) -> Season {
         match day_of_year {
-            ..60 | 335.. => Self::Winter,
-            152..244 => Self::Summer,
-            _ => Self::Between,
+            ..60 | 335.. if self.is_south => Season::Summer,
+            ..60 | 335.. => Season::Winter,
+            152..244 if self.is_south => Season::Winter,
+            152..244 => Season::Summer,
+            _ => Season::Between,
         }
     }
 }
@@ -34,7 +57,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn seasons_are_whole_months() {
+    fn seasons_are_whole_months_and_opposite_in_the_south() {
+        let (north, south) = (Seasons::default(), Seasons { is_south: true });
         for (day, season) in [
             (1, Season::Winter),
             (59, Season::Winter),
@@ -46,7 +70,13 @@ mod tests {
             (334, Season::Between),
             (335, Season::Winter),
         ] {
-            assert_eq!(Season::of(day), season, "{day}");
+            assert_eq!(north.on(day), season, "{day}");
+            let opposite = match season {
+                Season::Winter => Season::Summer,
+                Season::Summer => Season::Winter,
+                Season::Between => Season::Between,
+            };
+            assert_eq!(south.on(day), opposite, "{day}");
         }
     }
 }

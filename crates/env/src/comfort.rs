@@ -39,9 +39,9 @@ pub struct Pmv {
     pub air_speed: f64,
     /// Indoor relative humidity, %; not used in tasks of operation.
     pub humidity: f64,
-    /// Clothing insulation, December to February, clo.
+    /// Clothing insulation in winter, December to February (June to August in the south), clo.
     pub winter_clothing: f64,
-    /// Clothing insulation, June to August, clo; in other months the mean of both.
+    /// Clothing insulation in summer, June to August (December to February in the south), clo; in other months the mean of both.
     pub summer_clothing: f64,
 }
 

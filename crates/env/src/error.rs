@@ -165,13 +165,23 @@ pub enum Error {
         /// The part.
         part: &'static str,
     },
-    /// A preview with a weather file that does not cover a year.
-    #[error("the preview needs the 8760 hours of a year; {weather} has {hours}")]
-    PreviewWeather {
+    /// A weather file with several rows an hour, and another number of steps.
+    #[error("{weather} has {rows} rows an hour, so an episode needs {rows} steps per hour")]
+    WeatherRows {
         /// The weather file.
         weather: std::path::PathBuf,
-        /// Its hours.
-        hours: usize,
+        /// Its rows of an hour.
+        rows: u32,
+    },
+    /// A weather file that does not cover the episode.
+    #[error("{weather} does not have {missing}, a day of the episode{span}")]
+    WeatherDays {
+        /// The weather file.
+        weather: std::path::PathBuf,
+        /// The first day that it does not have.
+        missing: b2b_building::Date,
+        /// The days that it has.
+        span: String,
     },
     /// An error of a tariff or an emission profile.
     #[error(transparent)]

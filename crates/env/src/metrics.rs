@@ -283,6 +283,7 @@ fn uncomfortable(step: &ZoneStep, comfort_band: f64) -> [bool; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calendar::Season;
     use crate::terms::Amounts;
 
     #[test]
@@ -308,6 +309,7 @@ mod tests {
                 terms: Amounts::default(),
                 day_of_year: 1,
                 hour: 0.0,
+                season: Season::Winter,
             };
             metrics.steps += 1;
             metrics.add(Reward::default(), &view, &[], &[]);

@@ -57,16 +57,12 @@ impl Forecast {
     /// Returns the forecast of a weather file.
     ///
     /// # Errors
-    /// [`Error::Building`] if the file cannot be read; [`Error::PreviewWeather`] if it does not cover a year.
+    /// [`Error::Building`] if the file cannot be read.
     pub(crate) fn new(preview: Preview, weather: &Path) -> Result<Self> {
         let file = EpwFile::open(weather).map_err(Error::building)?;
-        let (temperatures, solar) = (file.dry_bulbs(), file.global_radiation());
-        match [temperatures.len(), solar.len()] {
-            [HOURS_OF_YEAR, HOURS_OF_YEAR] => {
-                Ok(Self { preview, temperatures: temperatures.into(), solar: solar.into() })
-            }
-            [hours, _] => Err(Error::PreviewWeather { weather: weather.to_owned(), hours }),
-        }
+        let record = file.record().map_err(Error::building)?;
+        let (temperatures, solar) = (record.dry_bulbs().into(), record.global_radiation().into());
+        Ok(Self { preview, temperatures, solar })
     }
 
     /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar radiation

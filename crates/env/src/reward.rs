@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use crate::band::Pair;
+use crate::calendar::Season;
 use crate::terms::{Amounts, IN_INFO, TERMS, Term};
 
 /// The reward of one step, by its terms.
@@ -66,6 +67,8 @@ pub struct StepView<'a> {
     pub day_of_year: u32,
     /// Hour of the day at which the step began, from 0.
     pub hour: f64,
+    /// Season of the site.
+    pub(crate) season: Season,
 }
 
 /// A controlled zone in a step.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::band::{Band, Bands, NextPair, Pair};
-use crate::calendar::{Moment, Season};
+use crate::calendar::{Moment, Season, Seasons};
 use crate::limits::within;
 use crate::random::stream;
 
@@ -29,10 +29,10 @@ pub enum Setpoints {
         /// Target when occupied.
         #[serde(default = "comfortable")]
         occupied: f64,
-        /// Target when unoccupied, December to February.
+        /// Target when unoccupied, December to February; June to August in the south.
         #[serde(default = "winter")]
         winter: f64,
-        /// Target when unoccupied, June to August.
+        /// Target when unoccupied, June to August; December to February in the south.
         #[serde(default = "summer")]
         summer: f64,
         /// Target when unoccupied, other months.
@@ -219,6 +219,7 @@ impl Asked {
 pub(crate) struct Targets {
     setpoints: Setpoints,
     bands: Option<Bands>,
+    seasons: Seasons,
     day: RandomDay,
     /// The plan drawn for each zone, with its day.
     drawn: Vec<(u32, Plan)>,
@@ -234,10 +235,11 @@ struct Plan {
 }
 
 impl Targets {
-    /// Creates the targets of the controlled zones of a building.
-    pub(crate) fn of(setpoints: &Setpoints, building: &PreparedBuilding) -> Self {
+    /// Creates the targets of the controlled zones of a building at a site with these seasons.
+    pub(crate) fn of(setpoints: &Setpoints, building: &PreparedBuilding, seasons: Seasons) -> Self {
         let zones = building.controlled_zones().count();
-        Self::with_bands(setpoints, Bands::new(setpoints, building), building.class, zones)
+        let targets = Self::with_bands(setpoints, Bands::new(setpoints, building), building.class, zones);
+        Self { seasons, ..targets }
     }
 
     fn with_bands(setpoints: &Setpoints, bands: Option<Bands>, class: Option<Class>, zones: usize) -> Self {
@@ -248,6 +250,7 @@ impl Targets {
         Self {
             setpoints: setpoints.clone(),
             bands,
+            seasons: Seasons::default(),
             day: own.unwrap_or_else(|| RandomDay::of_class(class)),
             drawn: vec![(0, Plan::default()); zones],
         }
@@ -275,7 +278,7 @@ impl Targets {
             Setpoints::Constant { target } => (people, target),
             Setpoints::Occupancy { occupied, .. } if people => (true, occupied),
             Setpoints::Occupancy { winter, summer, otherwise, .. } => {
-                let target = match Season::of(moment.day_of_year) {
+                let target = match self.seasons.on(moment.day_of_year) {
                     Season::Winter => winter,
                     Season::Summer => summer,
                     Season::Between => otherwise,
@@ -285,7 +288,9 @@ impl Targets {
             Setpoints::Random { seed, .. } => {
                 let (day, plan) = &mut self.drawn[zone];
                 if *day != moment.day_of_year {
-                    (*day, *plan) = (moment.day_of_year, self.day.draw(seed, zone, moment.day_of_year));
+                    let season = self.seasons.on(moment.day_of_year);
+                    (*day, *plan) =
+                        (moment.day_of_year, self.day.draw(seed, zone, moment.day_of_year, season));
                 }
                 let occupied = (plan.arrival..plan.departure).contains(&moment.hour);
                 (occupied, if occupied { plan.occupied } else { plan.unoccupied })
@@ -296,13 +301,13 @@ impl Targets {
 
 impl RandomDay {
     /// Draws the plan of a zone and day from its own random stream.
-    fn draw(&self, seed: u64, zone: usize, day_of_year: u32) -> Plan {
+    fn draw(&self, seed: u64, zone: usize, day_of_year: u32, season: Season) -> Plan {
         let mut random = stream(seed, zone as u64 * 1000 + u64::from(day_of_year));
         let arrival = self.arrival.draw(&mut random);
         let departure = self.departure.draw(&mut random);
         let [low, high] = self.occupied;
         let occupied = low + (high - low) * uniform(&mut random);
-        let offset = match Season::of(day_of_year) {
+        let offset = match season {
             Season::Winter => -self.offset * uniform(&mut random),
             Season::Summer => self.offset * uniform(&mut random),
             Season::Between => self.offset * (2.0 * uniform(&mut random) - 1.0),
@@ -340,7 +345,8 @@ mod tests {
     fn random_days_follow_their_distributions() {
         let of = RandomDay::of(BuildingType::Warehouse);
         let plans = |days: std::ops::Range<u32>| -> Vec<Plan> {
-            days.flat_map(|day| (0..20).map(move |zone| of.draw(7, zone, day))).collect()
+            days.flat_map(|day| (0..20).map(move |zone| of.draw(7, zone, day, Seasons::default().on(day))))
+                .collect()
         };
         let (winter, summer, spring) = (plans(1..59), plans(152..243), plans(60..151));
         let mean = |plans: &[Plan], value: fn(&Plan) -> f64| {

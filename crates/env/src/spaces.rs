@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_building::{Conditioning, Date, PreparedBuilding, RunPeriod};
+use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 
 use crate::action::ActionSpace;
@@ -31,12 +32,38 @@ impl EpisodeConfig {
     /// Checks that the engine can run the episode and that the values of the task are valid.
     ///
     /// # Errors
-    /// [`Error::StepsPerHour`]; [`Error::TaskValue`].
+    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Building`] if the weather file cannot be read;
+    /// [`Error::WeatherRows`] and [`Error::WeatherDays`] if the file does not fit the episode.
     pub fn check(&self) -> Result<()> {
         if !STEPS_PER_HOUR.contains(&self.steps_per_hour) {
             return Err(Error::StepsPerHour(self.steps_per_hour));
         }
+        self.check_weather()?;
         self.task.check()
+    }
+
+    /// Checks that the weather file has the days of the episode, and a row for every step if it has several an hour.
+    fn check_weather(&self) -> Result<()> {
+        let file = EpwFile::open(&self.weather).map_err(Error::building)?;
+        let record = file.record().map_err(Error::building)?;
+        let weather = || self.weather.clone();
+        if ![1, self.steps_per_hour].contains(&record.intervals()) {
+            return Err(Error::WeatherRows { weather: weather(), rows: record.intervals() });
+        }
+        let [first, last] = [self.period.first(), self.period.last()].map(Date::day_of_year);
+        let missing = record.first_missing(first, last);
+        let span = record.span().map(|days| days.map(Date::of_day));
+        match (missing.map(Date::of_day), span) {
+            (None, _) => Ok(()),
+            (Some(missing), None) => {
+                Err(Error::WeatherDays { weather: weather(), missing, span: String::new() })
+            }
+            (Some(missing), Some([first, last])) => Err(Error::WeatherDays {
+                weather: weather(),
+                missing,
+                span: format!(", only {first}..{last}"),
+            }),
+        }
     }
 
     /// Steps of the whole run period.

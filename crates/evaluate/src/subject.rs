@@ -99,7 +99,7 @@ impl Subject {
         };
         let climate_zone = match listed {
             Some(zone) => zone.to_owned(),
-            None => EpwFile::open(&found.weather)?.year().map(|year| year.zone()).unwrap_or_default(),
+            None => EpwFile::open(&found.weather)?.year()?.map(|year| year.zone()).unwrap_or_default(),
         };
         Ok(SiteInfo { place: found.place.clone(), climate_zone })
     }
@@ -107,7 +107,7 @@ impl Subject {
 
 /// Raised when a change to import, conversion or sizing changes the episodes of users' models, so that results and baselines
 /// from before are not reused.
-const IMPORT_REVISION: u32 = 1;
+const IMPORT_REVISION: u32 = 2;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {

@@ -30,14 +30,6 @@ pub enum Error {
         /// Its name.
         name: &'static str,
     },
-    /// Weather that does not cover a year.
-    #[error("{weather} has {hours} hours; a year with 8760 hours is needed")]
-    NotOneYear {
-        /// The file.
-        weather: String,
-        /// Its hours.
-        hours: usize,
-    },
     /// The server cannot run.
     #[error("cannot {what}: {source}")]
     Io {

@@ -27,7 +27,7 @@ impl AgentObservation {
     /// include its action.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) and [`Error::Forecast`](crate::Error::Forecast) for a weather file without a forecast.
+    /// [`Error::Weather`](crate::Error::Weather) for an unreadable weather file.
     pub fn new(
         options: ObservationOptions,
         attributes: &[f64],

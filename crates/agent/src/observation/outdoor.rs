@@ -11,17 +11,13 @@ pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 /// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
 ///
 /// # Errors
-/// [`Error::Weather`] for an unreadable weather file; [`Error::Forecast`] for a file that does not cover a whole year.
+/// [`Error::Weather`] for an unreadable weather file.
 pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     if hours == 0 {
         return Ok(Vec::new());
     }
-    let path = &spaces.episode.weather;
-    let temperatures = EpwFile::open(path).map_err(|error| Error::Weather(Box::new(error)))?.dry_bulbs();
-    match temperatures.len() {
-        8760 => Ok(temperatures),
-        hours => Err(Error::Forecast { path: path.clone(), hours }),
-    }
+    let read = |path| Ok(EpwFile::open(path)?.record()?.dry_bulbs());
+    read(&spaces.episode.weather).map_err(|error: b2b_climate::Error| Error::Weather(Box::new(error)))
 }
 
 /// Returns the temperature at an hour of the year, interpolated between the ends of hours: see [`temperatures`].

@@ -8,8 +8,6 @@ mod household;
 mod schedules;
 mod thermostat;
 
-use std::path::Path;
-
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -162,13 +160,7 @@ pub(crate) struct Year {
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
-pub(crate) fn year(
-    building: &str,
-    model: &Model,
-    zones: &[&str],
-    weather: &Path,
-    library: &Library,
-) -> Result<Year> {
+pub(crate) fn year(building: &str, model: &Model, zones: &[&str], library: &Library) -> Result<Year> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
     let people = crate::people::groups(model)?;
     let of_zone = |zone: &&str| -> Vec<&PeopleGroup> {
@@ -177,7 +169,7 @@ pub(crate) fn year(
     let present: Vec<_> = zones.iter().map(of_zone).collect();
     let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
     names.extend(present.iter().flatten().map(|group| group.schedule.as_str()));
-    let sampled = schedules::Sampled::of(model, &names, weather, library)?;
+    let sampled = schedules::Sampled::of(model, &names, library)?;
     let least = zones.iter().map(|zone| least_in_use(model, &people, zone)).collect::<Result<Vec<_>>>()?;
     let years = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
         let setpoints = thermostat.as_ref().map(|thermostat| thermostat.setpoints(&sampled));

@@ -2,7 +2,6 @@
 //! building.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use b2b_energyplus::Library;
 use rusqlite::Connection;
@@ -37,7 +36,7 @@ pub(super) struct Sampled {
 
 impl Sampled {
     /// Computes the values of the named schedules of a model.
-    pub(super) fn of(model: &Model, names: &[&str], weather: &Path, library: &Library) -> Result<Self> {
+    pub(super) fn of(model: &Model, names: &[&str], library: &Library) -> Result<Self> {
         let mut values = BTreeMap::new();
         let mut varying = Vec::new();
         for name in names.iter().filter(|name| !name.is_empty()) {
@@ -51,7 +50,7 @@ impl Sampled {
         let mut holidays = Vec::new();
         if !varying.is_empty() || !model.objects(SPECIAL_DAYS).is_empty() {
             let model = schedules_alone(model, &varying);
-            let database = OutputDatabase::of(&model, weather, library, "b2b-schedules-")?;
+            let database = OutputDatabase::in_any_weather(&model, library, "b2b-schedules-")?;
             let failed = |path, source| Error::ScheduleTable { path, source };
             values.extend(database.read(read_values, failed)?);
             holidays = database.read(read_holidays, failed)?;

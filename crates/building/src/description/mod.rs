@@ -181,7 +181,7 @@ impl Location {
     /// The errors of [`b2b_climate::Site::read`].
     pub fn read(weather: &Path) -> Result<Self> {
         let file = EpwFile::open(weather)?;
-        let (site, days) = (file.site()?, file.degree_days());
+        let (site, days) = (file.site()?, file.degree_days()?);
         Ok(Self {
             station: site.name,
             latitude: site.latitude,

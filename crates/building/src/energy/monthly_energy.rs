@@ -33,7 +33,7 @@ impl MonthlyEnergy {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::EnergyTable`] when its output
     /// cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let database = OutputDatabase::of(&metered_year(model), weather, library, "b2b-year-")?;
+        let database = OutputDatabase::of(metered_year(model), weather, library, "b2b-year-")?;
         let read = |database: &Connection| {
             let [electricity, gas] =
                 [Fuel::Electricity, Fuel::Gas].map(|fuel| read_meter(database, fuel.meter()));

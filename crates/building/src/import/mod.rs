@@ -12,9 +12,13 @@
 //! - The temperature of every zone is observed; controlled zones count in the reward.
 //! - Energy is that of all HVAC, controlled or not, per floor area of all conditioned zones.
 
+pub mod calendar;
+mod exchange;
 pub mod external;
 mod notes;
 mod references;
+mod setpoint_nodes;
+mod templates;
 mod text;
 pub mod versions;
 
@@ -26,7 +30,7 @@ pub use notes::Notes;
 use versions::document::Document;
 use versions::{Found, idf};
 
-use crate::model::{Model, begins};
+use crate::model::Model;
 use crate::schema::Schema;
 use crate::{Error, Result};
 
@@ -57,14 +61,16 @@ pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Mode
 /// As [`read`].
 pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> Result<Imported> {
     let Text { text, is_original, encoding } = checked_text(path)?;
-    let (mut model, found) = match is_idf(path) {
+    let (mut model, found, expanded) = match is_idf(path) {
         true => read_idf(path, &text, is_original, library)?,
         false => read_epjson(path, &text, library)?,
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let exchange = exchange::replace(&mut model);
     external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;
     check(&model, &Schema::of(library)).map_err(|problems| refused(path, problems))?;
     let mut notes = Notes { warnings: encoding.into_iter().collect(), ..Notes::default() };
+    notes.warnings.extend(exchange);
     match found {
         Found::Same => {}
         Found::Assumed(version) => {
@@ -72,35 +78,39 @@ pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> 
         }
         Found::Converted(conversion) => notes.conversion = Some(conversion),
     }
+    if expanded > 0 {
+        notes.warnings.push(format!(
+            "its {expanded} templates were expanded with ExpandObjects of the engine's folder"
+        ));
+    }
     Ok(Imported { model, notes })
 }
 
-fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Result<(Model, Found)> {
-    let mut document = idf::parse(text).map_err(|problem| refused(path, vec![problem]))?;
-    if let Some(problem) = document.objects.iter().find_map(|object| template(&object.class)) {
-        return Err(refused(path, vec![problem]));
-    }
-    let found =
-        versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
-    if is_original && !matches!(found, Found::Converted(_)) {
-        return Ok((Model::read(path, library)?, found));
+/// Returns the model of an IDF, what was found about its version, and the number of its templates.
+fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Result<(Model, Found, usize)> {
+    let refuse = |problems| refused(path, problems);
+    let mut document = idf::parse(text).map_err(|problem| refuse(vec![problem]))?;
+    let found = versions::convert(&mut document, &library.version()).map_err(refuse)?;
+    let expanded = templates::expand(&mut document, library).map_err(refuse)?;
+    if is_original && expanded == 0 && !matches!(found, Found::Converted(_)) {
+        return Ok((Model::read(path, library)?, found, 0));
     }
     let folder = temporary_folder("b2b-import-").map_err(b2b_energyplus::Error::from)?;
     let copy = folder.path().join(path.file_name().unwrap_or_default());
     std::fs::write(&copy, idf::write(&document))
         .map_err(|source| Error::Io { path: copy.clone(), source })?;
     let epjson = library.convert_idf(&copy).map_err(|error| error.on_model(path))?;
-    Ok((Model::from_epjson(&epjson, path)?, found))
+    Ok((Model::from_epjson(&epjson, path)?, found, expanded))
 }
 
-fn read_epjson(path: &Path, text: &str, library: &Library) -> Result<(Model, Found)> {
+fn read_epjson(path: &Path, text: &str, library: &Library) -> Result<(Model, Found, usize)> {
     let model = Model::from_epjson(text, path)?;
     let mut document = Document::from_model(&model);
     let found =
         versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
     match found {
-        Found::Converted(_) => Ok((document.into_model(), found)),
-        _ => Ok((model, found)),
+        Found::Converted(_) => Ok((document.into_model(), found, 0)),
+        _ => Ok((model, found, 0)),
     }
 }
 
@@ -160,33 +170,14 @@ fn is_idf(path: &Path) -> bool {
 /// Checks a model for problems that the engine silently accepts.
 fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>> {
     let mut problems = Vec::new();
-    problems.extend(templates(model));
+    problems.extend(model.classes().find_map(templates::problem));
     problems.extend(like_named(model));
     if model.objects("Zone").is_empty() {
         problems.push("it has no Zone".into());
     }
     problems.extend(references::dangling(model, schema));
+    problems.extend(setpoint_nodes::without_setpoint(model));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
-}
-
-fn templates(model: &Model) -> Option<String> {
-    model.classes().find_map(template)
-}
-
-/// Classes that programs of EnergyPlus replace by others before it reads a model: beginning and program.
-const TEMPLATES: [(&str, &str); 3] = [
-    ("HVACTemplate:", "ExpandObjects"),
-    ("GroundHeatTransfer:", "ExpandObjects"),
-    ("Parametric:", "ParametricPreprocessor"),
-];
-
-/// Returns the problem with a class of templates.
-fn template(class: &str) -> Option<String> {
-    let (_, program) = TEMPLATES.iter().find(|(beginning, _)| begins(class, beginning))?;
-    Some(format!(
-        "it has templates ({class}), which EnergyPlus replaces by objects before it reads a model: run {program} of an \
-         EnergyPlus installation of the model's version on it (`energyplus -x` does), and import its output, expanded.idf"
-    ))
 }
 
 /// To the engine, zones whose names differ only by case are the same.

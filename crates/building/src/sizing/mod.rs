@@ -69,7 +69,7 @@ impl Sizes {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
     /// output cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let database = OutputDatabase::of(&sizing_only(model), weather, library, "b2b-sizing-")?;
+        let database = OutputDatabase::of(sizing_only(model), weather, library, "b2b-sizing-")?;
         let sizes = database.read(read_table, |path, source| Error::SizeTable { path, source })?;
         Ok(Self { sizes, schema: Schema::of(library) })
     }

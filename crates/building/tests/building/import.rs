@@ -278,3 +278,32 @@ fn design_days_that_are_kept_are_compared_with_the_weather() {
     assert_says(notes.design_days.as_deref().unwrap(), &["none used", "gives the sizes"]);
     assert_says(&notes.warnings.join(" "), &["--keep-design-days has no effect"]);
 }
+
+#[test]
+fn weekdays_of_the_model_and_of_the_weather_that_differ_from_those_of_episodes_are_said() {
+    let stock = Stock::new();
+    let site = Site::read(&stock.weather).unwrap();
+    let mut model = room();
+    let said = |model: &Value, site: &Site| {
+        import::calendar::warnings(&read_room(&stock, model).unwrap().model, site).join(" ")
+    };
+    assert_eq!(said(&model, &site), "");
+    model["RunPeriod"]["R"]["day_of_week_for_start_day"] = json!("Thursday");
+    assert_says(&said(&model, &site), &["run period begins on a Thursday", "begins on a Sunday"]);
+    model["RunPeriod"]["R"]["day_of_week_for_start_day"] = json!("Sunday");
+    let measured = Site { year: Some(2020), ..site };
+    assert_says(&said(&model, &measured), &["2020, the year of the weather file, begins on a Wednesday"]);
+}
+
+#[test]
+fn a_model_for_another_program_keeps_the_initial_values_of_its_schedules() {
+    let stock = Stock::new();
+    let mut model = room();
+    model["Schedule:Constant"].as_object_mut().unwrap().remove("Warm");
+    model["ExternalInterface"] = json!({"I": {"name_of_external_interface": "PtolemyServer"}});
+    model["ExternalInterface:Schedule"] =
+        json!({"Warm": {"schedule_type_limits_name": "Any", "initial_value": 20}});
+    let Imported { model, notes } = read_room(&stock, &model).unwrap();
+    assert_eq!(model.get("Schedule:Constant", "Warm").unwrap()["hourly_value"], json!(20));
+    assert_says(&notes.warnings.join(" "), &["another program", "1 schedules"]);
+}

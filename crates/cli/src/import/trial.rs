@@ -34,7 +34,7 @@ pub struct Trial {
 impl Trial {
     /// Simulates a run period with a constant target of 21 °C.
     pub fn run(prepared: &Prepared, period: RunPeriod, quiet: bool) -> Result<Self> {
-        let spaces = prepared.spaces(period, 12, Task::default())?;
+        let spaces = prepared.spaces(period, prepared.trial_steps()?, Task::default())?;
         let mut controller = reactive(&spaces, &Parameters::Tuned)?;
         let Rollout { metrics, engine, .. } = prepared.roll_out(&spaces, &mut controller, quiet)?;
         let name = |zone: &ZoneMetrics| spaces.building.zones[zone.slot].name.clone();

@@ -134,9 +134,6 @@ pub fn train(arguments: &Arguments) -> Result<()> {
 impl Arguments {
     /// Returns the configuration of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
-        if self.location.placement().keep_design_days {
-            bail!("training sizes models for the weather; --keep-design-days is not available, remove it");
-        }
         if let Some(folder) = &self.resume {
             let mut config = TrainConfig::of_run(folder)
                 .with_context(|| format!("{} has no run to resume", folder.display()))?;
@@ -186,10 +183,11 @@ impl Arguments {
         set(&mut budget.seed, &self.seed);
         set(&mut budget.environments, &self.environments);
         set(&mut agent.observation.form, &self.observation);
-        let Placement { place, weather, allow_external, .. } = self.location.placement();
+        let Placement { place, weather, allow_external, keep_design_days, .. } = self.location.placement();
         set(&mut training_set.place, &place.map(|place| place.name.to_owned()));
         set(&mut training_set.weather, &weather.as_deref().map(absolute));
         training_set.allow_external |= allow_external;
+        training_set.keep_design_days |= keep_design_days;
         set(&mut training_set.control, &self.location.control);
         if self.direct {
             agent.acting = Acting::Direct;

@@ -19,7 +19,7 @@ mod year;
 use std::path::Path;
 
 use crate::Result;
-use crate::epw;
+use crate::epw::Record;
 use crate::station::Station;
 use header::{location, malformed, write_header};
 use months::HOURS;
@@ -36,8 +36,9 @@ pub const MORPH_VERSION: u32 = 1;
 /// [`crate::Error::Malformed`] when the base is not a complete common year, or its LOCATION has no coordinates.
 pub fn morph(base_epw: &str, station: &Station) -> Result<String> {
     let path = Path::new("base.epw");
-    if epw::check(base_epw, path)? != HOURS {
-        return Err(malformed("a leap year cannot be morphed; expected 8760 hours"));
+    let record = Record::of(base_epw, path)?;
+    if record.hours().len() != HOURS || !record.is_whole_year() || record.intervals() != 1 {
+        return Err(malformed("expected the 8760 hours of a common year"));
     }
     let mut lines = base_epw.lines();
     let header: Vec<&str> = lines.by_ref().take(8).collect();

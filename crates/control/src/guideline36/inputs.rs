@@ -90,5 +90,5 @@ impl ZoneSlots {
 
 /// Returns the ASHRAE climate zone of an episode's weather file, if it has one.
 pub(super) fn climate_zone(spaces: &Spaces) -> Option<String> {
-    Some(EpwFile::open(&spaces.episode.weather).ok()?.year()?.zone())
+    Some(EpwFile::open(&spaces.episode.weather).ok()?.year().ok()??.zone())
 }

@@ -84,6 +84,7 @@ mod tests {
             elevation: 11.0,
             ground_temperatures: [24.0; 12],
             monthly_dry_bulbs: None,
+            year: None,
             heating,
             cooling: day,
             sized_by_hours: false,

@@ -53,6 +53,7 @@ use b2b_energyplus::Library;
 pub use report::{Condition, Level, Limit, Report, Row, Season, Verdict};
 
 use crate::Result;
+use crate::calendar::{self, Seasons};
 use crate::env::Env;
 use crate::spaces::EpisodeConfig;
 use crate::task::Task;
@@ -107,7 +108,7 @@ fn bench<'a>(
 ) -> Result<Bench<'a>> {
     let episode = EpisodeConfig {
         weather: weather.to_owned(),
-        period: season.days(),
+        period: season.days(Seasons::of(weather)?),
         steps_per_hour: STEPS_PER_HOUR,
         // The interlock would prevent zero flow.
         task: Task { ventilation: Ventilation::Free, ..Task::default() },
@@ -123,11 +124,13 @@ fn bench<'a>(
 }
 
 impl Season {
-    fn days(self) -> RunPeriod {
-        let days = match self {
-            Season::Winter => "01-16..01-17",
-            Season::Summer => "07-17..07-18",
+    /// Returns its days at a site.
+    fn days(self, seasons: Seasons) -> RunPeriod {
+        let in_january = match self {
+            Season::Winter => calendar::Season::Winter,
+            Season::Summer => calendar::Season::Summer,
         };
+        let days = if seasons.on(16) == in_january { "01-16..01-17" } else { "07-17..07-18" };
         days.parse().expect("a run period in the calendar")
     }
 }

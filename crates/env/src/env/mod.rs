@@ -23,7 +23,7 @@ use self::setpoints_apart::SetpointsApart;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
 use crate::billing::Billing;
-use crate::calendar::Season;
+use crate::calendar::Seasons;
 use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
 use crate::faults::Impairment;
@@ -63,6 +63,7 @@ pub struct Env {
     spaces: Arc<Spaces>,
     zones: Vec<ControlledZone>,
     targets: Targets,
+    seasons: Seasons,
     reward: Box<dyn RewardFunction>,
     interlock: Interlock,
     setpoints_apart: SetpointsApart,
@@ -118,6 +119,7 @@ impl Env {
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
         let zones = controlled_zones(&spaces.building, task)?;
+        let seasons = Seasons::of(&spaces.episode.weather)?;
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
         Ok(Self {
             library,
@@ -126,7 +128,8 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
-            targets: Targets::of(&task.setpoints, &spaces.building),
+            targets: Targets::of(&task.setpoints, &spaces.building, seasons),
+            seasons,
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
             setpoints_apart: SetpointsApart::new(&spaces.building),
@@ -333,7 +336,7 @@ impl Env {
     /// temperature penalty of the task's own reward.
     pub fn comfort_penalties(&self) -> impl Iterator<Item = f64> {
         let began = self.beginning_of(self.metrics.steps.saturating_sub(1));
-        let season = Season::of(began.day_of_year);
+        let season = self.seasons.on(began.day_of_year);
         let comfort = &self.spaces.episode.task.comfort;
         self.zone_steps.iter().map(move |zone| comfort.penalty(zone, season))
     }

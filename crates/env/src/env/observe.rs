@@ -75,7 +75,8 @@ impl Env {
 
     /// The reward of the step just observed; adds the step to the metrics.
     pub(super) fn judge(&mut self, began: Moment, energy: &CarrierEnergy) -> Reward {
-        self.look_at_zones(Season::of(began.day_of_year));
+        let season = self.seasons.on(began.day_of_year);
+        self.look_at_zones(season);
         let step = StepView {
             zones: &self.zone_steps,
             observation: &self.observation,
@@ -83,6 +84,7 @@ impl Env {
             terms: self.terms,
             day_of_year: began.day_of_year,
             hour: began.hour,
+            season,
         };
         let reward = self.reward.reward(&step);
         self.metrics.add(reward, &step, self.spaces.action.low(), self.spaces.action.high());

@@ -4,14 +4,12 @@ use b2b_building::CarrierEnergy;
 use b2b_tariff::FuelValues;
 
 use super::Task;
-use crate::calendar::Season;
 use crate::reward::{Reward, RewardFunction, StepView};
 
 /// The task's own reward. An energy scale of `None` counts as 1; [`crate::Env`] fills in the building's scale.
 impl RewardFunction for Task {
     fn reward(&mut self, step: &StepView<'_>) -> Reward {
-        let season = Season::of(step.day_of_year);
-        let discomfort: f64 = step.zones.iter().map(|zone| self.comfort.penalty(zone, season)).sum();
+        let discomfort: f64 = step.zones.iter().map(|zone| self.comfort.penalty(zone, step.season)).sum();
         let used = step.terms[self.resource.term()];
         Reward {
             temperature_penalty: discomfort / step.zones.len().max(1) as f64,
@@ -38,6 +36,8 @@ impl Task {
 mod tests {
     use b2b_building::Carrier;
 
+    use crate::calendar::Season;
+
     use super::*;
     use crate::reward::ZoneStep;
     use crate::terms::{Amounts, Resource, Term};
@@ -52,7 +52,15 @@ mod tests {
         {
             terms[term] = value;
         }
-        StepView { zones, observation: &[], action: &[], terms, day_of_year: 1, hour: 0.0 }
+        StepView {
+            zones,
+            observation: &[],
+            action: &[],
+            terms,
+            day_of_year: 1,
+            hour: 0.0,
+            season: Season::Winter,
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! A user's building as an environment.
 
+mod weather;
+
 use crate::case::{Case, random_episode};
 use b2b_building::{Carrier, Conditioning};
 use b2b_energyplus::Level;

@@ -57,7 +57,7 @@ fn episodes_begin_as_near_their_target_as_the_page_says() {
 fn the_first_observation_has_the_weather_of_the_hour_that_the_page_says() {
     let [hour, ..] = numbers_behind(STEP, "its weather is")[..] else { panic!() };
     let case = Case::at_home(BuildingType::OfficeSmall);
-    let dry_bulbs = EpwFile::open(&case.weather).unwrap().dry_bulbs();
+    let dry_bulbs = EpwFile::open(&case.weather).unwrap().record().unwrap().dry_bulbs();
     for (period, day) in [("01-03..01-03", 2), ("07-09..07-09", 189)] {
         let mut env = case.env(period);
         let slot =

@@ -12,6 +12,7 @@ use b2b_workers::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 
 use super::episode::Episode;
 use super::parallel::Evaluation;
+use super::progress::Progress;
 use crate::Result;
 use crate::subject::{SiteInfo, Subject};
 
@@ -78,13 +79,20 @@ impl<'a> Group<'a> {
     }
 
     /// Returns the building, which the first caller finds.
-    fn located(&self, catalog: &Catalog, controls: Controls) -> Result<Arc<Located>> {
+    fn located(
+        &self,
+        catalog: &Catalog,
+        controls: Controls,
+        progress: &dyn Progress,
+    ) -> Result<Arc<Located>> {
         let mut located = lock(&self.located);
         if let Some(located) = &*located {
             return Ok(Arc::clone(located));
         }
         let subject = self.subject.clone();
         let found = catalog.find(&subject.name, &subject.placement, &mut Quiet)?;
+        let building = subject.name.to_string();
+        found.notes.lines().for_each(|note| progress.note(&building, &note));
         let site = subject.site(&found)?;
         let weather = found.weather.clone();
         let source = Source::from(found.under(controls));
@@ -96,8 +104,13 @@ impl<'a> Group<'a> {
 
 impl Bench {
     /// Creates a pool for the remaining episodes of a building.
-    pub(super) fn new(evaluation: &Evaluation<'_>, controls: Controls, group: &Group<'_>) -> Result<Self> {
-        let located = group.located(evaluation.catalog, controls)?;
+    pub(super) fn new(
+        evaluation: &Evaluation<'_>,
+        controls: Controls,
+        group: &Group<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let located = group.located(evaluation.catalog, controls, progress)?;
         let source = match group.prepared.get() {
             Some(building) => Arc::new(Source::Prepared(Box::new(PreparedBuilding::clone(building)))),
             None => Arc::clone(&located.source),

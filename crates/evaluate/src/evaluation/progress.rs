@@ -8,6 +8,9 @@ pub trait Progress: Sync {
     /// A simulated day ended.
     fn day(&self) {}
 
+    /// A note on how the model of a building was imported.
+    fn note(&self, _building: &str, _note: &str) {}
+
     /// An episode ended or was lost.
     fn episode(&self) {}
 }

@@ -114,7 +114,7 @@ impl Evaluation<'_> {
         work.check()?;
         let bench = match bench {
             Some(bench) => bench,
-            None => bench.insert(Bench::new(self, work.policy.controls(), group)?),
+            None => bench.insert(Bench::new(self, work.policy.controls(), group, work.progress)?),
         };
         let finished = rollout::run(bench, episode, work)?;
         group.is_prepared(bench);

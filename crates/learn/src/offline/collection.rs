@@ -1,6 +1,6 @@
 //! Collecting a dataset.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::PoisonError;
 
@@ -113,7 +113,10 @@ impl Collection<'_> {
             id: part * self.episodes.len() + number,
             total_steps: file.rewards.len(),
             seed: episode.seed,
-            building: episode.subject.label(),
+            building: match model_path(episode) {
+                Some(path) => path.display().to_string(),
+                None => episode.subject.label(),
+            },
             place: placement.place.map(|place| place.name.to_owned()),
             weather: placement.weather.clone(),
             policy: self.policies[part].name(),
@@ -123,16 +126,17 @@ impl Collection<'_> {
         Ok(metadata)
     }
 
-    /// Returns the type of all buildings.
+    /// Returns the type of all buildings, or the name of the only model file.
     fn building_type(&self) -> Result<String> {
         let mut types: Vec<&str> =
             self.episodes.iter().map(|episode| episode.subject.building_type()).collect();
         types.sort_unstable();
         types.dedup();
         match types[..] {
-            [""] => Err(Error::Invalid(
-                "expected buildings of the dataset or building types, not model files".into(),
+            ["", ..] if types.len() > 1 || self.buildings() > 1 => Err(Error::Invalid(
+                "there is a model file among the buildings; collect one dataset for each".into(),
             )),
+            [""] => Ok(self.episodes[0].subject.name.to_string()),
             [one] => Ok(one.to_owned()),
             _ => Err(Error::Invalid(format!(
                 "the buildings are of the types {}; collect one dataset for each type",
@@ -212,18 +216,30 @@ fn file_of(recorded: &Recorded<'_>, rescaled: bool) -> EpisodeFile {
     }
 }
 
+/// Returns the absolute path of the model file of an episode.
+fn model_path(episode: &Episode) -> Option<PathBuf> {
+    match &episode.subject.name {
+        BuildingName::Model(path) => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
+        BuildingName::Id(_) | BuildingName::Type(_) => None,
+    }
+}
+
 /// Returns the specification from which Gymnasium makes the environment of an episode.
 fn spec(building_type: &str, episode: &Episode, rescaled: bool) -> Value {
     let Episode { subject, task, period, steps_per_hour, .. } = episode;
     let mut arguments = json!({
-        "building_type": building_type,
         "run_period": period.to_string(),
         "timesteps_per_hour": steps_per_hour,
         "task": task.to_string(),
         "rescale_action": rescaled,
     });
-    if matches!(subject.name, BuildingName::Id(_)) {
-        arguments["building_id"] = subject.name.to_string().into();
+    match (&subject.name, model_path(episode)) {
+        (_, Some(path)) => arguments["building_id"] = path.display().to_string().into(),
+        (BuildingName::Id(id), None) => {
+            arguments["building_type"] = building_type.into();
+            arguments["building_id"] = id.to_string().into();
+        }
+        (_, None) => arguments["building_type"] = building_type.into(),
     }
     if let Some(place) = subject.placement.place {
         arguments["place"] = place.name.into();
@@ -250,4 +266,28 @@ fn spec(building_type: &str, episode: &Episode, rescaled: bool) -> Value {
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use b2b_building::Period;
+    use b2b_evaluate::Subject;
+
+    use super::*;
+
+    #[test]
+    fn an_environment_of_a_model_file_is_made_from_its_path_and_its_weather() {
+        let weather = Some("boston.epw".into());
+        let placement = b2b_dataset::Placement { weather, ..b2b_dataset::Placement::default() };
+        let subject = Subject { name: BuildingName::Model("office.idf".into()), placement };
+        let task = "constant".parse().unwrap();
+        let episode = Episode { subject, task, period: Period::WINTER, seed: 0, steps_per_hour: 12 };
+        let made = spec("office", &episode, false);
+        let path = std::path::absolute("office.idf").unwrap();
+        assert_eq!(made["kwargs"]["building_id"], json!(path));
+        assert_eq!(
+            (&made["kwargs"]["building_type"], &made["kwargs"]["weather"]),
+            (&Value::Null, &json!("boston.epw"))
+        );
+    }
 }

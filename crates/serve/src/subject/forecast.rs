@@ -67,17 +67,14 @@ impl Forecasts {
     /// Returns the forecasts of a building under a task with bands.
     ///
     /// # Errors
-    /// [`Error::NoBands`]; [`Error::NotOneYear`]; [`Error::Climate`]; [`Error::Env`] for an unknown emission profile.
+    /// [`Error::NoBands`]; [`Error::Climate`]; [`Error::Env`] for an unknown emission profile.
     pub fn new(spaces: &Spaces) -> Result<Self> {
         let episode = &spaces.episode;
         let task = &episode.task;
         let no_bands = || Error::NoBands { task: task.to_string() };
         let file = EpwFile::open(&episode.weather)?;
-        let (dry_bulbs, radiations) = (file.dry_bulbs(), file.global_radiation());
-        if dry_bulbs.len() != HOURS || radiations.len() != HOURS {
-            let weather = episode.weather.display().to_string();
-            return Err(Error::NotOneYear { weather, hours: dry_bulbs.len() });
-        }
+        let record = file.record()?;
+        let (dry_bulbs, radiations) = (record.dry_bulbs(), record.global_radiation());
         let by_hour = |factor: &b2b_env::Hourly| std::array::from_fn(|hour| factor.at(hour as f64));
         Ok(Self {
             points: points(spaces),

@@ -141,10 +141,9 @@ impl Search<'_> {
     fn air_loop(&mut self, air_loop: &str) -> Result<()> {
         let candidate = Candidate::AirLoop(air_loop);
         let own = belongings(self.model, air_loop)?;
-        let made = match refuse_second_system(self.model, air_loop) {
-            Ok(()) => self.make_controllable(candidate),
-            Err(error) => Err(error),
-        };
+        let refused = refuse_second_system(self.model, air_loop)
+            .and_then(|()| refuse_ducts(self.model, air_loop, &own));
+        let made = refused.and_then(|()| self.make_controllable(candidate));
         match made {
             Ok(system) => {
                 remove_ems_programs(self.model, |actuator| acts_on(actuator, &own));
@@ -294,6 +293,21 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Rejects an air loop whose ducts are part of an AirflowNetwork, which names its nodes and components.
+fn refuse_ducts(model: &Model, air_loop: &str, belongings: &HashSet<String>) -> Result<()> {
+    const NODE: &str = "AirflowNetwork:Distribution:Node";
+    let names_ours = |(_, fields): &(&str, &Fields)| {
+        text(fields, "component_name_or_node_name")
+            .is_some_and(|name| belongings.contains(&name.to_lowercase()))
+    };
+    match model.objects(NODE).iter().find(|node| names_ours(node)) {
+        Some(_) => {
+            Err(Error::unsupported("AirLoopHVAC", air_loop, "its ducts are part of an AirflowNetwork"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Returns the reason in an error, with the class of its object unless that is the system itself.

@@ -9,6 +9,7 @@ use b2b_energyplus::{Event, Level, Run};
 use b2b_env::authority::{Limit, Verdict, measure};
 use b2b_env::{Env, Term};
 use room::room;
+use serde_json::Value;
 
 use crate::case::{Case, Dice};
 
@@ -83,6 +84,10 @@ fn crossing_setpoints_are_kept_apart_and_energy_is_that_of_the_meters() {
     energy_is_the_engines(&env);
 }
 
+/// Classes of a prepared model that define an episode: its days, its steps and its warm-up.
+const OF_EPISODE: [&str; 5] = ["Timestep", "RunPeriod", "ConvergenceLimits", "Building", "SimulationControl"];
+
+/// The file of the user has nothing of ours but the classes that define an episode.
 #[test]
 fn under_its_own_controls_a_model_is_simulated_as_by_the_bare_engine() {
     let own = Case::of_user(&room(), Controls::Own);
@@ -92,18 +97,26 @@ fn under_its_own_controls_a_model_is_simulated_as_by_the_bare_engine() {
         (0..env.episode_steps()).map(|_| env.step(&[]).unwrap().observation[0].to_bits()).collect();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bare.epJSON");
-    std::fs::write(&file, own.building.model_for(DAY.parse().unwrap(), 12).to_epjson()).unwrap();
+    let prepared = own.building.model_for(DAY.parse().unwrap(), 12).to_epjson();
+    let prepared: Value = serde_json::from_str(&prepared).unwrap();
+    let mut user = room();
+    OF_EPISODE.iter().for_each(|class| user[class] = prepared[class].clone());
+    std::fs::write(&file, user.to_string()).unwrap();
     let run =
         Run::new(&file, &own.weather).output(folder.path()).request("Zone Mean Air Temperature", "Room");
     let mut bare = run.start(&own.library).unwrap();
     let variable = bare.variable("Zone Mean Air Temperature", "Room").unwrap();
-    let mut theirs = Vec::new();
+    let meter = bare.meter("DistrictHeatingWater:Facility").unwrap();
+    let (mut theirs, mut heat) = (Vec::new(), 0.0);
     while let Some(event) = bare.advance().unwrap() {
         if event == Event::Step {
             theirs.push(bare.read(variable).to_bits());
+            heat += bare.read_meter(meter) / 3600.0 / own.building.conditioned_floor_area;
         }
     }
     assert_eq!(ours, theirs);
+    let counted = env.metrics().total(Term::Gas);
+    assert!(heat > 0.0 && (counted / heat - 1.0).abs() < 1e-9, "{counted} and {heat} Wh/m²");
     let temperature = f64::from_bits(ours[143]);
     assert!((temperature - 21.0).abs() < 0.05, "its author holds 21 °C, not {temperature} °C");
 }

@@ -27,6 +27,9 @@ pub struct TrainingSet {
     /// What an agent sets: the `actuators` of the systems or the `setpoints` of every zone.
     #[serde(skip_serializing_if = "is_default")]
     pub control: Control,
+    /// Whether the equipment of a model file is sized for its own design days instead of the weather file's.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub keep_design_days: bool,
     /// Whether a model file may run code and open files outside its folder. Only the caller can set it. Configuration
     /// files cannot, and saved ones leave it out.
     #[serde(skip)]
@@ -65,6 +68,7 @@ impl Default for TrainingSet {
             place: String::new(),
             weather: PathBuf::new(),
             control: Control::default(),
+            keep_design_days: false,
             allow_external: false,
             building_type: Vec::new(),
             excluded_climate_zones: Vec::new(),
@@ -134,8 +138,8 @@ impl TrainingSet {
         let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
         let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
         let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
-        let Self { allow_external, control, .. } = *self;
-        Ok(Placement { place, weather, allow_external, control, ..Placement::default() })
+        let Self { allow_external, control, keep_design_days, .. } = *self;
+        Ok(Placement { place, weather, allow_external, control, keep_design_days })
     }
 
     /// Returns the training buildings as text for readers.

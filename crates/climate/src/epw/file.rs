@@ -1,13 +1,13 @@
 //! EPW files, each read only once although several parts of a program need it.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::SystemTime;
 
 use b2b_base::digest::sha256;
 
-use super::epw;
-use super::{ClimateYear, DegreeDays, Error, Result, Site};
+use super::{Header, Record};
+use crate::{ClimateYear, DegreeDays, Error, Result, Site};
 
 /// Number of files that are kept in memory, 1.6 MB each.
 const KEPT: usize = 4;
@@ -17,8 +17,11 @@ const KEPT: usize = 4;
 pub struct EpwFile {
     path: PathBuf,
     stamp: Stamp,
+    /// Without byte order mark.
     text: String,
     sha256: String,
+    /// The hours, or why they cannot be read.
+    record: OnceLock<std::result::Result<Record, String>>,
 }
 
 /// The state of a file when it was read: a changed file is read again.
@@ -48,8 +51,15 @@ impl EpwFile {
             Some(index) => opened.remove(index),
             None => {
                 let bytes = std::fs::read(path).map_err(at)?;
-                let (sha256, text) = (sha256(&bytes), String::from_utf8_lossy(&bytes).into_owned());
-                Arc::new(Self { path: path.to_owned(), stamp, text, sha256 })
+                let text = String::from_utf8_lossy(&bytes);
+                let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
+                Arc::new(Self {
+                    path: path.to_owned(),
+                    stamp,
+                    text,
+                    sha256: sha256(&bytes),
+                    record: OnceLock::new(),
+                })
             }
         };
         opened.retain(|other| other.path != path);
@@ -65,40 +75,51 @@ impl EpwFile {
         &self.sha256
     }
 
-    /// Checks that the file holds a whole year, and returns its number of hours: see [`epw::check`].
+    /// Returns the hours.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line and the reason.
+    pub fn record(&self) -> Result<&Record> {
+        let read = self.record.get_or_init(|| Record::read(&self.text));
+        read.as_ref().map_err(|why| Error::Malformed { path: self.path.clone(), why: why.clone() })
+    }
+
+    /// Checks that the engine can read the file.
     ///
     /// # Errors
     /// [`Error::Malformed`] with the reason.
-    pub fn check(&self) -> Result<usize> {
-        epw::check(&self.text, &self.path)
+    pub fn check(&self) -> Result<()> {
+        match self.record()?.span() {
+            Some(_) => Ok(()),
+            None => Err(Error::Malformed {
+                path: self.path.clone(),
+                why: "it has no hours of weather".to_owned(),
+            }),
+        }
     }
 
-    /// Returns the site in the header.
+    /// Returns the site.
     ///
     /// # Errors
     /// The errors of [`Site::from_epw`].
     pub fn site(&self) -> Result<Site> {
-        Site::from_epw(&self.text, &self.path)
+        Site::of(&Header { text: &self.text, path: &self.path }, self.record()?)
     }
 
-    /// Returns the degree-days of the year.
-    pub fn degree_days(&self) -> DegreeDays {
-        DegreeDays::from_epw(&self.text)
+    /// Returns the degree-days of the hours.
+    ///
+    /// # Errors
+    /// The errors of [`EpwFile::record`].
+    pub fn degree_days(&self) -> Result<DegreeDays> {
+        Ok(DegreeDays::of(self.record()?))
     }
 
-    /// Returns the climate of the year; `None` if a month has no hours.
-    pub fn year(&self) -> Option<ClimateYear> {
-        ClimateYear::from_epw(&self.text)
-    }
-
-    /// Returns the dry-bulb temperatures at the end of each hour of a year without 29 February, °C.
-    pub fn dry_bulbs(&self) -> Vec<f64> {
-        epw::dry_bulbs(&self.text)
-    }
-
-    /// Returns the mean global horizontal radiation of each hour of a year without 29 February, W/m².
-    pub fn global_radiation(&self) -> Vec<f64> {
-        epw::global_radiation(&self.text)
+    /// Returns the climate of the year; `None` if a day of the year is missing.
+    ///
+    /// # Errors
+    /// The errors of [`EpwFile::record`].
+    pub fn year(&self) -> Result<Option<ClimateYear>> {
+        Ok(ClimateYear::of(self.record()?))
     }
 }
 

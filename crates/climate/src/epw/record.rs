@@ -1,0 +1,312 @@
+//! The hours of an EPW file, as the engine reads them: by date, with the codes of missing values replaced.
+
+use std::path::Path;
+
+use super::row::Row;
+use crate::{Error, Result};
+
+/// Lines of the header.
+const HEADER_LINES: usize = 8;
+/// Days of a year without 29 February.
+const DAYS: usize = 365;
+const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+/// Values that the engine takes before the first one that is not missing: dry bulb (°C) and relative humidity (%).
+const FIRST: [f64; 2] = [6.0, 50.0];
+
+/// The hours of a weather file.
+///
+/// A missing temperature or humidity is the last one before it, and missing radiation is 0, as in the engine. Of a date
+/// that the file has in several years, the first one counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Rows of an hour.
+    intervals: u32,
+    /// The earliest and the latest year of the rows.
+    years: Option<[u32; 2]>,
+    /// In the order of the file, without repeated dates.
+    hours: Vec<Hour>,
+    /// The first of the 24 hours of every day of a year without 29 February, if the file has it.
+    days: Vec<Option<usize>>,
+}
+
+/// An hour of weather.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hour {
+    /// From 0.
+    pub month: usize,
+    /// Dry bulb at the end of the hour, °C.
+    pub dry_bulb: f64,
+    /// Relative humidity at the end of the hour, %.
+    pub relative_humidity: f64,
+    /// Mean global horizontal radiation, W/m².
+    pub radiation: f64,
+}
+
+impl Record {
+    /// Reads the hours of an EPW text; `path` is used in error messages.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the line and the reason: a row that the engine cannot read or that is not plausible, a row
+    /// that is shorter than the others, an hour or a day out of sequence, or an incomplete last day.
+    pub(crate) fn of(text: &str, path: &Path) -> Result<Self> {
+        Self::read(text).map_err(|why| Error::Malformed { path: path.to_owned(), why })
+    }
+
+    /// As [`Record::of`].
+    ///
+    /// # Errors
+    /// The line and the reason.
+    pub(super) fn read(text: &str) -> std::result::Result<Self, String> {
+        let hint = if text.starts_with("LOCATION") { "" } else { "; an EPW file begins with LOCATION" };
+        let (intervals, periods) = data_periods(text)?;
+        let mut reader = Reader::new(intervals, periods > 1);
+        for (index, line) in text.lines().enumerate().skip(HEADER_LINES) {
+            if !line.trim().is_empty() {
+                let read = Row::read(line).and_then(|row| reader.add(&row));
+                read.map_err(|why| format!("line {}: {why}{hint}", index + 1))?;
+            }
+        }
+        reader.finish()
+    }
+
+    /// Returns the number of rows of an hour.
+    pub fn intervals(&self) -> u32 {
+        self.intervals
+    }
+
+    /// Returns the year of the rows, if they have one in common, as those of a measured year.
+    pub fn year(&self) -> Option<u32> {
+        self.years.filter(|[first, last]| first == last).map(|[year, _]| year)
+    }
+
+    /// Returns whether every day of a year is in the file.
+    pub fn is_whole_year(&self) -> bool {
+        self.days.iter().all(Option::is_some)
+    }
+
+    /// Returns the first day of the year, of those from `first` to `last` (1 to 365), that is not in the file.
+    pub fn first_missing(&self, first: u32, last: u32) -> Option<u32> {
+        (first..=last).find(|day| self.days[*day as usize - 1].is_none())
+    }
+
+    /// Returns the first and the last day of the year in the order of the file.
+    pub fn span(&self) -> Option<[u32; 2]> {
+        let with_start = self.days.iter().zip(1..).filter_map(|(start, day)| Some(((*start)?, day)));
+        let of = |best: Option<(usize, u32)>| best.map(|(_, day)| day);
+        Some([of(with_start.clone().min())?, of(with_start.max())?])
+    }
+
+    /// Returns the dry bulb at the end of each hour of a year without 29 February, °C. A day that the file lacks is as the
+    /// nearest that it has.
+    pub fn dry_bulbs(&self) -> Vec<f64> {
+        self.by_date(|hour| hour.dry_bulb)
+    }
+
+    /// Returns the mean global horizontal radiation of each hour of a year without 29 February, W/m². A day that the file
+    /// lacks is as the nearest that it has.
+    pub fn global_radiation(&self) -> Vec<f64> {
+        self.by_date(|hour| hour.radiation)
+    }
+
+    /// Returns the hours in the order of the file.
+    pub(crate) fn hours(&self) -> &[Hour] {
+        &self.hours
+    }
+
+    /// Returns the mean dry bulb of each month, °C; `None` if a month has no hours.
+    pub(crate) fn monthly_dry_bulbs(&self) -> Option<[f64; 12]> {
+        let (mut sums, mut counts) = ([0.0; 12], [0.0; 12]);
+        for hour in &self.hours {
+            sums[hour.month] += hour.dry_bulb;
+            counts[hour.month] += 1.0;
+        }
+        let means = std::array::from_fn(|month| sums[month] / counts[month]);
+        means.iter().all(|mean: &f64| mean.is_finite()).then_some(means)
+    }
+
+    /// Returns the mean dry bulb, °C; NaN without hours.
+    pub(crate) fn mean_dry_bulb(&self) -> f64 {
+        mean(self.hours.iter().map(|hour| hour.dry_bulb))
+    }
+
+    fn by_date(&self, value: impl Fn(&Hour) -> f64) -> Vec<f64> {
+        let starts = (0..DAYS).filter_map(|day| self.nearest(day));
+        starts.flat_map(|start| &self.hours[start..start + 24]).map(value).collect()
+    }
+
+    /// Returns the first hour of the nearest day of the file.
+    fn nearest(&self, day: usize) -> Option<usize> {
+        (0..DAYS).find_map(|away| self.days[(day + DAYS - away) % DAYS].or(self.days[(day + away) % DAYS]))
+    }
+}
+
+/// Returns a mean; NaN of nothing.
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// Returns the rows of an hour and the number of periods in the header; 1 and 1 without the line.
+fn data_periods(text: &str) -> std::result::Result<(u32, u32), String> {
+    let line = text.lines().take(HEADER_LINES).find(|line| {
+        line.split(',').next().is_some_and(|title| title.trim().eq_ignore_ascii_case("DATA PERIODS"))
+    });
+    let Some(line) = line else { return Ok((1, 1)) };
+    let mut fields = line.split(',').skip(1).map(|field| field.trim().parse().ok());
+    let mut next = || fields.next().flatten();
+    let (periods, intervals) = (next(), next());
+    match intervals {
+        Some(intervals @ (1 | 2 | 3 | 4 | 5 | 6 | 10 | 12 | 15 | 20 | 30 | 60)) => {
+            Ok((intervals, periods.unwrap_or(1)))
+        }
+        _ => Err(format!(
+            "`{line}` does not give the rows of an hour: expected DATA PERIODS,1, and a number that divides 60"
+        )),
+    }
+}
+
+/// Reads rows one after the other.
+struct Reader {
+    record: Record,
+    /// Whether days may be missing between others.
+    has_gaps: bool,
+    rows: usize,
+    columns: usize,
+    date: [u32; 2],
+    /// Whether the date of the present day has been read before.
+    repeated: bool,
+    seen_leap_day: bool,
+    /// Last dry bulb and humidity.
+    last: [f64; 2],
+    /// Radiation of the rows of the present hour.
+    radiation: f64,
+}
+
+impl Reader {
+    fn new(intervals: u32, has_gaps: bool) -> Self {
+        Self {
+            record: Record { intervals, years: None, hours: Vec::new(), days: vec![None; DAYS] },
+            has_gaps,
+            rows: 0,
+            columns: 0,
+            date: [0, 0],
+            repeated: false,
+            seen_leap_day: false,
+            last: FIRST,
+            radiation: 0.0,
+        }
+    }
+
+    fn add(&mut self, row: &Row) -> std::result::Result<(), String> {
+        let intervals = self.record.intervals as usize;
+        let (in_hour, hour) = (self.rows % intervals, self.rows / intervals % 24 + 1);
+        if self.rows == 0 {
+            self.columns = row.columns;
+        } else if row.columns < self.columns {
+            return Err(format!(
+                "{} columns instead of {} as before: it is truncated",
+                row.columns, self.columns
+            ));
+        }
+        if row.hour as usize != hour {
+            return Err(format!(
+                "hour {}; expected hour {hour} of a day from 1 to 24 with {intervals} row(s) each",
+                row.hour
+            ));
+        }
+        match hour == 1 && in_hour == 0 {
+            true => self.begin_day([row.month, row.day])?,
+            false if [row.month, row.day] != self.date => {
+                let [month, day] = self.date;
+                return Err(format!(
+                    "date {:02}-{:02} in the middle of the day {month:02}-{day:02}",
+                    row.month, row.day
+                ));
+            }
+            false => {}
+        }
+        self.rows += 1;
+        let [earliest, latest] = self.record.years.unwrap_or([row.year; 2]);
+        self.record.years = Some([earliest.min(row.year), latest.max(row.year)]);
+        for (last, value) in self.last.iter_mut().zip([row.dry_bulb, row.relative_humidity]) {
+            *last = value.unwrap_or(*last);
+        }
+        self.radiation += row.radiation.unwrap_or(0.0);
+        if in_hour + 1 == intervals {
+            self.end_hour();
+        }
+        Ok(())
+    }
+
+    fn begin_day(&mut self, date: [u32; 2]) -> std::result::Result<(), String> {
+        let [month, day] = date;
+        if !exists(date) {
+            return Err(format!("month {month} and day {day} are not a date"));
+        }
+        if self.rows > 0 && !self.has_gaps && !follows(self.date, date) {
+            let [before, yesterday] = self.date;
+            return Err(format!(
+                "{month:02}-{day:02} follows {before:02}-{yesterday:02}: days are missing or out of order, and the engine \
+                 would take one for another"
+            ));
+        }
+        self.date = date;
+        self.repeated = match day_of_year(date) {
+            Some(day) => match &mut self.record.days[day] {
+                Some(_) => true,
+                new => {
+                    *new = Some(self.record.hours.len());
+                    false
+                }
+            },
+            None => std::mem::replace(&mut self.seen_leap_day, true),
+        };
+        Ok(())
+    }
+
+    fn end_hour(&mut self) {
+        let radiation = self.radiation / f64::from(self.record.intervals);
+        self.radiation = 0.0;
+        if !self.repeated {
+            let [dry_bulb, relative_humidity] = self.last;
+            let month = self.date[0] as usize - 1;
+            self.record.hours.push(Hour { month, dry_bulb, relative_humidity, radiation });
+        }
+    }
+
+    fn finish(self) -> std::result::Result<Record, String> {
+        let per_day = 24 * self.record.intervals as usize;
+        if self.rows % per_day == 0 {
+            return Ok(self.record);
+        }
+        let [month, day] = self.date;
+        let there = self.rows % per_day;
+        Err(format!(
+            "the last day, {month:02}-{day:02}, has {there} of {per_day} rows: the file is truncated after {} rows",
+            self.rows
+        ))
+    }
+}
+
+fn exists([month, day]: [u32; 2]) -> bool {
+    let days = MONTH_DAYS.get((month as usize).wrapping_sub(1));
+    day >= 1 && days.is_some_and(|days| day <= *days || (month, day) == (2, 29))
+}
+
+/// Returns the day of the year from 0; `None` for 29 February.
+fn day_of_year([month, day]: [u32; 2]) -> Option<usize> {
+    let before = MONTH_DAYS[..month as usize - 1].iter().sum::<u32>();
+    ((month, day) != (2, 29)).then(|| (before + day) as usize - 1)
+}
+
+/// Returns whether a date is the day after another, in a leap year or not.
+fn follows(before: [u32; 2], date: [u32; 2]) -> bool {
+    match (day_of_year(before), day_of_year(date)) {
+        (Some(before), Some(date)) => (before + 1) % DAYS == date,
+        (Some(_), None) => before == [2, 28],
+        (None, _) => date == [3, 1],
+    }
+}
+
+#[cfg(test)]
+mod tests;

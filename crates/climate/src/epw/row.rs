@@ -1,0 +1,87 @@
+//! A row of an EPW file: the weather of an hour or of a part of it.
+
+/// Columns that the engine needs, up to the indicator of observed weather. It takes the values of later columns, where they
+/// are missing, as unknown.
+const NEEDED: usize = 27;
+/// The column of source and uncertainty flags, the only text among them.
+const FLAGS: usize = 5;
+/// The column of global horizontal radiation, W/m². Negative values and values from 9999 are missing ones.
+const RADIATION: usize = 13;
+const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
+/// The columns whose values must be plausible.
+const COLUMNS: [Column; 4] = [
+    Column { index: 6, quantity: "dry-bulb temperature (°C)", limits: [-90.0, 60.0], missing: 99.9 },
+    Column { index: 7, quantity: "dew point (°C)", limits: [-100.0, 60.0], missing: 99.9 },
+    Column { index: 8, quantity: "relative humidity (%)", limits: [0.0, 110.0], missing: 999.0 },
+    Column { index: 21, quantity: "wind speed (m/s)", limits: [0.0, 115.0], missing: 999.0 },
+];
+
+/// A column with plausible limits, which are beyond the records on Earth, and the code of a missing value.
+struct Column {
+    index: usize,
+    quantity: &'static str,
+    limits: [f64; 2],
+    missing: f64,
+}
+
+/// A row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub year: u32,
+    pub month: u32,
+    pub day: u32,
+    /// Hour that it is in or ends, 1 to 24.
+    pub hour: u32,
+    /// Number of columns.
+    pub columns: usize,
+    /// °C; `None` if missing.
+    pub dry_bulb: Option<f64>,
+    /// %; `None` if missing.
+    pub relative_humidity: Option<f64>,
+    /// Global horizontal, W/m²; `None` if missing.
+    pub radiation: Option<f64>,
+}
+
+impl Row {
+    /// Reads a row.
+    ///
+    /// # Errors
+    /// The reason, if a column that the engine needs is missing, not a finite number or not plausible.
+    pub fn read(line: &str) -> Result<Self, String> {
+        let mut values = [0.0; NEEDED];
+        let mut columns = 0;
+        for (index, text) in line.split(',').enumerate() {
+            columns += 1;
+            if index < NEEDED && index != FLAGS {
+                let number = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+                values[index] =
+                    number.ok_or_else(|| format!("column {} is `{text}`, not a finite number", index + 1))?;
+            }
+        }
+        if columns < NEEDED {
+            return Err(format!("{columns} columns instead of at least {NEEDED}"));
+        }
+        let [dry_bulb, _, relative_humidity, _] = known(&values)?;
+        let [year, month, day, hour] = [0, 1, 2, 3].map(|column| values[column].round() as u32);
+        let radiation = Some(values[RADIATION]).filter(|value| RADIATIONS.contains(value));
+        Ok(Self { year, month, day, hour, columns, dry_bulb, relative_humidity, radiation })
+    }
+}
+
+/// Returns the values of [`COLUMNS`], `None` for the code of a missing value.
+fn known(values: &[f64; NEEDED]) -> Result<[Option<f64>; COLUMNS.len()], String> {
+    let mut known = [None; COLUMNS.len()];
+    for (known, Column { index, quantity, limits: [low, high], missing }) in known.iter_mut().zip(COLUMNS) {
+        let value = values[index];
+        if value == missing {
+            continue;
+        }
+        if !(low..=high).contains(&value) {
+            return Err(format!(
+                "the {quantity} is {value}; expected {low} to {high}, or {missing} if it is missing"
+            ));
+        }
+        *known = Some(value);
+    }
+    Ok(known)
+}
