@@ -72,11 +72,11 @@ pub(super) struct Supervision {
 
 impl Shift {
     /// The shifts of an air handler of several zones.
-    const AIR_LOOP: &[Self] = &[Self::SupplyTemperature, Self::EconomizerLimit];
+    pub const AIR_LOOP: &[Self] = &[Self::SupplyTemperature, Self::EconomizerLimit];
     /// The shifts of a unit of a single zone.
-    const UNIT: &[Self] = &[Self::MinimumFlow, Self::HeatingTemperature, Self::CoolingTemperature];
+    pub const UNIT: &[Self] = &[Self::MinimumFlow, Self::HeatingTemperature, Self::CoolingTemperature];
     /// The shifts of a zone.
-    const ZONE: &[Self] = &[Self::HeatingSetpoint, Self::CoolingSetpoint, Self::Start];
+    pub const ZONE: &[Self] = &[Self::HeatingSetpoint, Self::CoolingSetpoint, Self::Start];
 
     /// Returns name and unit.
     pub fn described(self) -> (&'static str, &'static str) {
