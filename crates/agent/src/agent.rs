@@ -117,7 +117,7 @@ impl Agent {
     ) -> Result<Pilot> {
         let pilot = Pilot::without_model(self.info.interface, spaces, plan, attributes)?;
         match pilot.graph() {
-            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces)?,
+            None => self.check(&pilot.observation().names(), pilot.action_names(), spaces)?,
             Some(_) => {
                 let types = NodeSpaces::of(self.info.interface).first(self.node_types());
                 self.check(&types.slots(), &types.actuators(), spaces)?;
@@ -205,7 +205,10 @@ impl Controller for AgentController {
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
-        self.actor.mean(self.pilot.observe(observation), &mut self.scratch, &mut self.row);
+        self.pilot.observe(observation);
+        if self.pilot.is_due() {
+            self.actor.mean(self.pilot.observed(), &mut self.scratch, &mut self.row);
+        }
         action.copy_from_slice(self.pilot.act(&self.row));
     }
 }

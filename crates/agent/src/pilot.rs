@@ -13,18 +13,22 @@ use crate::plan::NodePlan;
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
 ///
-/// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every action of the network,
-/// alternately.
+/// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every step, alternately. Where
+/// decisions are held, the network acts when [`Pilot::is_due`], and its action is repeated in the other steps.
 #[derive(Clone, Debug)]
 pub struct Pilot {
     observation: AgentObservation,
     graph: Option<Arc<Graph>>,
     driver: Driver,
-    /// The actuator of each action of the network.
-    actuators: Vec<usize>,
-    /// The last action for every actuator, in [-1, 1]; 0 without a network action.
+    /// The driver's action of each action of the network.
+    actions: Vec<usize>,
+    /// The last action of the driver, in [-1, 1]; 0 without a network action.
     previous: Vec<f32>,
     row: Vec<f32>,
+    /// Steps for which a decision is held.
+    hold: usize,
+    /// Steps since the last decision began; 0 before it.
+    held: usize,
 }
 
 impl Pilot {
@@ -50,12 +54,11 @@ impl Pilot {
         plan: Option<&NodePlan>,
         attributes: &[f64],
     ) -> Result<Self> {
-        let acting = interface.acting;
-        let (observation, graph, actuators) = match plan {
+        let driver = Driver::new(interface.acting, plan.is_some(), spaces);
+        let (observation, graph, actions) = match plan {
             None => {
-                let options = interface.observation;
-                let observation = AgentObservation::new(options, attributes, spaces, acting.has_base())?;
-                (observation, None, (0..spaces.action.len()).collect())
+                let observation = AgentObservation::new(interface.observation, attributes, spaces, &driver)?;
+                (observation, None, (0..driver.names().len()).collect())
             }
             Some(plan) => {
                 let view = AgentObservation::by_node(interface, spaces, plan)?;
@@ -66,9 +69,11 @@ impl Pilot {
             row: vec![0.0; observation.width()],
             observation,
             graph,
-            driver: Driver::new(acting, spaces),
-            actuators,
-            previous: vec![0.0; spaces.action.len()],
+            actions,
+            previous: vec![0.0; driver.names().len()],
+            driver,
+            hold: interface.acting.hold(spaces.episode.steps_per_hour),
+            held: 0,
         })
     }
 
@@ -82,11 +87,17 @@ impl Pilot {
         self.observation.reset();
         self.driver.reset();
         self.previous.fill(0.0);
+        self.held = 0;
     }
 
     /// Returns the width of the network's observation and the number of its actions.
     pub fn widths(&self) -> (usize, usize) {
-        (self.row.len(), self.actuators.len())
+        (self.row.len(), self.actions.len())
+    }
+
+    /// Returns the names of the actions of a network that is not a graph network.
+    pub fn action_names(&self) -> &[String] {
+        self.driver.names()
     }
 
     /// Returns the observation of the agent.
@@ -96,8 +107,8 @@ impl Pilot {
 
     /// Takes the next observation of the environment and returns the network's observation.
     pub fn observe(&mut self, observation: &[f64]) -> &[f32] {
-        let base = self.driver.base(observation);
-        self.observation.write(observation, &self.previous, base, &mut self.row);
+        self.driver.observe(observation);
+        self.observation.write(observation, &self.previous, &self.driver, &mut self.row);
         &self.row
     }
 
@@ -106,11 +117,17 @@ impl Pilot {
         &self.row
     }
 
-    /// Takes an action of the network, whose values beyond ±1 are clipped, and returns it in physical units.
+    /// Returns whether the next action is a new decision, rather than the repetition of the last one.
+    pub fn is_due(&self) -> bool {
+        self.held == 0
+    }
+
+    /// Takes the action of the network for a step, whose values beyond ±1 are clipped, and returns it in physical units.
     pub fn act(&mut self, action: &[f32]) -> &[f64] {
-        for (actuator, value) in self.actuators.iter().zip(action) {
-            self.previous[*actuator] = value.clamp(-1.0, 1.0);
+        for (place, value) in self.actions.iter().zip(action) {
+            self.previous[*place] = value.clamp(-1.0, 1.0);
         }
+        self.held = (self.held + 1) % self.hold;
         self.driver.drive(&self.previous)
     }
 }

@@ -73,10 +73,11 @@ impl Credit {
 
     /// Returns the credit of a graph network's building, with a part for every node. The actions of all nodes of a type
     /// form one kind, and so do their parts.
-    pub(crate) fn by_node(spaces: &Spaces, plan: &NodePlan, graph: &Graph) -> Self {
+    /// `owners` has the owner of every action.
+    pub(crate) fn by_node(spaces: &Spaces, plan: &NodePlan, graph: &Graph, owners: &[Owner]) -> Self {
         let (nodes, places) = (graph.nodes(), part_places(spaces, Some(plan), graph.nodes()));
         let mut weights = vec![0.0; graph.actions.len() * nodes];
-        for (weights, credits) in weights.chunks_exact_mut(nodes).zip(credit(spaces)) {
+        for (weights, credits) in weights.chunks_exact_mut(nodes).zip(credit(spaces, owners)) {
             places.iter().zip(credits).for_each(|(place, credit)| weights[*place] = credit);
         }
         Self::of_nodes(graph, &places, weights)
@@ -129,8 +130,9 @@ impl Credit {
 }
 
 /// Returns the weight of each part of a reward (column: controlled zones, then energy) in the advantage of each
-/// actuator (row). A zone's part counts for its own actuators and for the air handler that serves it, energy for all.
-pub(crate) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
+/// action (row), given the owners of the actions. A zone's part counts for its own actions and for the air handler that serves
+/// it, energy for all.
+pub(crate) fn credit(spaces: &Spaces, owners: &[Owner]) -> Vec<Vec<f32>> {
     let zones: Vec<usize> = spaces.controlled_zones().collect();
     let layouts: Vec<_> = spaces.building.laid_out_systems().map(|(_, layout)| layout).collect();
     let serves = |owner: &Owner, zone: usize| match owner {
@@ -142,7 +144,7 @@ pub(crate) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
         let zones = zones.iter().map(|zone| f32::from(u8::from(serves(owner, *zone))));
         zones.chain([1.0]).collect()
     };
-    spaces.action.owners().iter().map(row).collect()
+    owners.iter().map(row).collect()
 }
 
 /// Returns the index of the part of each controlled zone, and then of energy, among the parts of a reward. If there is

@@ -63,6 +63,11 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Returns the steps of each environment between updates.
     fn steps_per_rollout(&self) -> usize;
 
+    /// Returns the discount γ per step, by default 1. The rewards of the steps of a held decision are added with it.
+    fn discount(&self) -> f32 {
+        1.0
+    }
+
     /// Returns the options of a run that the learner supports, by default none.
     fn abilities(&self) -> Abilities {
         Abilities::default()
@@ -115,6 +120,8 @@ pub struct LearnerSetting<'a> {
     pub policy: &'a Policy,
     /// Weight of each part of the reward (column) in the advantage of each action (row), for flat networks with credit.
     pub credit: Option<Vec<Vec<f32>>>,
+    /// Steps for which a decision is held. A step of a rollout is a decision, discounted by its length.
+    pub hold: usize,
     /// Random seed.
     pub seed: u64,
     /// Number of threads. Results do not depend on it.

@@ -6,6 +6,7 @@
 //! bits, whatever the number of threads. [`offline`] learns from recorded episodes instead.
 
 pub mod collector;
+mod comfort_weights;
 pub mod credit;
 pub mod error;
 pub mod fragments;
@@ -25,5 +26,6 @@ pub mod train;
 mod travel;
 mod widths;
 
+pub use comfort_weights::ComfortWeights;
 pub use error::{Error, Result};
 pub use learners::{ppo, sac};

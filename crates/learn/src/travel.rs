@@ -19,7 +19,7 @@ impl TravelCost {
     pub(crate) fn new(spaces: &Spaces, places: &[usize], parts: usize) -> Self {
         let actuators = spaces.action.len();
         let mut shares = vec![0.0; actuators * parts];
-        for (row, credits) in shares.chunks_exact_mut(parts).zip(credit(spaces)) {
+        for (row, credits) in shares.chunks_exact_mut(parts).zip(credit(spaces, spaces.action.owners())) {
             let zones = credits.len() - 1;
             let served: f32 = credits[..zones].iter().sum();
             match served > 0.0 {

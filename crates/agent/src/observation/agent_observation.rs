@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use b2b_env::Spaces;
+use b2b_env::{Bands, NextPair, Spaces};
 use b2b_workers::Arrangement;
 
 use super::feature::{Context, Feature, LinearFeature};
@@ -10,8 +10,10 @@ use super::features::features;
 use super::known::{attribute_features, forecast_features};
 use super::memory::Memory;
 use super::options::{ObservationForm, ObservationOptions};
+use super::supervised::supervised;
 use super::{outdoor, scaled};
 use crate::Result;
+use crate::acting::Driver;
 
 /// The observation of an agent in an episode of a building.
 #[derive(Clone, Debug)]
@@ -20,34 +22,49 @@ pub struct AgentObservation {
     memory: Memory,
     /// Outdoor temperatures at the end of each hour of the year, °C; empty without a forecast.
     outdoor: Vec<f64>,
+    /// Bands of a task of operation, and the next change of each zone's setpoints; none if no slot needs them.
+    bands: Option<Bands>,
+    changes: Vec<Option<NextPair>>,
+    calendar: [usize; 2],
 }
 
 impl AgentObservation {
-    /// Returns the observation for a building with these [`attributes`](super::attributes). With a base controller, features
-    /// include its action.
+    /// Returns the observation for a building with these [`attributes`](super::attributes). Features include the action of the
+    /// reactive controllers that an agent corrects, or the decisions of the sequences that it supervises.
     ///
     /// # Errors
     /// [`Error::Weather`](crate::Error::Weather) for an unreadable weather file.
-    pub fn new(
+    pub(crate) fn new(
         options: ObservationOptions,
         attributes: &[f64],
         spaces: &Arc<Spaces>,
-        has_base: bool,
+        driver: &Driver,
     ) -> Result<Self> {
         let mut features = match options.form {
             ObservationForm::Raw => scaled::features(&Arrangement::InOrder.of(spaces)),
             ObservationForm::Roles => scaled::features(&Arrangement::ByRole.of(spaces)),
-            ObservationForm::Features => features(spaces, has_base),
+            ObservationForm::Features => match driver.supervisor() {
+                Some(supervisor) => supervised(spaces, supervisor),
+                None => features(spaces, !driver.base().is_empty()),
+            },
         };
         features.extend(attribute_features(attributes, spaces));
         features.extend(forecast_features(options.forecast, spaces));
         let outdoor = outdoor::temperatures(options.forecast, spaces)?;
-        Ok(Self { outdoor, ..Self::of_features(features, spaces) })
+        Ok(Self { outdoor, ..Self::of_features(features, spaces, driver.supervisor().is_some()) })
     }
 
-    /// Creates an observation of these slots, without a forecast.
-    pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces) -> Self {
-        Self { features, memory: Memory::new(spaces), outdoor: Vec::new() }
+    /// Creates an observation of these slots, without a forecast; with `previews`, of changes of bands ahead too.
+    pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces, previews: bool) -> Self {
+        let bands = Bands::new(&spaces.episode.task.setpoints, &spaces.building).filter(|_| previews);
+        Self {
+            features,
+            memory: Memory::new(spaces),
+            outdoor: Vec::new(),
+            changes: vec![None; bands.as_ref().map_or(0, |_| spaces.controlled_zones().count())],
+            bands,
+            calendar: [spaces.observation.day_of_year(), spaces.observation.time_of_day()],
+        }
     }
 
     /// Returns the slots in order.
@@ -76,11 +93,19 @@ impl AgentObservation {
     }
 
     /// Writes the observation of the agent. Called once for every observation of the environment, in order. `previous`
-    /// is the agent's last action, `base` the base controller's next one; both in [-1, 1].
-    pub fn write(&mut self, observation: &[f64], previous: &[f32], base: &[f32], row: &mut [f32]) {
+    /// is the agent's last action, in [-1, 1].
+    pub(crate) fn write(&mut self, observation: &[f64], previous: &[f32], driver: &Driver, row: &mut [f32]) {
         self.memory.remember(observation);
-        let Self { memory, outdoor, .. } = &*self;
-        let context = Context { observation, memory, outdoor, previous, base };
+        if let Some(bands) = &self.bands {
+            let [day, hour] = self.calendar.map(|slot| observation[slot]);
+            for (zone, change) in self.changes.iter_mut().enumerate() {
+                *change = bands.next(zone, day as u32, hour);
+            }
+        }
+        let Self { memory, outdoor, changes, .. } = &*self;
+        let decisions = driver.supervisor().map_or(&[][..], |supervisor| supervisor.decisions());
+        let base = driver.base();
+        let context = Context { observation, memory, outdoor, changes, previous, base, decisions };
         for (value, feature) in row.iter_mut().zip(&self.features) {
             *value = feature.value(&context) as f32;
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use b2b_env::Target;
+use b2b_env::{NextPair, Target};
 
 use super::memory::Memory;
 use super::outdoor::{OUTDOOR, at_hour};
@@ -43,6 +43,16 @@ pub(super) enum Source {
     Year { slot: usize, cosine: bool },
     /// The outdoor temperature a number of hours ahead, by the slots of the day of the year and the time of day.
     Forecast { day: usize, hour: usize, ahead: f64 },
+    /// One slot less another.
+    Difference { slot: usize, less: usize, scale: f64, limit: f64 },
+    /// Proximity of the next change of the band of a zone, by its index: 1 now, 0 in 12 hours or more.
+    ChangeAhead { zone: usize },
+    /// By how much the next change moves the heating setpoint in a slot, or the cooling setpoint.
+    NextSetpoint { zone: usize, slot: usize, cooling: bool, scale: f64, limit: f64 },
+    /// The deviation of a decision of the supervised sequences from a center.
+    Decision { decision: usize, center: f64, scale: f64, limit: f64 },
+    /// Whether a decision of the supervised sequences has a value.
+    DecisionIs { decision: usize, value: f64 },
     /// The agent's previous action for an actuator.
     Previous(usize),
     /// The base controller's next action for an actuator.
@@ -63,8 +73,12 @@ pub(super) struct Context<'a> {
     pub(super) memory: &'a Memory,
     /// Outdoor temperatures at the end of each hour of the year, °C.
     pub(super) outdoor: &'a [f64],
+    /// The next change of the band of each zone.
+    pub(super) changes: &'a [Option<NextPair>],
     pub(super) previous: &'a [f32],
     pub(super) base: &'a [f32],
+    /// Decisions of the supervised sequences in the last step.
+    pub(super) decisions: &'a [f64],
 }
 
 impl Feature {
@@ -85,7 +99,7 @@ impl Feature {
     }
 
     pub(super) fn value(&self, context: &Context<'_>) -> f64 {
-        let Context { observation, memory, outdoor, previous, base } = context;
+        let Context { observation, memory, outdoor, changes, previous, base, decisions } = context;
         match self.source {
             Source::Constant(value) => value,
             Source::Bounded { slot, low, high } => 2.0 * (observation[slot] - low) / (high - low) - 1.0,
@@ -110,6 +124,20 @@ impl Feature {
                 let (center, scale) = OUTDOOR;
                 (at_hour(outdoor, hour) - center) / scale
             }
+            Source::Difference { slot, less, scale, limit } => {
+                clipped(observation[slot] - observation[less], scale, limit)
+            }
+            Source::ChangeAhead { zone } => {
+                changes[zone].map_or(0.0, |next| (1.0 - next.hours / HOURS_AHEAD).max(0.0))
+            }
+            Source::NextSetpoint { zone, slot, cooling, scale, limit } => changes[zone].map_or(0.0, |next| {
+                let setpoint = if cooling { next.pair.cooling } else { next.pair.heating };
+                clipped(setpoint - observation[slot], scale, limit)
+            }),
+            Source::Decision { decision, center, scale, limit } => {
+                clipped(decisions[decision] - center, scale, limit)
+            }
+            Source::DecisionIs { decision, value } => f64::from(u8::from(decisions[decision] == value)),
             Source::Previous(actuator) => f64::from(previous[actuator]),
             Source::Base(actuator) => f64::from(base[actuator]),
         }
@@ -118,6 +146,9 @@ impl Feature {
 
 /// Hours of a week.
 pub(super) const HOURS_OF_WEEK: f64 = 168.0;
+
+/// Hours from which on a change of a band is far away.
+const HOURS_AHEAD: f64 = 12.0;
 
 fn clipped(value: f64, scale: f64, limit: f64) -> f64 {
     (value / scale).clamp(-limit, limit)

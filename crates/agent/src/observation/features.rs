@@ -111,6 +111,16 @@ pub(super) fn weather(outdoor: usize, humidity: usize) -> [(&'static str, Source
 /// Sines and cosines of the time and the hours of the week, from the slots of hour, day of the week and day of the
 /// year.
 pub(super) fn calendar(hour: usize, day: usize, date: usize) -> Vec<(String, Source)> {
+    let mut features = hours_and_seasons(hour, day, date);
+    for at in 0..HOURS_OF_WEEK as u32 {
+        let (weekday, clock) = (WEEKDAYS[at as usize / 24], at % 24);
+        features.push((format!("{weekday} {clock} h"), Source::HourOfWeek { day, hour, at: at.into() }));
+    }
+    features
+}
+
+/// Sines and cosines of the time, from the slots of hour, day of the week and day of the year.
+pub(super) fn hours_and_seasons(hour: usize, day: usize, date: usize) -> Vec<(String, Source)> {
     let mut features = Vec::new();
     for (name, cosine) in [("sine", false), ("cosine", true)] {
         features.extend([
@@ -119,10 +129,6 @@ pub(super) fn calendar(hour: usize, day: usize, date: usize) -> Vec<(String, Sou
             (format!("week, {name}"), Source::Week { day, hour, cosine }),
             (format!("year, {name}"), Source::Year { slot: date, cosine }),
         ]);
-    }
-    for at in 0..HOURS_OF_WEEK as u32 {
-        let (weekday, clock) = (WEEKDAYS[at as usize / 24], at % 24);
-        features.push((format!("{weekday} {clock} h"), Source::HourOfWeek { day, hour, at: at.into() }));
     }
     features
 }

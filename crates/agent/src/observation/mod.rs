@@ -9,6 +9,7 @@ mod nodes;
 pub(crate) mod options;
 mod outdoor;
 mod scaled;
+mod supervised;
 
 pub use agent_observation::AgentObservation;
 pub use feature::Feature;

@@ -11,10 +11,12 @@ use super::agent_observation::AgentObservation;
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, temperature, weather};
 use super::options::ObservationForm;
+use super::supervised::{SupervisedNode, node_features, node_shifts};
 use crate::interface::Interface;
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
 use crate::plan::{NodePlan, PlannedNode};
+use crate::supervisor::Supervisor;
 use crate::{Error, Result};
 
 /// The observation of a building node by node, and its graph.
@@ -24,8 +26,10 @@ pub struct NodeView {
     pub observation: AgentObservation,
     /// The assignment of features and actions to nodes.
     pub graph: Graph,
-    /// The actuator of each action.
+    /// The actuator of each action, or the supervisory point.
     pub actuators: Vec<usize>,
+    /// The owner of each.
+    pub owners: Vec<Owner>,
 }
 
 /// The features and actions of each node type, which are the same in every building.
@@ -46,11 +50,11 @@ impl NodeSpaces {
     pub fn of(interface: Interface) -> Self {
         let types = NodeType::ALL.map(|node_type| TypeSpaces {
             name: node_type.name(),
-            features: local_features(interface, node_type, &Nowhere)
+            features: local_features(interface, node_type, &Nowhere, None)
                 .into_iter()
                 .map(|(name, _)| name)
                 .collect(),
-            actions: node_type.action().iter().map(|slot| text(&slot.quantity)).collect(),
+            actions: action_names(interface, node_type),
         });
         Self { types: types.into() }
     }
@@ -99,9 +103,13 @@ impl AgentObservation {
             building: spaces.building.name.clone(),
             source: format!("{what} {name}").into(),
         };
+        let supervisor = interface.acting.is_supervision().then(|| Supervisor::new(false, spaces));
         let (mut features, mut widths) = (Vec::new(), Vec::new());
         for node in &plan.nodes {
-            let local = local_features(interface, node.kind(), &Placed { spaces, plan, node });
+            let supervised =
+                supervisor.as_ref().map(|supervisor| SupervisedNode::new(spaces, supervisor, node.owner()));
+            let placed = Placed { spaces, plan, node };
+            let local = local_features(interface, node.kind(), &placed, supervised.as_ref());
             widths.push(local.len());
             let name = |what: String| match what.starts_with(&node.name) {
                 true => what,
@@ -109,26 +117,47 @@ impl AgentObservation {
             };
             features.extend(local.into_iter().map(|(what, source)| Feature::new(name(what), source)));
         }
-        let (mut actions, mut actuators) = (Vec::new(), Vec::new());
-        let action = &spaces.action;
-        for (actuator, (owner, quantity)) in action.owners().iter().zip(action.quantities()).enumerate() {
-            let has_it = |node: &PlannedNode| node.owner() == *owner;
+        let (mut actions, mut actuators, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        for (actuator, (owner, what)) in acted(spaces, supervisor.as_ref()).into_iter().enumerate() {
+            let has_it = |node: &PlannedNode| node.owner() == owner;
             let Some(node) = plan.nodes.iter().position(has_it) else {
                 match plan.left_out.iter().any(has_it) {
                     true => continue,
-                    false => return Err(failed("no node has", &action.names()[actuator])),
+                    false => return Err(failed("no node has", &what)),
                 }
             };
-            let mut outputs = plan.nodes[node].kind().action().iter();
-            let output = outputs.position(|slot| slot.quantity == *quantity);
-            actions.push((
-                node,
-                output.ok_or_else(|| failed("its node does not have", &action.names()[actuator]))?,
-            ));
+            let names = action_names(interface, plan.nodes[node].kind());
+            let output = names.iter().position(|name| *name == what);
+            actions.push((node, output.ok_or_else(|| failed("its node does not have", &what))?));
             actuators.push(actuator);
+            owners.push(owner);
         }
         let graph = Graph::new(plan, &widths, &actions);
-        Ok(NodeView { observation: Self::of_features(features, spaces), graph, actuators })
+        let observation = Self::of_features(features, spaces, supervisor.is_some());
+        Ok(NodeView { observation, graph, actuators, owners })
+    }
+}
+
+/// Returns the owner of every actuator, or of every supervisory point, and its name within a node.
+fn acted(spaces: &Spaces, supervisor: Option<&Supervisor>) -> Vec<(Owner, String)> {
+    match supervisor {
+        Some(supervisor) => {
+            let points = supervisor.guideline().supervisory_points().iter();
+            points.map(|point| (point.owner, point.shift.described().0.to_owned())).collect()
+        }
+        None => {
+            let action = &spaces.action;
+            let actuators = action.owners().iter().zip(action.quantities());
+            actuators.map(|(owner, quantity)| (*owner, text(quantity))).collect()
+        }
+    }
+}
+
+/// Returns the names of the actions of a node of a type.
+fn action_names(interface: Interface, node_type: NodeType) -> Vec<String> {
+    match interface.acting.is_supervision() {
+        true => node_shifts(node_type).into_iter().map(|shift| shift.described().0.to_owned()).collect(),
+        false => node_type.action().iter().map(|slot| text(&slot.quantity)).collect(),
     }
 }
 
@@ -214,9 +243,16 @@ impl Places for Nowhere {
 }
 
 /// Returns the features of a node, in an order that only depends on its type.
-fn local_features(interface: Interface, node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
+fn local_features(
+    interface: Interface,
+    node_type: NodeType,
+    places: &dyn Places,
+    supervised: Option<&SupervisedNode<'_>>,
+) -> Vec<(String, Source)> {
+    let is_supervised = interface.acting.is_supervision() && !node_shifts(node_type).is_empty();
     let mut features = match interface.observation.form {
         ObservationForm::Raw | ObservationForm::Roles => observed(node_type, places),
+        ObservationForm::Features if is_supervised => node_features(node_type, supervised),
         ObservationForm::Features => computed(interface, node_type, places),
     };
     if interface.nodes.is_some_and(|form| form.attributes) {
@@ -276,7 +312,7 @@ fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> V
         let of = |source: fn(usize) -> Source| actuator.map_or(Source::Constant(0.0), source);
         let name = text(&action.quantity);
         features.push((format!("{name} previous"), of(Source::Previous)));
-        if interface.acting.has_base() {
+        if interface.acting.is_correction() {
             features.push((format!("{name} base"), of(Source::Base)));
         }
     }

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
 use b2b_agent::{
-    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, ObservationForm,
-    ObservationOptions, Pilot, TrainingInfo,
+    Acting, Agent, AgentInfo, Error, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot,
+    TrainingInfo,
 };
 use b2b_control::{Controller, Reactive};
 use b2b_dataset::{Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, Spaces, rollout};
 
-fn env(building: &str, task: &str) -> Env {
+pub fn env(building: &str, task: &str) -> Env {
     let catalog = Catalog::open(&mut Quiet).unwrap();
     let found = catalog.find(&building.parse().unwrap(), &Placement::default(), &mut Quiet).unwrap();
     let weather = found.weather.clone();
@@ -24,7 +24,7 @@ fn env(building: &str, task: &str) -> Env {
 }
 
 /// An actor with small weights that depend on the seed.
-fn actor(pilot: &Pilot, scale: f32) -> Actor {
+pub fn actor(pilot: &Pilot, scale: f32) -> Actor {
     let (inputs, outputs) = pilot.widths();
     let shape = Mlp::new(inputs, &[8], outputs, Activation::Tanh);
     let parameters =
@@ -184,10 +184,9 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
     for house in ["SingleFamilyHouse-0014", "SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
         let mut env = env(house, "occupancy");
         let spaces = Arc::clone(env.spaces());
-        let observation = AgentObservation::new(FEATURES, &[], &spaces, true).unwrap();
-        let here: Vec<String> = observation.names();
-        assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
         let mut pilot = Pilot::new(RESIDUAL, &spaces).unwrap();
+        let here: Vec<String> = pilot.observation().names();
+        assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
         let mut seen = env.reset().unwrap().to_vec();
         for _ in 0..200 {
             let row = pilot.observe(&seen).to_vec();

@@ -1,4 +1,4 @@
-//! `b2b train`: resumable training of an agent, scored against the reactive controllers.
+//! `b2b train`: resumable training of an agent, scored against the baseline of its task.
 
 mod bar;
 
@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Placement};
+use b2b_env::Task;
 use b2b_evaluate::statistics::beats_baseline;
 use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, TrainConfig};
 
@@ -18,7 +19,7 @@ use crate::progress::Download;
 use crate::{interrupt, program, stdout};
 use bar::Bar;
 
-/// Train an agent and score it against the reactive controllers
+/// Train an agent and score it against the baseline
 ///
 /// The output folder is the agent: `b2b evaluate --policy FOLDER` and `b2b benchmark run` accept it as a policy. It
 /// also has config.toml (every option), progress.csv, TensorBoard events, curve.html, summary.json and the checkpoint.
@@ -35,8 +36,9 @@ pub struct Arguments {
     /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
     #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
     problem: Option<String>,
-    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers) or graph (one
-    /// network for buildings of several types) [default: residual]
+    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), graph (one
+    /// network for buildings of several types) or supervisory (shifts of what guideline36 chooses) [default: residual;
+    /// supervisory in tasks of operation]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any options of a run's config.toml; other arguments take precedence
@@ -64,6 +66,10 @@ pub struct Arguments {
     /// Form of observations: raw, roles or features [default: the preset's]
     #[arg(long, value_name = "FORM")]
     observation: Option<ObservationForm>,
+    /// How the agent acts: direct, residual:0.5 or supervisory:60, which shifts what guideline36 chooses and holds each
+    /// decision for 15, 30 or 60 minutes [default: the preset's]
+    #[arg(long, value_name = "KIND", conflicts_with_all = ["direct", "authority"])]
+    acting: Option<Acting>,
     /// Train an agent that sets the actuators directly, without the reactive controllers
     #[arg(long, conflicts_with = "authority")]
     direct: bool,
@@ -76,7 +82,7 @@ pub struct Arguments {
     /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
-        "direct", "authority", "out", "place", "weather",
+        "acting", "direct", "authority", "out", "place", "weather",
     ])]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -92,6 +98,7 @@ const EXAMPLES: &str = "\
 Examples:
   b2b train OfficeSmall-0509 --task occupancy --period summer
   b2b train SingleFamilyHouse-0042 --preset paper --steps 400000
+  b2b train OfficeSmall-0509 --task operate --period 07-01..07-31
   b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
   b2b train --preset graph --type OfficeSmall RetailStandalone   one policy for both types
   b2b train --problem dynamics-office-small --steps 1000000 --out runs/offices-0
@@ -141,7 +148,7 @@ impl Arguments {
             config.training_set.allow_external = self.location.placement().allow_external;
             return Ok(config);
         }
-        let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
+        let base = TrainConfig::preset(self.preset())?;
         let base = self.with_algorithm(base)?;
         let base = match &self.problem {
             Some(problem) => base.with_problem(problem)?,
@@ -158,6 +165,19 @@ impl Arguments {
         };
         self.change(&mut config);
         Ok(config)
+    }
+
+    /// Returns the preset: the named one, or the one for the agent's acting and tasks.
+    fn preset(&self) -> &str {
+        let acts_below = self.direct || self.authority.is_some() || self.problem.is_some();
+        let operates =
+            self.task.as_ref().is_some_and(|tasks| tasks.as_slice().iter().all(Task::is_operation));
+        let default = match self.acting {
+            Some(Acting::Supervisory { .. }) => "supervisory",
+            None if operates && !acts_below => "supervisory",
+            _ => "residual",
+        };
+        self.preset.as_deref().unwrap_or(default)
     }
 
     fn with_algorithm(&self, config: TrainConfig) -> Result<TrainConfig> {
@@ -189,6 +209,7 @@ impl Arguments {
         training_set.allow_external |= allow_external;
         training_set.keep_design_days |= keep_design_days;
         set(&mut training_set.control, &self.location.control);
+        set(&mut agent.acting, &self.acting);
         if self.direct {
             agent.acting = Acting::Direct;
         }
@@ -212,7 +233,7 @@ impl Arguments {
             } else {
                 Path::new(&set.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
             };
-            let preset = self.preset.as_deref().unwrap_or("residual");
+            let preset = self.preset();
             let name = format!("train-{what}-{preset}-{}", config.budget.seed);
             PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_"))
         })
@@ -271,6 +292,9 @@ fn text(summary: &Summary) -> String {
 
 /// Formats the scores of an agent.
 fn measures_text(measures: &Measures) -> String {
+    if measures.cost_ratio.is_finite() {
+        return operation_text(measures);
+    }
     let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
     format!(
         "score             {:.3}   {verdict} the reactive controllers\n\
@@ -283,6 +307,25 @@ fn measures_text(measures: &Measures) -> String {
         measures.resolved_score,
         measures.rms_deviation_k,
         measures.energy_ratio,
+        measures.travel_per_day,
+        measures.relative_travel,
+        100.0 * measures.oscillating_share,
+    )
+}
+
+/// Formats the scores of an agent in tasks of operation.
+fn operation_text(measures: &Measures) -> String {
+    let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
+    format!(
+        "score at comfort  {:.3}   {verdict} guideline36\n\
+         cost              {:.3} of guideline36's\n\
+         discomfort        {:.3} K·h per zone and day; guideline36 {:.3}\n\
+         actuator travel   {:.1} strokes/day, {:.2} of the limit\n\
+         oscillation       {:.1} % of zone-steps\n\n",
+        measures.score,
+        measures.cost_ratio,
+        measures.discomfort,
+        measures.baseline_discomfort,
         measures.travel_per_day,
         measures.relative_travel,
         100.0 * measures.oscillating_share,

@@ -8,6 +8,8 @@ use super::points::{NextBand, ZoneInput};
 
 /// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
 const HALF_BAND: f64 = 0.25;
+/// Days of the year in winter and in summer.
+const SEASONS: [u32; 2] = [10, 190];
 
 /// Where the points of zones and site are in the observation.
 #[derive(Clone, Debug)]
@@ -48,6 +50,12 @@ impl Inputs {
             day_of_year: space.day_of_year(),
             time_of_day: space.time_of_day(),
         }
+    }
+
+    /// Returns whether the band of a controlled zone changes within a week of winter or summer.
+    pub(super) fn band_changes(&self, controlled: usize) -> bool {
+        let changes = |bands: &Bands| SEASONS.iter().any(|day| bands.next(controlled, *day, 0.0).is_some());
+        self.bands.as_ref().is_some_and(changes)
     }
 
     /// Writes the points of the zones; returns the outdoor temperature, °C. Allocates nothing once `points` has room for all.

@@ -7,7 +7,8 @@
 //!   outdoor air and terminals.
 //! - `single_zone`: a unit of one zone. `thermostat`: a heater, or a zone whose equipment follows its setpoints.
 //!
-//! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations.
+//! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations. `supervision` shifts what the
+//! sequences choose.
 //!
 //! Not representable with the actuators: static pressure, discharge temperatures of terminals, return and relief fans, and
 //! the stages of freeze protection on coils.
@@ -20,6 +21,7 @@ mod parameters;
 mod points;
 mod record;
 mod single_zone;
+mod supervision;
 #[cfg(test)]
 mod tests;
 mod thermostat;
@@ -35,6 +37,7 @@ pub(crate) use kind::Kind;
 pub use modes::Mode;
 pub use parameters::{AirLoopParameters, Guideline36Parameters, UnitaryParameters};
 pub use points::{NextBand, Setpoints, SiteInput, ZoneInput};
+pub use supervision::{Shift, SupervisoryPoint};
 pub use zone::LoopGains;
 pub use zone::demand::DemandLevel;
 
@@ -42,6 +45,7 @@ use air_loop::AirLoop;
 use inputs::Inputs;
 use record::{Entry, Writer};
 use single_zone::{SingleZone, Unit};
+use supervision::Supervision;
 use thermostat::Thermostat;
 
 /// The guideline's sequences, one set per system of a building.
@@ -56,6 +60,7 @@ pub struct Guideline36 {
     points: Vec<ZoneInput>,
     /// Modes ([`Mode::number`]), setpoints, requests and loops of the last step.
     record: Decisions,
+    supervision: Supervision,
 }
 
 /// A system with its sequences.
@@ -87,14 +92,32 @@ impl Guideline36 {
             let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
             ControlledSystem { sequences, actions: layout.actions.clone(), zones }
         };
+        let systems: Vec<_> = spaces.building.laid_out_systems().map(control).collect();
+        let inputs = Inputs::new(spaces);
         Self {
-            systems: spaces.building.laid_out_systems().map(control).collect(),
-            inputs: Inputs::new(spaces),
+            supervision: Supervision::new(spaces, &systems, &inputs),
+            systems,
+            inputs,
             demand: DemandLevel::new(parameters.demand_level.round() as u8).unwrap_or_default(),
             hours: 1.0 / f64::from(spaces.episode.steps_per_hour),
             points: Vec::with_capacity(spaces.controlled_zones().count()),
             record,
         }
+    }
+
+    /// Returns the points that a supervisor may set: what it shifts, between which limits.
+    pub fn supervisory_points(&self) -> &[SupervisoryPoint] {
+        self.supervision.points()
+    }
+
+    /// Shifts what the sequences choose, from the next step to the next call or reset. All zeros are the guideline itself.
+    /// Values beyond the limits of their points are clipped.
+    ///
+    /// # Panics
+    /// If there is not one value for every point of [`Guideline36::supervisory_points`].
+    pub fn supervise(&mut self, values: &[f64]) {
+        assert_eq!(values.len(), self.supervisory_points().len(), "a value for every supervisory point");
+        self.supervision.set(&mut self.systems, |point| values[point]);
     }
 
     /// Writes the action for the points of the controlled zones, in model order, and of the site.
@@ -111,6 +134,7 @@ impl Guideline36 {
 impl Controller for Guideline36 {
     fn reset(&mut self) {
         self.systems.iter_mut().for_each(|system| system.sequences.reset());
+        self.supervision.set(&mut self.systems, |_| 0.0);
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
@@ -173,6 +197,17 @@ impl Sequences {
             Self::AirLoop(own) => own.reset(),
             Self::SingleZone(own) => own.reset(),
             Self::Thermostat(own) => own.reset(),
+        }
+    }
+
+    /// Shifts a choice of the system, or of one of its zones.
+    fn shift(&mut self, zone: Option<usize>, shift: Shift, value: f64) {
+        match (self, zone) {
+            (Self::AirLoop(own), None) => own.shift(shift, value),
+            (Self::AirLoop(own), Some(zone)) => own.zone_mut(zone).shift(shift, value),
+            (Self::SingleZone(own), None) => own.shift(shift, value),
+            (Self::SingleZone(own), Some(_)) => own.zone_mut().shift(shift, value),
+            (Self::Thermostat(own), _) => own.zone_mut().shift(shift, value),
         }
     }
 

@@ -49,6 +49,11 @@ impl Thermostat {
         }
     }
 
+    /// Returns the zone, to shift its choices.
+    pub(super) fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
+    }
+
     /// Returns the zone.
     pub(super) fn zone(&self) -> &Zone {
         &self.zone

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use b2b_building::{BuildingType, Conditioning, PreparedBuilding};
 use b2b_climate::{Place, Site};
-use b2b_control::guideline36::{Mode, NextBand, SiteInput, ZoneInput};
+use b2b_control::guideline36::{Mode, NextBand, Shift, SiteInput, ZoneInput};
 use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
-use b2b_env::{Env, EpisodeConfig, Term};
+use b2b_env::{Env, EpisodeConfig, Term, Trajectory};
 
 const STEP: f64 = 1.0 / 12.0;
 const DAY: usize = 288;
@@ -240,4 +240,41 @@ fn without_its_sequences_a_medium_office_needs_more_energy_or_is_less_comfortabl
     let ratios = [fixed, open, held, late];
     let ranges = [1.01..1.2, 1.0002..1.43, 1.02..1.15, 1.001..1.5];
     assert!(ratios.iter().zip(&ranges).all(|(ratio, range)| range.contains(ratio)), "{ratios:?}");
+}
+
+/// A January day under supervision: the hash of its trajectory and the energy of heating, Wh/m².
+fn supervised(case: &Case, value: Option<impl Fn(Shift) -> f64>) -> (String, f64) {
+    let mut env = case.env("operate", "01-10..01-10");
+    let spaces = Arc::clone(env.spaces());
+    let mut control = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    if let Some(value) = value {
+        let points = control.supervisory_points().iter();
+        let values: Vec<f64> = points.map(|point| value(point.shift)).collect();
+        control.supervise(&values);
+    }
+    let mut action = vec![0.0; spaces.action.len()];
+    let mut observation = env.reset().unwrap().to_vec();
+    let mut trajectory = Trajectory::for_episode(&spaces);
+    for _ in 0..DAY {
+        control.act(&observation, &mut action);
+        let step = env.step(&action).unwrap();
+        trajectory.push(&step);
+        observation.copy_from_slice(step.observation);
+    }
+    (trajectory.hash(), env.metrics().total(Term::Heating))
+}
+
+#[test]
+fn zeros_are_the_guideline_to_the_last_bit_and_shifted_setpoints_move_energy() {
+    for building_type in [BuildingType::OfficeMedium, BuildingType::OfficeSmall] {
+        let case = Case::new(building_type);
+        let (guideline, heating) = supervised(&case, None::<fn(Shift) -> f64>);
+        assert_eq!(supervised(&case, Some(|_| 0.0)).0, guideline, "{building_type}");
+        let shifted = |by: f64| {
+            let value = move |shift| if shift == Shift::HeatingSetpoint { by } else { 0.0 };
+            supervised(&case, Some(value)).1 / heating
+        };
+        let [colder, warmer] = [-0.5, 1.0].map(shifted);
+        assert!(colder < 0.99 && warmer > 1.02, "{building_type}: {colder} {warmer}");
+    }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_agent::network::Graph;
-use b2b_agent::{AgentObservation, Interface, NodePlan};
+use b2b_agent::{AgentObservation, Interface, NodePlan, NodeView};
 use b2b_env::Spaces;
 
 use crate::credit::Credit;
@@ -26,9 +26,9 @@ impl GraphBuilding {
     pub(crate) fn of(interface: Interface, by_node: bool, spaces: &Arc<Spaces>) -> Result<Option<Self>> {
         let Some(form) = interface.nodes else { return Ok(None) };
         let plan = NodePlan::of(form, spaces)?;
-        let graph = AgentObservation::by_node(interface, spaces, &plan)?.graph;
+        let NodeView { graph, owners, .. } = AgentObservation::by_node(interface, spaces, &plan)?;
         let credit = match by_node {
-            true => Credit::by_node(spaces, &plan, &graph),
+            true => Credit::by_node(spaces, &plan, &graph, &owners),
             false => {
                 Credit::joint(Widths { observation: graph.width(), action: graph.actions.len(), parts: 1 })
             }

@@ -15,6 +15,7 @@ use super::order::{Order, Purpose, stream};
 use super::progress::{Phase, Progress};
 use super::runner::LEARNER;
 use crate::collector::{Collector, count_lost};
+use crate::comfort_weights::ComfortWeights;
 use crate::error::Result;
 use crate::rollout::{End, Rollout, Widths};
 use crate::state::State;
@@ -40,6 +41,11 @@ pub struct FragmentCollector {
     /// Whether the second environment of every pair gets the first one's noise, negated.
     mirrored: bool,
     travel_cost: f32,
+    /// Steps for which a decision is held, and the discount of their rewards.
+    hold: usize,
+    discount: f32,
+    /// Factors of the penalty of discomfort.
+    pub comfort_weights: ComfortWeights,
     memory: SharedMemory,
     /// Place of the parameters, and their maximum number.
     parameters: (usize, usize),
@@ -73,8 +79,10 @@ impl FragmentCollector {
         environments.reset(seed)?;
         let mut progress = Vec::with_capacity(environments.len());
         let mut widths = Widths { observation: 0, action: 0, parts: 1 };
+        let mut hold = 1;
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
+            hold = interface.acting.hold(spaces.episode.steps_per_hour);
             let building = GraphBuilding::of(interface, by_zone, spaces)?;
             widths = widths.covering(match &building {
                 Some(building) => building.widths(),
@@ -98,6 +106,9 @@ impl FragmentCollector {
             correlation,
             mirrored: false,
             travel_cost,
+            hold,
+            discount: 1.0,
+            comfort_weights: ComfortWeights::default(),
             parameters: (0, 0),
             blocks: (0, 0),
             rollouts: 0,
@@ -112,6 +123,13 @@ impl FragmentCollector {
     #[must_use]
     pub fn with_mirrored_noise(mut self) -> Self {
         self.mirrored = true;
+        self
+    }
+
+    /// Discounts the rewards of the steps of a held decision, by default not at all.
+    #[must_use]
+    pub fn with_discount(mut self, discount: f32) -> Self {
+        self.discount = discount;
         self
     }
 
@@ -266,6 +284,8 @@ impl FragmentCollector {
         let block = self.block(environment);
         // The environment whose noise this one shares.
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
+        let building = &spaces_of(&self.environments, environment)?.building.name;
+        let comfort_weight = self.comfort_weights.of(building);
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
             return Ok(());
@@ -285,10 +305,12 @@ impl FragmentCollector {
             random: (self.seed, stream(self.rollouts, source, progress.fragments)),
             correlation: self.correlation,
             mirrored: source != environment,
+            discount: self.discount,
+            comfort_weight,
             // Rewards are scaled afterwards.
             travel_cost: self.travel_cost / progress.scale,
         };
-        self.environments.send_fragment(environment, LEARNER, &order, order.steps)?;
+        self.environments.send_fragment(environment, LEARNER, &order, order.steps * self.hold)?;
         progress.phase = Phase::Running;
         progress.fragments += 1;
         Ok(())
@@ -311,10 +333,10 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Counts the steps of a fragment, and keeps their actions.
+    /// Counts the decisions of a fragment, and keeps them.
     fn take_steps(&mut self, environment: usize, purpose: Purpose) {
         let block = self.block(environment);
-        let steps = self.environments.fragment_steps(environment);
+        let steps = self.environments.fragment_steps(environment).div_ceil(self.hold);
         let progress = &mut self.progress[environment];
         progress.lost_in_a_row = 0;
         if purpose == Purpose::Explore {

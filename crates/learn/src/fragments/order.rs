@@ -42,11 +42,11 @@ pub struct Order {
     pub version: u64,
     /// Its purpose.
     pub purpose: Purpose,
-    /// Number of steps.
+    /// Number of decisions: of steps, unless the agent holds its decisions.
     pub steps: usize,
     /// Block of shared memory to write to.
     pub block: Block,
-    /// Steps already in the block.
+    /// Decisions already in the block.
     pub done: usize,
     /// Random seed and stream of exploration.
     pub random: (u64, u64),
@@ -54,6 +54,10 @@ pub struct Order {
     pub correlation: f32,
     /// Whether the exploration noise is negated.
     pub mirrored: bool,
+    /// Discount γ of the rewards of a held decision, per step.
+    pub discount: f32,
+    /// Factor of the penalty of discomfort.
+    pub comfort_weight: f32,
     /// Cost of a full stroke, averaged over the actuators, in the unit of the environment's rewards.
     pub travel_cost: f32,
 }

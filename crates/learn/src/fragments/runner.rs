@@ -42,6 +42,7 @@ fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> 
         action: vec![0.0; scratch.actions()],
         scratch,
         rewards: vec![0.0; parts],
+        step_rewards: vec![0.0; parts],
         travel: TravelCost::new(env.spaces(), &places, parts),
         places,
         actor,
@@ -57,8 +58,9 @@ struct FragmentRunner {
     version: Option<u64>,
     scratch: Scratch,
     action: Vec<f32>,
-    /// Parts of the reward of a step.
+    /// Parts of the reward of a decision, and of a step.
     rewards: Vec<f32>,
+    step_rewards: Vec<f32>,
     /// Indices of the controlled zones and of energy among the parts.
     places: Vec<usize>,
     travel: TravelCost,
@@ -74,18 +76,15 @@ impl Runner for FragmentRunner {
             noise = noise.mirrored();
         }
         let (began, mut acting) = (Instant::now(), Duration::ZERO);
-        let mut done = 0;
+        let (mut done, mut steps) = (0, 0);
         while done < order.steps && !env.is_truncated() {
             let before = Instant::now();
             self.choose(&order, order.done + done, &mut noise, memory);
-            let action = self.pilot.act(&self.action);
             acting += before.elapsed();
-            self.travel.before_step(env.metrics());
-            let reward = env.step(action)?.reward;
+            steps += self.carry_out(&order, env)?;
             if order.purpose == Purpose::Explore {
-                self.record_reward(&order, order.done + done, reward, env, memory);
+                memory.write(order.block.reward(order.done + done), &self.rewards);
             }
-            self.pilot.observe(env.observation());
             done += 1;
         }
         if order.purpose == Purpose::Explore {
@@ -93,7 +92,7 @@ impl Runner for FragmentRunner {
             let times = [acting, began.elapsed()].map(|time| time.as_secs_f32());
             memory.write(order.block.times(), &times);
         }
-        Ok(done)
+        Ok(steps)
     }
 }
 
@@ -122,30 +121,46 @@ impl FragmentRunner {
         }
     }
 
-    /// Records the reward: as a whole, or with a part for each controlled zone and one for energy, less the cost of travel.
-    fn record_reward(
-        &mut self,
-        order: &Order,
-        step: usize,
-        reward: Reward,
-        env: &Env,
-        memory: &SharedMemory,
-    ) {
-        match &mut self.rewards[..] {
-            [whole] => *whole = reward.total() as f32,
+    /// Makes the steps for which the decision is held, and adds up their discounted rewards. Returns their number.
+    fn carry_out(&mut self, order: &Order, env: &mut Env) -> Result<usize, RunnerError> {
+        self.rewards.fill(0.0);
+        let (mut steps, mut discount) = (0, 1.0);
+        loop {
+            let action = self.pilot.act(&self.action);
+            self.travel.before_step(env.metrics());
+            let reward = env.step(action)?.reward;
+            if order.purpose == Purpose::Explore {
+                self.add_reward(order, reward, discount, env);
+            }
+            self.pilot.observe(env.observation());
+            (steps, discount) = (steps + 1, discount * order.discount);
+            if self.pilot.is_due() || env.is_truncated() {
+                return Ok(steps);
+            }
+        }
+    }
+
+    /// Adds the reward of a step: as a whole, or with a part for each controlled zone and one for energy, less the cost of
+    /// travel.
+    fn add_reward(&mut self, order: &Order, reward: Reward, discount: f32, env: &Env) {
+        let weight = f64::from(order.comfort_weight);
+        match &mut self.step_rewards[..] {
+            [whole] if order.comfort_weight == 1.0 => *whole = reward.total() as f32,
+            [whole] => *whole = -(weight * reward.temperature_penalty + reward.energy_penalty) as f32,
             parts => {
                 let (energy, zones) = self.places.split_last().expect("energy has a part");
                 let count = zones.len() as f64;
                 parts.fill(0.0);
                 for (place, penalty) in zones.iter().zip(env.comfort_penalties()) {
-                    parts[*place] = (-penalty / count) as f32;
+                    parts[*place] = (-weight * penalty / count) as f32;
                 }
                 parts[*energy] = -reward.energy_penalty as f32;
             }
         }
         if order.travel_cost > 0.0 {
-            self.travel.subtract(env.metrics(), order.travel_cost, &mut self.rewards);
+            self.travel.subtract(env.metrics(), order.travel_cost, &mut self.step_rewards);
         }
-        memory.write(order.block.reward(step), &self.rewards);
+        let steps = self.step_rewards.iter();
+        self.rewards.iter_mut().zip(steps).for_each(|(sum, step)| *sum += discount * step);
     }
 }

@@ -61,7 +61,7 @@ fn first_day(
     collector: &mut FragmentCollector,
 ) -> Result<Penalty> {
     // An episode's memory moves to large pages after a day, which takes longer than the day.
-    let steps = 24 * config.training_set.steps_per_hour as usize - 1;
+    let steps = 24 * config.training_set.steps_per_hour as usize / config.hold() - 1;
     let mut rollout = Rollout::default();
     collector.collect(&learner.actor(), steps, &mut rollout)?;
     let all = rollout.mean_penalty();

@@ -25,6 +25,8 @@ pub(super) struct Checkpoint {
     pub(super) log_std: f64,
     /// Cost of actuator travel.
     pub(super) travel_cost: f32,
+    /// Multipliers of the penalty of discomfort.
+    pub(super) comfort_weights: Vec<f32>,
     /// State of the learner.
     pub(super) learner: State,
     /// State of the environments.
@@ -38,6 +40,7 @@ impl Checkpoint {
         all.put_u64("steps", &[self.steps]);
         all.put_f64("best", &[self.best.score, self.best.relative_travel, self.seconds, self.log_std]);
         all.put_f32("travel_cost", &[self.travel_cost]);
+        all.put_f32("comfort_weights", &self.comfort_weights);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
         let path = folder.join(CHECKPOINT);
@@ -61,9 +64,11 @@ impl Checkpoint {
         let mut travel_cost = [0.0];
         all.read_f32("travel_cost", &mut travel_cost).map_err(|error| wrong(error.to_string()))?;
         let [travel_cost] = travel_cost;
+        // A checkpoint of an earlier version has none.
+        let comfort_weights = all.values_f32("comfort_weights").unwrap_or_default();
         let best = Rating { score, relative_travel };
         let (learner, collector) = (all.part("learner"), all.part("collector"));
-        Ok(Some(Self { steps, best, seconds, log_std, travel_cost, learner, collector }))
+        Ok(Some(Self { steps, best, seconds, log_std, travel_cost, comfort_weights, learner, collector }))
     }
 }
 
@@ -82,6 +87,7 @@ mod tests {
             seconds: 1.5,
             log_std: -2.0,
             travel_cost: 4.0,
+            comfort_weights: vec![0.5, 3.0],
             ..Checkpoint::default()
         };
         checkpoint.learner.put_f32("weights", &[1.0, -0.0]);

@@ -37,6 +37,12 @@ pub struct Measures {
     pub relative_travel: f64,
     /// Share of zone-steps in sustained oscillation: see [`b2b_env::Metrics::oscillating_share`].
     pub oscillating_share: f64,
+    /// In a task of operation, use of its resource divided by the baseline's.
+    pub cost_ratio: f64,
+    /// In a task of operation, discomfort, K·h per zone and day.
+    pub discomfort: f64,
+    /// In a task of operation, the baseline's discomfort, K·h per zone and day.
+    pub baseline_discomfort: f64,
 }
 
 /// The criteria by which the best agent of a run is chosen.
@@ -54,9 +60,13 @@ pub struct Scores {
     /// Means over its buildings.
     #[serde(flatten)]
     pub mean: Measures,
-    /// The same for each building, if there are several.
-    #[serde(rename = "by_building", skip_serializing_if = "Vec::is_empty")]
+    /// The same for each building, written if there are several.
+    #[serde(rename = "by_building", skip_serializing_if = "is_alone")]
     pub buildings: Vec<BuildingScores>,
+}
+
+fn is_alone(buildings: &[BuildingScores]) -> bool {
+    buildings.len() < 2
 }
 
 /// The scores of an agent in one building.
@@ -75,6 +85,11 @@ impl<'a> Judge<'a> {
     /// Returns a judge of these episodes with their baselines.
     pub(super) fn new(evaluation: &'a Evaluation<'a>, episodes: Vec<(Episode, Baseline)>) -> Self {
         Self { evaluation, episodes, travel_limits: OnceCell::new() }
+    }
+
+    /// Returns the names of the buildings, in the order of the scores.
+    pub(super) fn buildings(&self) -> Vec<String> {
+        self.episodes.iter().map(|(episode, _)| episode.subject.name.to_string()).collect()
     }
 
     /// Returns the scores of an agent. It acts without exploration.
@@ -139,11 +154,19 @@ impl Measures {
         travel_per_day: f64::NAN,
         relative_travel: f64::NAN,
         oscillating_share: f64::NAN,
+        cost_ratio: f64::NAN,
+        discomfort: f64::NAN,
+        baseline_discomfort: f64::NAN,
     };
 
     fn of(metrics: &EpisodeMetrics, episode: &Episode, baseline: &Baseline, travel_limit: f64) -> Self {
         let used = metrics.used(episode.task.resource);
         let scores = baseline.scores(metrics, used, episode.steps_per_hour);
+        let days = metrics.steps as f64 / (24.0 * f64::from(episode.steps_per_hour));
+        let ratio = |own: Option<f64>, base: Option<f64>| match (own, base) {
+            (Some(own), Some(base)) if baseline.discomfort.is_some() => own / base,
+            _ => f64::NAN,
+        };
         Self {
             score: scores.score.unwrap_or(f64::NAN),
             resolved_score: scores.resolved.unwrap_or(f64::NAN),
@@ -152,6 +175,9 @@ impl Measures {
             travel_per_day: metrics.daily_travel,
             relative_travel: metrics.daily_travel / travel_limit,
             oscillating_share: metrics.oscillating_share,
+            cost_ratio: ratio(used, baseline.resource),
+            discomfort: metrics.tdis_tot.map_or(f64::NAN, |total| total / days),
+            baseline_discomfort: baseline.discomfort.map_or(f64::NAN, |total| total / days),
         }
     }
 
@@ -161,7 +187,7 @@ impl Measures {
     }
 
     /// Returns the measures by name, as they are in the progress of a run.
-    pub(super) fn named(self) -> [(&'static str, f64); 7] {
+    pub(super) fn named(self) -> [(&'static str, f64); 10] {
         [
             ("score", self.score),
             ("resolved_score", self.resolved_score),
@@ -170,6 +196,9 @@ impl Measures {
             ("travel_per_day", self.travel_per_day),
             ("relative_travel", self.relative_travel),
             ("oscillating_share", self.oscillating_share),
+            ("cost_ratio", self.cost_ratio),
+            ("discomfort", self.discomfort),
+            ("baseline_discomfort", self.baseline_discomfort),
         ]
     }
 }
@@ -213,8 +242,11 @@ impl Scores {
                 travel_per_day: mean(|each| each.travel_per_day),
                 relative_travel,
                 oscillating_share: mean(|each| each.oscillating_share),
+                cost_ratio: mean(|each| each.cost_ratio),
+                discomfort: mean(|each| each.discomfort),
+                baseline_discomfort: mean(|each| each.baseline_discomfort),
             },
-            buildings: if buildings.len() > 1 { buildings } else { Vec::new() },
+            buildings,
         }
     }
 }

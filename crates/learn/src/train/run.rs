@@ -16,12 +16,13 @@ use super::calibration::calibrate;
 use super::checkpoint::Checkpoint;
 use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
 use super::environments::{Environments, days, learner};
-use super::judge::{Judge, Measures, Rating, Scores};
+use super::judge::{BuildingScores, Judge, Measures, Rating, Scores};
 use super::lock;
 use super::monitor::Monitor;
 use super::progress::{ProgressFiles, Row, curve};
 use super::summary::Summary;
 use crate::collector::Collector as _;
+use crate::comfort_weights::ComfortWeights;
 use crate::error::{Error, Result, at};
 use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
@@ -86,6 +87,9 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     let scale = environments.scale(&evaluation, &baselines)?;
     let collector = environments.fragments(workers, scale)?;
     let mut run = Run::new(config, &out, collector, monitor)?;
+    if let Some(judge) = judge.as_ref().filter(|_| config.rewards.comfort_rate > 0.0) {
+        run.collector.comfort_weights = ComfortWeights::new(judge.buildings());
+    }
     run.resume()?;
     run.learn(judge.as_ref(), interrupted)?;
     run.finish(whole.as_ref())
@@ -138,7 +142,10 @@ impl<'a> Run<'a> {
         let spaces = spaces_of(collector.environments(), 0)?;
         let interface = config.agent.interface();
         let (slots, actuators) = match interface.nodes {
-            None => (Pilot::new(interface, spaces)?.observation().names(), spaces.action.names().to_vec()),
+            None => {
+                let pilot = Pilot::new(interface, spaces)?;
+                (pilot.observation().names(), pilot.action_names().to_vec())
+            }
             Some(_) => (NodeSpaces::of(interface).slots(), NodeSpaces::of(interface).actuators()),
         };
         let learner = learner(config, collector.widths(), spaces)?;
@@ -177,9 +184,10 @@ impl<'a> Run<'a> {
         let other = |error: Error| Error::Resume { path: self.out.to_owned(), why: error.to_string() };
         self.learner.restore(&checkpoint.learner).map_err(other)?;
         self.collector.restore(&checkpoint.collector, &self.learner.actor())?;
-        let Checkpoint { steps, best, seconds, log_std, travel_cost, .. } = checkpoint;
+        let Checkpoint { steps, best, seconds, log_std, travel_cost, comfort_weights, .. } = checkpoint;
         (self.steps, self.best, self.seconds, self.log_std) = (steps, best, seconds, log_std);
         self.collector.set_travel_cost(travel_cost);
+        self.collector.comfort_weights.set(&comfort_weights);
         Ok(())
     }
 
@@ -195,7 +203,7 @@ impl<'a> Run<'a> {
         }
         if let Some(judge) = judge.filter(|_| self.steps == 0) {
             let learned = self.learner.columns().into_iter().map(|name| (name, f64::NAN)).collect();
-            let mut row = self.row([f64::NAN; 7], learned);
+            let mut row = self.row([f64::NAN; 8], learned);
             self.evaluate(judge, &mut row);
             let written = progress.write(&row);
             self.warn_of(written, "the first evaluation");
@@ -249,23 +257,25 @@ impl<'a> Run<'a> {
         let collected = began.elapsed().as_secs_f64();
         let learned = self.learner.learn(rollout)?;
         let seconds = began.elapsed().as_secs_f64();
-        let steps = rollout.rows() as u64;
+        let hold = self.config.hold();
+        let steps = (rollout.rows() * hold) as u64;
         self.steps += steps;
         self.seconds += seconds;
         let counts = [
             self.seconds,
             steps as f64 / seconds,
             collected / seconds,
-            rollout.mean_penalty(),
+            rollout.mean_penalty() / hold as f64,
             self.collector.ended() as f64,
             self.collector.lost() as f64,
             self.collector.travel_cost().into(),
+            self.collector.comfort_weights.mean().into(),
         ];
         Ok(self.row(counts, learned))
     }
 
     /// Returns the row of an update without its evaluation.
-    fn row(&self, counts: [f64; 7], learned: Vec<(&'static str, f64)>) -> Row {
+    fn row(&self, counts: [f64; 8], learned: Vec<(&'static str, f64)>) -> Row {
         let names = [
             "seconds",
             "steps_per_s",
@@ -274,6 +284,7 @@ impl<'a> Run<'a> {
             "episodes",
             "lost_episodes",
             "travel_cost",
+            "comfort_weight",
         ];
         Row { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
     }
@@ -283,7 +294,10 @@ impl<'a> Run<'a> {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
         self.monitor.evaluating(self.steps);
         let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
-            Ok(scores) => scores.mean,
+            Ok(scores) => {
+                self.hold_comfort(&scores);
+                scores.mean
+            }
             Err(error) => {
                 self.monitor
                     .warn(&format!("the agent could not be evaluated at {} steps: {error}", self.steps));
@@ -305,6 +319,17 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Lets the multipliers of discomfort follow an evaluation.
+    fn hold_comfort(&mut self, scores: &Scores) {
+        let rate = self.config.rewards.comfort_rate;
+        if rate > 0.0 {
+            for (number, BuildingScores { measures, .. }) in scores.buildings.iter().enumerate() {
+                let Measures { discomfort, baseline_discomfort, .. } = *measures;
+                self.collector.comfort_weights.follow(number, discomfort, baseline_discomfort, rate);
+            }
+        }
+    }
+
     /// Writes the last agent, a checkpoint and the learning curve. A failure is a warning: training can continue.
     fn save_or_warn(&mut self) {
         let saved = self.save();
@@ -321,6 +346,7 @@ impl<'a> Run<'a> {
             seconds: self.seconds,
             log_std: self.log_std,
             travel_cost: self.collector.travel_cost(),
+            comfort_weights: self.collector.comfort_weights.weights().to_vec(),
             learner: self.learner.state(),
             collector: self.collector.state(),
         };
@@ -413,6 +439,6 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
         package,
         generator,
         engine,
-        base_controllers: config.agent.acting.has_base().then_some(controllers),
+        base_controllers: config.agent.acting.is_correction().then_some(controllers),
     }
 }

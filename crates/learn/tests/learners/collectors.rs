@@ -1,13 +1,15 @@
 //! Collectors in worker processes, on the real engine.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use b2b_agent::network::{Activation, Actor, Edges, GraphNetwork};
+use b2b_agent::network::{Activation, Actor, Distribution, Edges, GraphNetwork};
 use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm, ObservationOptions};
 use b2b_building::BuildingType;
+use b2b_control::{Controller as _, Guideline36, Guideline36Parameters};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::{EpisodeConfig, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 use b2b_learn::collector::Collector;
 use b2b_learn::fragments::FragmentCollector;
 use b2b_learn::learner::Learner as _;
@@ -33,6 +35,13 @@ const RESIDUAL: Interface = Interface {
     nodes: None,
 };
 
+/// A supervisor that decides every hour.
+const SUPERVISORY: Interface = Interface {
+    observation: ObservationOptions { form: ObservationForm::Features, attributes: false, forecast: 0 },
+    acting: Acting::Supervisory { every: 60, shared: true },
+    nodes: None,
+};
+
 /// Graph networks of houses and offices.
 const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
 
@@ -46,7 +55,10 @@ fn environments(interface: Interface) -> VecEnv {
             weather: found.weather.clone(),
             period: "01-10..01-10".parse().unwrap(),
             steps_per_hour: 12,
-            task: Task::default(),
+            task: match interface.acting {
+                Acting::Supervisory { .. } => "operate".parse().unwrap(),
+                _ => Task::default(),
+            },
         };
         Setting::new(Source::from(found), episode)
     };
@@ -131,6 +143,45 @@ fn fragments_and_lockstep_collect_the_same_bits() {
             assert!(one == other, "rollout {number} of {steps} steps with {interface:?}");
             assert_scenes(one, interface);
         }
+    }
+}
+
+#[test]
+fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_twelve() {
+    let collect = |discount: f32| {
+        let mut collector = fragments(SUPERVISORY, 0.0).with_discount(discount);
+        let quiet = actor(collector.widths(), SUPERVISORY, 1);
+        let Distribution::Gaussian { log_std } = &quiet.distribution else { panic!("a Gaussian") };
+        let distribution = Distribution::Gaussian { log_std: vec![-20.0; log_std.len()] };
+        let idle = Actor { parameters: vec![0.0; quiet.parameters.len()], distribution, ..quiet };
+        let mut rollout = Rollout::default();
+        collector.collect(&idle, 24, &mut rollout).unwrap();
+        rollout
+    };
+    let [all, first] = [1.0, 0.0].map(collect);
+    let ends: Vec<(usize, usize)> = all.ends.iter().map(|end| (end.environment, end.step)).collect();
+    assert_eq!(ends, [(0, 23), (1, 23), (2, 23)], "a day is 24 decisions");
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let name = BuildingName::Type(BuildingType::SingleFamilyHouse);
+    let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
+    let (weather, task) = (found.weather.clone(), "operate".parse().unwrap());
+    let period = "01-10..01-10".parse().unwrap();
+    let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
+    let building = Arc::new(found.prepare(catalog.library()).unwrap());
+    let mut env = Env::new(catalog.library().clone(), building, episode).unwrap();
+    let mut guideline = Guideline36::new(env.spaces(), &Guideline36Parameters::default());
+    let mut action = vec![0.0; env.spaces().action.len()];
+    env.reset().unwrap();
+    for hour in 0..24 {
+        let mut rewards = Vec::new();
+        for _ in 0..12 {
+            guideline.act(env.observation(), &mut action);
+            rewards.push(0.3 * env.step(&action).unwrap().reward.total() as f32);
+        }
+        let near = |one: f32, other: f32| (one - other).abs() <= 1e-4 * (1.0 + other.abs());
+        let sum = rewards.iter().sum();
+        assert!(near(all.rewards[hour], sum), "hour {hour}: {} {sum}", all.rewards[hour]);
+        assert!(near(first.rewards[hour], rewards[0]), "hour {hour}: {}", first.rewards[hour]);
     }
 }
 

@@ -131,6 +131,7 @@ fn random_search_learns_to_heat_rooms_and_continues_from_its_state() {
         interface: TrainConfig::default().agent.interface(),
         policy: &Policy::Flat,
         credit: None,
+        hold: 1,
         seed: 0,
         threads: 1,
     };

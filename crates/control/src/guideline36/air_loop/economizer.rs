@@ -31,6 +31,8 @@ impl HighLimit {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Economizer {
     limit: HighLimit,
+    /// Shift of a fixed limit, K.
+    shift: f64,
     enabled: bool,
     /// Time since the last switch, h.
     stayed: f64,
@@ -38,7 +40,7 @@ pub(super) struct Economizer {
 
 impl Economizer {
     pub(super) fn new(limit: HighLimit) -> Self {
-        Self { limit, enabled: false, stayed: f64::INFINITY }
+        Self { limit, shift: 0.0, enabled: false, stayed: f64::INFINITY }
     }
 
     /// Forgets everything.
@@ -51,7 +53,7 @@ impl Economizer {
     pub(super) fn step(&mut self, cools: bool, outdoor: f64, return_air: f64, hours: f64) -> bool {
         self.stayed += hours;
         let limit = match self.limit {
-            HighLimit::Fixed(limit) => limit.min(return_air),
+            HighLimit::Fixed(limit) => (limit + self.shift).min(return_air),
             HighLimit::ReturnAir => return_air,
         };
         let wanted = cools && outdoor < if self.enabled { limit } else { limit - HYSTERESIS };
@@ -59,6 +61,11 @@ impl Economizer {
             (self.enabled, self.stayed) = (wanted, 0.0);
         }
         self.enabled
+    }
+
+    /// Shifts a fixed limit, K.
+    pub(super) fn shift(&mut self, shift: f64) {
+        self.shift = shift;
     }
 
     /// Returns whether it may open.

@@ -16,6 +16,7 @@ use super::modes::{Mode, ZoneGroup};
 use super::parameters::AirLoopParameters;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
+use super::supervision::Shift;
 use super::zone::zone_loops::Reach;
 use super::zone::{Zone, ZoneRules};
 use economizer::{Economizer, HighLimit};
@@ -156,6 +157,20 @@ impl AirLoop {
         }
         let return_air = if flow > 0.0 { heat / flow } else { mean };
         (flow.min(self.outdoor_air.fan_flow), return_air)
+    }
+
+    /// Shifts a choice of the air handler.
+    pub(super) fn shift(&mut self, shift: Shift, value: f64) {
+        match shift {
+            Shift::SupplyTemperature => self.supply.shift(value),
+            Shift::EconomizerLimit => self.economizer.shift(value),
+            _ => (),
+        }
+    }
+
+    /// Returns a zone by its number, to shift its choices.
+    pub(super) fn zone_mut(&mut self, zone: usize) -> &mut Zone {
+        &mut self.zones[zone].zone
     }
 
     /// Returns the zones, in order.

@@ -31,11 +31,14 @@ pub(super) struct SupplyTemperature {
     reset: Reset,
     /// Upper end of the outdoor reset (t_max), °C.
     highest: f64,
+    /// Shift of the setpoint while the air handler does not heat, K.
+    shift: f64,
 }
 
 impl SupplyTemperature {
     pub(super) fn new(rules: SupplyTemperatureRules) -> Self {
-        Self { rules, reset: Reset::new(rules.trim_respond, rules.cooling), highest: rules.cooling[1] }
+        let reset = Reset::new(rules.trim_respond, rules.cooling);
+        Self { rules, reset, highest: rules.cooling[1], shift: 0.0 }
     }
 
     /// Forgets everything.
@@ -50,10 +53,11 @@ impl SupplyTemperature {
         let [lowest, _] = self.rules.cooling;
         let setpoint = match mode {
             Mode::WarmUp | Mode::Setback | Mode::FreezeProtection => self.warm(),
-            Mode::CoolDown => lowest,
-            _ if !self.rules.resets => lowest,
+            Mode::CoolDown => lowest + self.shift,
+            _ if !self.rules.resets => lowest + self.shift,
             Mode::Occupied | Mode::Setup | Mode::Unoccupied => {
-                outdoor.map_or(self.highest, |outdoor| self.by_outdoor_temperature(outdoor))
+                let setpoint = outdoor.map_or(self.highest, |outdoor| self.by_outdoor_temperature(outdoor));
+                setpoint + self.shift
             }
         };
         setpoint.clamp(self.rules.reach[0], self.rules.reach[1])
@@ -62,6 +66,11 @@ impl SupplyTemperature {
     /// Returns the setpoint of warm-up: 35 °C, or what the heating coil reaches.
     pub(super) fn warm(&self) -> f64 {
         WARM_UP.min(self.rules.reach[1])
+    }
+
+    /// Shifts the setpoint while the air handler does not heat, K.
+    pub(super) fn shift(&mut self, shift: f64) {
+        self.shift = shift;
     }
 
     /// Returns the upper end of the outdoor reset (t_max), °C.

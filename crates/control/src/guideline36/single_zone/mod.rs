@@ -32,6 +32,7 @@ use super::modes::{Mode, ZoneGroup};
 use super::parameters::UnitaryParameters;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
+use super::supervision::Shift;
 use super::zone::zone_loops::Reach;
 use super::zone::{Zone, ZoneRules};
 use staging::{Stage, staged};
@@ -54,6 +55,8 @@ const RECIRCULATION: f64 = 0.5;
 /// Outdoor temperatures between which the unit makes up for none and for all of the exhaust, °C. In warm weather, air that
 /// infiltrates takes less energy than a faster fan.
 const MAKE_UP: [f64; 2] = [15.0, 10.0];
+/// Least flow of a running fan, as a share of the design flow.
+const LEAST_FLOW: f64 = 0.05;
 /// Least limit of the heating loop.
 const LEAST_LIMIT: f64 = 0.1;
 
@@ -117,6 +120,15 @@ pub(super) struct SingleZone {
     group: ZoneGroup,
     zone: Zone,
     setpoint: f64,
+    shifts: UnitShifts,
+}
+
+/// Shifts of what the parameters say ([`Shift`]).
+#[derive(Clone, Copy, Debug, Default)]
+struct UnitShifts {
+    minimum_flow: f64,
+    heating_temperature: f64,
+    cooling_temperature: f64,
 }
 
 impl SingleZone {
@@ -127,7 +139,14 @@ impl SingleZone {
         let rules =
             ZoneRules { margins: [parameters.heating_margin, parameters.cooling_margin], gains, ..rules };
         let parameters = parameters.clone();
-        Self { unit, parameters, group: ZoneGroup::default(), zone: Zone::new(rules), setpoint: 20.0 }
+        Self {
+            unit,
+            parameters,
+            group: ZoneGroup::default(),
+            zone: Zone::new(rules),
+            setpoint: 20.0,
+            shifts: UnitShifts::default(),
+        }
     }
 
     /// Forgets everything.
@@ -180,11 +199,16 @@ impl SingleZone {
     fn running_flow(&self, outdoor_air: f64, outdoor: f64) -> f64 {
         let Unit { design_flow, exhaust, .. } = self.unit;
         let make_up = exhaust * ((MAKE_UP[0] - outdoor) / (MAKE_UP[0] - MAKE_UP[1])).clamp(0.0, 1.0);
-        let least = (outdoor_air.max(make_up) / design_flow).max(self.parameters.min_flow);
+        let least = (outdoor_air.max(make_up) / design_flow).max(self.minimum_flow());
         let temperature = self.zone.need().temperature;
         let (cools, room) = (temperature - outdoor, temperature - LEAST_SUPPLY);
         let untempered = if room > 0.0 { outdoor_air / design_flow * cools / room } else { 0.0 };
         untempered.min(RECIRCULATION).max(least)
+    }
+
+    /// Returns the least flow without outdoor air, as a share of the design flow.
+    fn minimum_flow(&self) -> f64 {
+        (self.parameters.min_flow + self.shifts.minimum_flow).clamp(LEAST_FLOW, 1.0)
     }
 
     /// Returns the highest supply air temperature above the heating setpoint, K.
@@ -231,7 +255,7 @@ impl SingleZone {
             Some(_) => self.parameters.heat_pump_lift,
             None => self.parameters.heating_lift,
         };
-        let lift = lift.min(most).max(first);
+        let lift = (lift + self.shifts.heating_temperature).min(most).max(first);
         let flow = self.parameters.heating_flow.max(least);
         staged(
             output,
@@ -251,7 +275,8 @@ impl SingleZone {
         let aim = self.zone.aims().cooling;
         let most = (aim - self.unit.supply[0]).max(0.0);
         let first = (aim - self.coldest(mode, least, outdoor)).min(most);
-        let drop = (aim - self.parameters.cooling_temperature).min(most).max(first);
+        let supply = self.parameters.cooling_temperature + self.shifts.cooling_temperature;
+        let drop = (aim - supply).min(most).max(first);
         let medium = self.medium_flow(least, outdoor);
         let free = if medium > least { (aim - outdoor - FAN_RISE).min(drop).max(first) } else { drop };
         staged(
@@ -294,6 +319,21 @@ impl SingleZone {
         let share = if supply > 0.0 { (outdoor_air / supply).min(1.0) } else { 0.0 };
         let mixed = temperature + share * (outdoor - temperature) + FAN_RISE * flow * flow;
         mixed.max(LEAST_SUPPLY)
+    }
+
+    /// Shifts a choice of the unit.
+    pub(super) fn shift(&mut self, shift: Shift, value: f64) {
+        match shift {
+            Shift::MinimumFlow => self.shifts.minimum_flow = value,
+            Shift::HeatingTemperature => self.shifts.heating_temperature = value,
+            Shift::CoolingTemperature => self.shifts.cooling_temperature = value,
+            _ => (),
+        }
+    }
+
+    /// Returns the zone, to shift its choices.
+    pub(super) fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
     }
 
     /// Returns the zone.

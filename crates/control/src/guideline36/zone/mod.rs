@@ -10,6 +10,7 @@ pub(super) mod zone_loops;
 
 use super::modes::Mode;
 use super::points::{Setpoints, Side, SiteInput, ZoneInput};
+use super::supervision::Shift;
 use optimum_start::{Goal, OptimumStart};
 use requests::CoolingRequests;
 pub use zone_loops::LoopGains;
@@ -68,6 +69,16 @@ pub(super) struct Zone {
     setpoints: Setpoints,
     aims: Setpoints,
     outputs: Outputs,
+    shifts: ZoneShifts,
+}
+
+/// Shifts of what the zone chooses ([`Shift`]).
+#[derive(Clone, Copy, Debug, Default)]
+struct ZoneShifts {
+    /// Shifts of the heating and the cooling setpoint, K.
+    setpoints: [f64; 2],
+    /// Time by which recovery starts earlier, h.
+    start: f64,
 }
 
 impl Zone {
@@ -81,6 +92,7 @@ impl Zone {
             setpoints: REST,
             aims: REST,
             outputs: Outputs::default(),
+            shifts: ZoneShifts::default(),
             rules,
         }
     }
@@ -94,7 +106,8 @@ impl Zone {
     pub(super) fn observe(&mut self, input: &ZoneInput, site: SiteInput, hours: f64) -> ZoneNeed {
         self.need.temperature = input.temperature;
         self.need.people = input.people;
-        self.setpoints = site.demand.widen(self.scheduled(input, site.outdoor_temperature, hours));
+        let scheduled = site.demand.widen(self.scheduled(input, site.outdoor_temperature, hours));
+        self.setpoints = self.shifts.apply(scheduled);
         for side in Side::BOTH {
             self.need.calls[side as usize] = self.calls(side);
         }
@@ -110,7 +123,9 @@ impl Zone {
             let narrower = next.filter(|(_, setpoint)| {
                 side.gap(band.of(side), *setpoint) > RELAXATION && setpoint.is_finite()
             });
-            let goal = narrower.map(|(hours, setpoint)| Goal { hours, setpoint });
+            let ZoneShifts { setpoints, start } = self.shifts;
+            let shift = setpoints[side as usize];
+            let goal = narrower.map(|(hours, setpoint)| Goal { hours, setpoint, shift, earlier: start });
             let starts = self.starts[side as usize].step(input.temperature, goal, outdoor, hours);
             let uses_next = narrower.is_some() && (starts || !self.rules.setback);
             if side == Side::Heating {
@@ -162,6 +177,16 @@ impl Zone {
         self.outputs
     }
 
+    /// Shifts a choice of the zone.
+    pub(super) fn shift(&mut self, shift: Shift, value: f64) {
+        match shift {
+            Shift::HeatingSetpoint => self.shifts.setpoints[Side::Heating as usize] = value,
+            Shift::CoolingSetpoint => self.shifts.setpoints[Side::Cooling as usize] = value,
+            Shift::Start => self.shifts.start = value,
+            _ => (),
+        }
+    }
+
     /// Forgets the load of the heating loop, whose output is about to mean something else.
     pub(super) fn forget_heating(&mut self) {
         self.loops.forget_heating();
@@ -203,6 +228,15 @@ impl Zone {
     /// Returns whether heating has begun ahead of its schedule.
     pub(super) fn preheats(&self) -> bool {
         self.preheats
+    }
+}
+
+impl ZoneShifts {
+    /// Returns setpoints after the shifts.
+    fn apply(self, setpoints: Setpoints) -> Setpoints {
+        let heating = setpoints.heating + self.setpoints[Side::Heating as usize];
+        let cooling = setpoints.cooling + self.setpoints[Side::Cooling as usize];
+        Setpoints { heating, cooling: cooling.max(heating + LEAST_BAND) }
     }
 }
 

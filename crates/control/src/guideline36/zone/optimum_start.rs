@@ -37,6 +37,10 @@ pub(in super::super) struct Goal {
     pub(in super::super) hours: f64,
     /// Setpoint after it, °C.
     pub(in super::super) setpoint: f64,
+    /// Shift of the setpoint by a supervisor, K.
+    pub(in super::super) shift: f64,
+    /// Time by which a supervisor starts earlier, h.
+    pub(in super::super) earlier: f64,
 }
 
 /// A start whose rate is being measured.
@@ -85,11 +89,13 @@ impl OptimumStart {
             return false;
         };
         let same = self.started.is_some_and(|setpoint| (setpoint - goal.setpoint).abs() < OTHER_GOAL);
-        let gap = self.side.gap(temperature, goal.setpoint);
+        let aim = goal.setpoint + goal.shift;
+        let gap = self.side.gap(temperature, aim);
         let share = self.share(outdoor, goal.setpoint);
-        let begins = gap > IN_TIME && goal.hours <= ((gap - IN_TIME) / self.rate(share)).min(self.limit);
+        let ahead = ((gap - IN_TIME) / self.rate(share)).min(self.limit) + goal.earlier;
+        let begins = gap > IN_TIME && goal.hours <= ahead;
         if begins && !same {
-            self.measured = Some(Measurement { setpoint: goal.setpoint, first_gap: gap, share, hours: 0.0 });
+            self.measured = Some(Measurement { setpoint: aim, first_gap: gap, share, hours: 0.0 });
         }
         self.started = (same || begins).then_some(goal.setpoint);
         self.started.is_some()
@@ -135,6 +141,10 @@ mod tests {
     /// Share of the capacity left 10 K below the setpoint.
     const SHARE: f64 = 0.8;
 
+    fn goal(hours: f64, setpoint: f64) -> Goal {
+        Goal { hours, setpoint, shift: 0.0, earlier: 0.0 }
+    }
+
     /// Runs a night and a morning from 16 °C with a change to 21 °C at 6:00, in a zone that warms by `rate` (K/h) from the
     /// start on. Returns how long before the change it started, and its temperature at the change.
     fn night(start: &mut OptimumStart, rate: f64) -> (f64, f64) {
@@ -142,8 +152,7 @@ mod tests {
         for step in 0..144 {
             let hours = 6.0 - f64::from(step) * STEP;
             let before = hours > 1e-9;
-            let started =
-                start.step(temperature, before.then_some(Goal { hours, setpoint: 21.0 }), OUTDOOR, STEP);
+            let started = start.step(temperature, before.then(|| goal(hours, 21.0)), OUTDOOR, STEP);
             if started && ahead == 0.0 {
                 ahead = hours;
             }
@@ -182,26 +191,31 @@ mod tests {
     fn a_start_is_earlier_on_a_colder_day() {
         let mut start = OptimumStart::new(Side::Heating, 3.0);
         night(&mut start, 4.0);
-        let goal = |hours| Some(Goal { hours, setpoint: 21.0 });
         // 3.75 K at 4 K/h with 80 % of the capacity: 0.9 h; with 40 %, 1.9 h.
-        assert!(!start.clone().step(17.0, goal(1.5), OUTDOOR, STEP));
-        assert!(start.step(17.0, goal(1.5), -9.0, STEP));
+        assert!(!start.clone().step(17.0, Some(goal(1.5, 21.0)), OUTDOOR, STEP));
+        assert!(start.step(17.0, Some(goal(1.5, 21.0)), -9.0, STEP));
+    }
+
+    #[test]
+    fn a_supervisor_moves_the_start_and_its_goal() {
+        let begins = |goal: Goal, temperature| {
+            OptimumStart::new(Side::Heating, 3.0).step(temperature, Some(goal), OUTDOOR, STEP)
+        };
+        // 0.75 K at 1.5 K/h begin 0.5 h ahead.
+        assert_eq!([0.4, 0.6].map(|hours| begins(goal(hours, 21.0), 20.0)), [true, false]);
+        let earlier = |hours| Goal { earlier: 2.0, ..goal(hours, 21.0) };
+        assert_eq!([2.4, 2.6].map(|hours| begins(earlier(hours), 20.0)), [true, false]);
+        assert!(begins(Goal { shift: 1.0, ..goal(0.5, 21.0) }, 21.0) && !begins(goal(0.5, 21.0), 21.0));
     }
 
     #[test]
     fn a_zone_at_its_next_setpoint_is_not_started() {
         for (side, temperature) in [(Side::Heating, 20.8), (Side::Heating, 25.0), (Side::Cooling, 20.0)] {
             let mut start = OptimumStart::new(side, 3.0);
-            assert!(!start.step(temperature, Some(Goal { hours: STEP, setpoint: 21.0 }), OUTDOOR, STEP));
+            assert!(!start.step(temperature, Some(goal(STEP, 21.0)), OUTDOOR, STEP));
         }
         let mut start = OptimumStart::new(Side::Cooling, 3.0);
-        assert!(
-            start.step(29.0, Some(Goal { hours: 2.0, setpoint: 24.0 }), OUTDOOR, STEP),
-            "cooling recovers downward"
-        );
-        assert!(
-            start.step(23.0, Some(Goal { hours: 1.0, setpoint: 24.0 }), OUTDOOR, STEP),
-            "a start lasts to the change"
-        );
+        assert!(start.step(29.0, Some(goal(2.0, 24.0)), OUTDOOR, STEP), "cooling recovers downward");
+        assert!(start.step(23.0, Some(goal(1.0, 24.0)), OUTDOOR, STEP), "a start lasts to the change");
     }
 }

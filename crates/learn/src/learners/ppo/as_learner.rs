@@ -77,6 +77,10 @@ impl LearnerOptions for PpoConfig {
         self.n_steps
     }
 
+    fn discount(&self) -> f32 {
+        self.gamma
+    }
+
     fn abilities(&self) -> Abilities {
         let noise = match self.log_std {
             LogStd::Free => Ok(self.initial_log_std),
@@ -86,12 +90,14 @@ impl LearnerOptions for PpoConfig {
     }
 
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
-        let LearnerSetting { widths, seed, policy, .. } = *setting;
+        let LearnerSetting { widths, seed, policy, hold, .. } = *setting;
+        let gamma = (0..hold).map(|_| self.gamma).product();
+        let own = Self { gamma, credit: setting.credit.clone(), ..self.clone() };
         let mut ppo = match policy {
-            Policy::Flat => Ppo::new(widths, Self { credit: setting.credit.clone(), ..self.clone() }, seed)?,
+            Policy::Flat => Ppo::new(widths, own, seed)?,
             Policy::Graph(policy) => {
                 let network = policy.network(setting.interface);
-                Ppo::of_graphs(&network, widths, self.clone(), policy.normalize, seed)?
+                Ppo::of_graphs(&network, widths, Self { credit: None, ..own }, policy.normalize, seed)?
             }
         };
         ppo.set_threads(setting.threads);

@@ -15,7 +15,8 @@ pub struct AgentConfig {
     pub policy: Policy,
     /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes` and `forecast`.
     pub observation: ObservationOptions,
-    /// How the agent acts: `{ kind = "direct" }` or `{ kind = "residual", authority = 0.5 }`.
+    /// How the agent acts: `{ kind = "direct" }`, `{ kind = "residual", authority = 0.5 }` or
+    /// `{ kind = "supervisory", every = 60 }`.
     pub acting: Acting,
 }
 
@@ -41,15 +42,7 @@ impl AgentConfig {
 
     /// Checks the values.
     pub(super) fn check(&self) -> Result<()> {
-        if self.policy != Policy::Flat {
-            self.check_graph()?;
-        }
-        match self.acting {
-            Acting::Residual { authority } => require(authority > 0.0 && authority <= 1.0, || {
-                format!("`authority` is {authority}; expected more than 0, at most 1")
-            }),
-            Acting::Direct => Ok(()),
-        }
+        if self.policy == Policy::Flat { Ok(()) } else { self.check_graph() }
     }
 
     fn check_graph(&self) -> Result<()> {

@@ -15,10 +15,11 @@ use crate::learners::{Kind, LearnerChoice, kinds};
 pub const CONFIG: &str = "config.toml";
 
 /// The presets by name: TOML files with the options that differ from the defaults.
-const PRESETS: [(&str, &str); 3] = [
+const PRESETS: [(&str, &str); 4] = [
     ("graph", include_str!("../../../data/graph.toml")),
     ("paper", include_str!("../../../data/paper.toml")),
     ("residual", include_str!("../../../data/residual.toml")),
+    ("supervisory", include_str!("../../../data/supervisory.toml")),
 ];
 
 /// The option with the name of the learner.

@@ -21,18 +21,31 @@ pub struct RewardConfig {
     /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that it
     /// affects.
     pub credit_by_zone: bool,
+    /// How fast the weight of discomfort follows the evaluations of training, whose agent acts without noise, until the
+    /// discomfort in each evaluated building is the baseline's: the exponent of the ratio of both, 0 to 1. 0: the weight is the
+    /// task's.
+    pub comfort_rate: f64,
 }
 
 impl Default for RewardConfig {
     fn default() -> Self {
-        Self { scale_rewards: true, travel_cost: 0.0, travel_cost_growth: 1.0, credit_by_zone: false }
+        Self {
+            scale_rewards: true,
+            travel_cost: 0.0,
+            travel_cost_growth: 1.0,
+            credit_by_zone: false,
+            comfort_rate: 0.0,
+        }
     }
 }
 
 impl RewardConfig {
     /// Checks the values.
     pub(super) fn check(&self) -> Result<()> {
-        let Self { travel_cost, travel_cost_growth, .. } = *self;
+        let Self { travel_cost, travel_cost_growth, comfort_rate, .. } = *self;
+        require((0.0..=1.0).contains(&comfort_rate), || {
+            format!("`comfort_rate` is {comfort_rate}; expected 0 to 1")
+        })?;
         require(travel_cost >= 0.0 && travel_cost.is_finite(), || {
             format!("`travel_cost` is {travel_cost}; expected 0 or more")
         })?;

@@ -99,6 +99,14 @@ fn values_that_do_not_go_together_are_errors() {
         ("ppo = { gamma = 2.0 }", "`gamma` is 2"),
         ("place = 'Miami'\nweather = 'x.epw'", "either `place` or `weather`"),
         ("acting = { kind = 'residual', authority = 1.5 }", "authority"),
+        ("acting = { kind = 'supervisory', every = 60 }", "choose `task` = operate"),
+        ("task = 'operate'\nacting = { kind = 'supervisory', every = 20 }", "expected 15, 30 or 60 min"),
+        (
+            "task = 'operate'\nacting = { kind = 'supervisory', every = 15 }\nsteps_per_hour = 6",
+            "of which an hour has 6",
+        ),
+        ("comfort_rate = 0.5", "`comfort_rate` is for tasks of operation"),
+        ("task = 'operate'\ncomfort_rate = 2", "`comfort_rate` is 2; expected 0 to 1"),
         ("task = 'constant,random'\nobservation = 'raw'", "the observation `features`"),
         (
             "algorithm = 'sac'\nmirrored_noise = true",

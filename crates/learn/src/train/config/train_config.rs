@@ -1,6 +1,7 @@
 //! The parts of a configuration, and checks across them.
 
-use b2b_agent::ObservationForm;
+use b2b_agent::{Acting, ObservationForm};
+use b2b_env::Task;
 use serde::Serialize;
 
 use super::agent::AgentConfig;
@@ -10,7 +11,7 @@ use super::evaluation::EvaluationConfig;
 use super::noise::NoiseConfig;
 use super::rewards::RewardConfig;
 use super::training_set::TrainingSet;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::learner::Abilities;
 use crate::learners::{Kind, LearnerChoice, kinds};
 use crate::limits::require;
@@ -95,6 +96,7 @@ impl TrainConfig {
         evaluation.check()?;
         agent.check()?;
         self.check_abilities()?;
+        self.check_supervision()?;
         self.check_variety()
     }
 
@@ -120,6 +122,24 @@ impl TrainConfig {
         require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
     }
 
+    /// Checks how the agent acts, that a supervisor has tasks of operation and a reward in one part, and that only such tasks
+    /// hold comfort.
+    fn check_supervision(&self) -> Result<()> {
+        let Self { training_set, agent, rewards, .. } = self;
+        let operates = training_set.task.as_slice().iter().all(Task::is_operation);
+        require(operates || rewards.comfort_rate == 0.0, || {
+            "`comfort_rate` is for tasks of operation; choose `task` = operate, or 0".into()
+        })?;
+        agent.acting.check(training_set.steps_per_hour).map_err(Error::Invalid)?;
+        let Acting::Supervisory { .. } = agent.acting else { return Ok(()) };
+        require(operates, || {
+            "`acting` supervises guideline36, the controller of operation; choose `task` = operate".into()
+        })?;
+        require(!rewards.credit_by_zone || agent.policy != Policy::Flat, || {
+            "`credit_by_zone` is not for flat agents that shift all zones; choose false".into()
+        })
+    }
+
     /// Checks that the agent and the number of environments suit the building types and tasks.
     fn check_variety(&self) -> Result<()> {
         let types = self.training_set.building_type.len();
@@ -139,6 +159,11 @@ impl TrainConfig {
                 if self.noise.mirrored_noise { " with mirrored noise" } else { "" }
             )
         })
+    }
+
+    /// Returns the steps for which the agent holds a decision.
+    pub(crate) fn hold(&self) -> usize {
+        self.agent.acting.hold(self.training_set.steps_per_hour)
     }
 
     /// Returns the number of environments with different episodes: with mirrored noise, pairs share theirs.

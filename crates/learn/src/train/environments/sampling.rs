@@ -52,6 +52,7 @@ impl<'a> Environments<'a> {
             scale,
             config.budget.seed,
         )?;
+        collector = collector.with_discount(config.learner.discount());
         self.room()?.into_iter().for_each(|widths| collector.make_room(widths));
         Ok(match config.noise.mirrored_noise {
             true => collector.with_mirrored_noise(),
@@ -104,6 +105,7 @@ impl<'a> Environments<'a> {
                 format!("`{name}` requires the loop design fragments; in lockstep it must be {none}")
             })?;
         }
+        require(config.hold() == 1, || "held decisions require the loop design fragments".into())?;
         LockstepCollector::new(
             self.vector(workers)?,
             config.agent.interface(),
@@ -137,7 +139,8 @@ impl<'a> Environments<'a> {
             _ => Box::new(Weighted::new(samplers)?),
         };
         let (learner, day) = (&self.config.learner, 24 * self.config.training_set.steps_per_hour as usize);
-        Ok(match learner.is_on_policy() && !learner.steps_per_rollout().is_multiple_of(day) {
+        let steps = learner.steps_per_rollout() * self.config.hold();
+        Ok(match learner.is_on_policy() && !steps.is_multiple_of(day) {
             true => Box::new(Staggered::new(all, environments)),
             false => all,
         })
@@ -227,7 +230,8 @@ pub(crate) fn learner(config: &TrainConfig, widths: Widths, spaces: &Spaces) -> 
         environments: config.budget.environments,
         interface: config.agent.interface(),
         policy: &config.agent.policy,
-        credit: config.rewards.credit_by_zone.then(|| credit(spaces)),
+        credit: config.rewards.credit_by_zone.then(|| credit(spaces, spaces.action.owners())),
+        hold: config.hold(),
         seed: config.budget.seed,
         threads: std::thread::available_parallelism().map_or(1, usize::from),
     })

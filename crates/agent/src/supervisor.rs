@@ -1,0 +1,80 @@
+//! An agent above the sequences of Guideline 36: it shifts what they choose, and they run the equipment.
+
+use b2b_control::guideline36::SupervisoryPoint;
+use b2b_control::{Controller, Guideline36, Guideline36Parameters};
+use b2b_env::Spaces;
+
+/// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline; -1 and 1 are their limits.
+#[derive(Clone, Debug)]
+pub struct Supervisor {
+    guideline: Guideline36,
+    names: Vec<String>,
+    /// The action of each supervisory point.
+    actions: Vec<usize>,
+    /// Values of the supervisory points.
+    values: Vec<f64>,
+    observation: Vec<f64>,
+    action: Vec<f64>,
+}
+
+impl Supervisor {
+    /// Creates a supervisor with an action for every supervisory point, or with `shared`, for every kind of shift.
+    pub(crate) fn new(shared: bool, spaces: &Spaces) -> Self {
+        let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
+        let mut names: Vec<String> = Vec::new();
+        let action = |point: &SupervisoryPoint| {
+            let name = if shared { point.shift.described().0 } else { &point.name };
+            let known = names.iter().position(|known| known == name);
+            known.unwrap_or_else(|| {
+                names.push(name.to_owned());
+                names.len() - 1
+            })
+        };
+        let actions: Vec<usize> = guideline.supervisory_points().iter().map(action).collect();
+        Self {
+            values: vec![0.0; actions.len()],
+            observation: vec![0.0; spaces.observation.len()],
+            action: vec![0.0; spaces.action.len()],
+            guideline,
+            names,
+            actions,
+        }
+    }
+
+    /// Returns the names of the actions.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Returns the sequences.
+    pub(crate) fn guideline(&self) -> &Guideline36 {
+        &self.guideline
+    }
+
+    /// Returns the decisions behind the last action, in the order of the guideline's record.
+    pub(crate) fn decisions(&self) -> &[f64] {
+        self.guideline.record().map_or(&[], |decisions| &decisions.values)
+    }
+
+    /// Begins an episode.
+    pub(crate) fn reset(&mut self) {
+        self.guideline.reset();
+    }
+
+    /// Takes the next observation of the environment.
+    pub(crate) fn observe(&mut self, observation: &[f64]) {
+        self.observation.copy_from_slice(observation);
+    }
+
+    /// Returns the action of the sequences, in physical units, for an action of the agent in [-1, 1].
+    pub(crate) fn act(&mut self, row: &[f32]) -> &[f64] {
+        let points = self.guideline.supervisory_points().iter().zip(&self.actions);
+        for (value, (point, action)) in self.values.iter_mut().zip(points) {
+            let share = f64::from(row[*action]);
+            *value = if share < 0.0 { -share * point.low } else { share * point.high };
+        }
+        self.guideline.supervise(&self.values);
+        self.guideline.act(&self.observation, &mut self.action);
+        &self.action
+    }
+}

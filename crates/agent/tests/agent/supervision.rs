@@ -1,0 +1,108 @@
+//! Agents above the sequences of Guideline 36, on the real engine.
+
+use std::sync::Arc;
+
+use b2b_agent::{Acting, Interface, ObservationForm, Pilot};
+use b2b_control::{Guideline36, Guideline36Parameters};
+use b2b_env::{Env, rollout};
+
+use crate::agent::{actor, env};
+
+fn interface(every: u32, shared: bool) -> Interface {
+    let acting = Acting::Supervisory { every, shared };
+    Interface { observation: ObservationForm::Features.into(), acting, nodes: None }
+}
+
+/// The observations of the agent and the actions of an episode under a supervisor's decisions.
+fn episode(env: &mut Env, pilot: &mut Pilot, mut decide: impl FnMut(usize, &[f32], &mut [f32])) -> f64 {
+    let mut observation = env.reset().unwrap().to_vec();
+    let mut decision = vec![0.0; pilot.widths().1];
+    let mut decisions = 0;
+    let mut total = 0.0;
+    for _ in 0..env.episode_steps() {
+        let seen = pilot.observe(&observation).to_vec();
+        if pilot.is_due() {
+            decide(decisions, &seen, &mut decision);
+            decisions += 1;
+        }
+        let action = pilot.act(&decision).to_vec();
+        let step = env.step(&action).unwrap();
+        total += step.reward.total();
+        observation.copy_from_slice(step.observation);
+    }
+    total
+}
+
+#[test]
+fn a_supervisor_that_decides_nothing_is_the_guideline_and_one_that_does_holds_its_decisions() {
+    let mut env = env("OfficeSmall-0042", "operate+preview");
+    let spaces = Arc::clone(env.spaces());
+    let mut pilot = Pilot::new(interface(60, true), &spaces).unwrap();
+    let names = pilot.observation().names();
+    assert_eq!(
+        pilot.action_names()[3..],
+        ["heating setpoint shift", "cooling setpoint shift", "earlier start"]
+    );
+    let (mut hours, mut extremes) = (0, vec![0f32; names.len()]);
+    let zeros = episode(&mut env, &mut pilot, |_, seen, _| {
+        hours += 1;
+        extremes.iter_mut().zip(seen).for_each(|(most, value)| *most = most.max(value.abs()));
+    });
+    assert_eq!(hours, 48, "two days of hours");
+    for (name, most) in names.iter().zip(&extremes) {
+        assert!(*most <= 6.0, "{name} reaches {most}");
+    }
+    let varied = ["occupancy", "change ahead", ": occupied", "heating loop", "outdoor temperature in 4 h"];
+    for what in varied {
+        let mut named = names.iter().zip(&extremes).filter(|(name, _)| name.ends_with(what));
+        assert!(named.any(|(_, most)| *most > 0.0), "{what}");
+    }
+    let mut guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    let alone = rollout(&mut env, &mut guideline, &mut ()).unwrap().episode_return;
+    assert!((zeros - alone).abs() < 1e-9 * alone.abs(), "{zeros} {alone}");
+
+    let mut own = Pilot::new(interface(15, false), &spaces).unwrap();
+    let points = guideline.supervisory_points();
+    assert_eq!(own.action_names(), points.iter().map(|point| point.name.clone()).collect::<Vec<_>>());
+    let mut quarters = 0;
+    let colder = episode(&mut env, &mut own, |_, _, decision| {
+        quarters += 1;
+        let shifts = decision.iter_mut().zip(points);
+        let heating = shifts.filter(|(_, point)| point.name.ends_with(" heating setpoint shift"));
+        heating.for_each(|(value, _)| *value = -3.0);
+    });
+    assert_eq!(quarters, 192);
+    assert!((colder - alone).abs() > 1e-3 * alone.abs(), "half a kelvin shows: {colder} {alone}");
+}
+
+#[test]
+fn an_agent_repeats_its_action_until_its_next_decision() {
+    use b2b_agent::AgentController;
+    use b2b_control::Controller;
+
+    let mut env = env("OfficeSmall-0042", "operate");
+    let spaces = Arc::clone(env.spaces());
+    let pilot = Pilot::new(interface(30, true), &spaces).unwrap();
+    let previous =
+        |pilot: &Pilot, name: &str| pilot.observation().names().iter().position(|each| each == name).unwrap();
+    let slot = previous(&pilot, "heating setpoint shift previous");
+    let actor = Arc::new(actor(&pilot, 2.0));
+    let mut controller = AgentController::new(pilot.clone(), Arc::clone(&actor));
+    let mut shadow = pilot;
+    controller.reset();
+    let (mut observation, mut action) = (env.reset().unwrap().to_vec(), vec![0.0; spaces.action.len()]);
+    let mut scratch = actor.scratch(None);
+    let (mut decision, mut seen) = (vec![0.0; scratch.actions()], Vec::new());
+    for _ in 0..24 {
+        controller.act(&observation, &mut action);
+        let row = shadow.observe(&observation).to_vec();
+        seen.push(row[slot]);
+        if shadow.is_due() {
+            actor.mean(&row, &mut scratch, &mut decision);
+        }
+        assert_eq!(shadow.act(&decision), action);
+        observation.copy_from_slice(env.step(&action).unwrap().observation);
+    }
+    let changes: Vec<usize> = (1..24).filter(|step| seen[*step] != seen[step - 1]).collect();
+    assert_eq!(changes, [1, 7, 13, 19], "a decision every six steps");
+}
