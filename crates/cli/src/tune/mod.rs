@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod foresight;
 mod operation;
 mod rollouts;
 mod search;
@@ -38,6 +39,7 @@ Examples:
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
+  b2b tune foresight OfficeSmall-0509            schedules of supervisory points with perfect foresight
   b2b tune operation                             the scale and the weight of rewards of operation
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
 
@@ -45,6 +47,7 @@ Examples:
 enum Command {
     Check(check::Arguments),
     Compare(compare::Arguments),
+    Foresight(Box<foresight::Arguments>),
     Operation(operation::Arguments),
 }
 
@@ -53,6 +56,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
     match &arguments.command {
         Some(Command::Check(arguments)) => check::check(arguments),
         Some(Command::Compare(arguments)) => compare::compare(arguments),
+        Some(Command::Foresight(arguments)) => foresight::foresight(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),
         None => search::search(&arguments.search),
     }
