@@ -66,6 +66,16 @@ pub enum Error {
         /// The controller.
         name: &'static str,
     },
+    /// A task without comfort bands or without a price.
+    #[error(
+        "the controller `{name}` saves cost at comfort; the task `{task}` has no bands or no weight of energy; use operate"
+    )]
+    NotOperation {
+        /// The controller.
+        name: &'static str,
+        /// The task.
+        task: String,
+    },
     /// A file of evaluations of another tuning run, or one that was edited.
     #[error("{path} belongs to another tuning run: {why}; remove it or choose another folder")]
     OtherTuning {

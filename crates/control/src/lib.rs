@@ -1,9 +1,12 @@
 //! Controllers that do not learn: the sequences of ASHRAE Guideline 36, the paper's reactive control, constant and
-//! random actions, replay of recorded actions, and a planner on copies of the simulation. Each implements
+//! random actions, replay of recorded actions, a planner on copies of the simulation, and schedules for Guideline 36 found
+//! with foresight. Each implements
 //! [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
+#[cfg(target_os = "linux")]
+pub mod foresight;
 pub mod guideline36;
 mod hold;
 mod kind;
@@ -37,8 +40,8 @@ pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, kind_hash, parameters_hash};
 
-/// Number of kinds. A planner needs copies of the simulation.
-const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 8 } else { 7 };
+/// Number of kinds. Planners need copies of the simulation.
+const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 9 } else { 7 };
 
 /// The kinds of controllers that need no file.
 pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
@@ -49,6 +52,8 @@ pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
     &off::Kind,
     &random::Kind,
     &constant::Kind,
+    #[cfg(target_os = "linux")]
+    &foresight::Kind,
     #[cfg(target_os = "linux")]
     &planner::Kind,
 ];

@@ -3,6 +3,7 @@
 mod ablations;
 mod check;
 mod compare;
+mod foresight;
 mod operation;
 mod rollouts;
 mod search;
@@ -40,6 +41,7 @@ Examples:
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
+  b2b tune foresight OfficeSmall-0509            schedules of supervisory points with perfect foresight
   b2b tune operation                             the scale and the weight of rewards of operation
   b2b tune ablations OfficeMedium-0626           what the sequences of Guideline 36 save
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
@@ -49,6 +51,7 @@ enum Command {
     Ablations(ablations::Arguments),
     Check(check::Arguments),
     Compare(compare::Arguments),
+    Foresight(Box<foresight::Arguments>),
     Operation(operation::Arguments),
 }
 
@@ -58,6 +61,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
         Some(Command::Ablations(arguments)) => ablations::ablations(arguments),
         Some(Command::Check(arguments)) => check::check(arguments),
         Some(Command::Compare(arguments)) => compare::compare(arguments),
+        Some(Command::Foresight(arguments)) => foresight::foresight(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),
         None => search::search(&arguments.search),
     }

@@ -67,3 +67,39 @@ fn a_dataset_building_uses_the_set_of_its_class_and_the_tasks_objective_by_defau
     assert_rejected(folder, &format!("{run} wrong.json"), &["unitary.min_flow", "1.5"]);
     assert_rejected(folder, &format!("{run} best"), &["default, tuned or a JSON file"]);
 }
+
+#[test]
+fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let search = "tune foresight SingleFamilyHouse-0042 --period 01-10..01-11 --rounds 1 --pairs 2 --out";
+    let whole = json(folder, &format!("{search} whole"));
+    let plan = &whole[0];
+    let number = |pointer: &str| plan.pointer(pointer).unwrap().as_f64().unwrap();
+    assert!(number("/result/used") <= number("/guideline/used"));
+    assert_eq!(plan["schedule"]["days"].as_array().unwrap().len(), 2);
+
+    let record = "searches/SingleFamilyHouse-0042_01-10..01-11.jsonl";
+    let lines = std::fs::read_to_string(folder.join("whole").join(record)).unwrap();
+    let lines: Vec<&str> = lines.lines().collect();
+    assert_eq!(plan["episodes"], lines.len() - 1, "a line for each episode after the head");
+    std::fs::create_dir_all(folder.join("parts/searches")).unwrap();
+    std::fs::write(folder.join("parts").join(record), lines[..5].join("\n") + "\n").unwrap();
+    assert_eq!(json(folder, &format!("{search} parts")), whole);
+
+    let run = "run SingleFamilyHouse-0042 --period 01-10..01-11";
+    let file = "whole/SingleFamilyHouse-0042_01-10..01-11.json";
+    let planned = json(folder, &format!("{run} --controller foresight --parameters {file}"));
+    let agrees = |run: &Value, total: &str| {
+        for (name, pointer) in [("cost_tot", "used"), ("tdis_tot", "discomfort")] {
+            let (run, found) = (run[name].as_f64().unwrap(), number(&format!("/{total}/{pointer}")));
+            assert!((run - found).abs() < 1e-9 * found.abs().max(1.0), "{name}: {run}, {found}");
+        }
+    };
+    agrees(&planned, "result");
+    agrees(&json(folder, run), "guideline");
+
+    assert_rejected(folder, &format!("{search} whole --seed 1"), &["schedule of another search"]);
+    let tracking = format!("{search} other --task constant");
+    assert_rejected(folder, &tracking, &["constant", "operate"]);
+}

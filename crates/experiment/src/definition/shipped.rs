@@ -9,7 +9,7 @@ use super::validation;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 13] = [
+const SHIPPED: [(&str, &str); 14] = [
     ("ppo", include_str!("../../data/ppo.toml")),
     ("direct", include_str!("../../data/direct.toml")),
     ("residual", include_str!("../../data/residual.toml")),
@@ -22,6 +22,7 @@ const SHIPPED: [(&str, &str); 13] = [
     ("board", include_str!("../../data/board.toml")),
     ("weights", include_str!("../../data/weights.toml")),
     ("operation", include_str!("../../data/operation.toml")),
+    ("foresight", include_str!("../../data/foresight.toml")),
     ("speed", include_str!("../../data/speed.toml")),
 ];
 

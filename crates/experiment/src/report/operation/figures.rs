@@ -27,11 +27,11 @@ pub(super) struct Figures {
     /// Cost under each task of the experiment, currency/m²; NaN where the episode was lost.
     pub(super) costs: Vec<f64>,
     /// HVAC energy by end use: heating, cooling, fans and the others, kWh/m².
-    end_uses: [f64; 4],
+    pub(super) end_uses: [f64; 4],
     /// Discomfort, K·h per zone.
     pub(super) discomfort: f64,
     /// Peak electric demand, W/m².
-    peak: f64,
+    pub(super) peak: f64,
     /// Whether discomfort exceeds the baseline's by more than the free allowance.
     pub(super) uncomfortable: bool,
 }

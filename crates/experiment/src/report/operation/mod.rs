@@ -3,6 +3,7 @@
 
 mod comparison;
 mod figures;
+mod way;
 
 use b2b_evaluate::statistics::median;
 use b2b_evaluate::{FREE_DISCOMFORT, Row};
@@ -20,6 +21,7 @@ const TOGETHER: &str = "together";
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let comparison = Comparison::of(experiment, results);
     let mut tables = vec![by_type(experiment, results)];
+    tables.extend(way::table(experiment, results));
     tables.extend(comparison.tables());
     tables.push(by_period(experiment, results));
     Content { tiles: comparison.tiles(), tables, charts: Vec::new(), notes: notes() }

@@ -1,0 +1,227 @@
+//! `b2b tune foresight`: schedules of the controller `foresight`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, Result, ensure};
+use b2b_building::Period;
+use b2b_climate::TwoWeeks;
+use b2b_control::foresight::{Plan, SearchOptions, plan};
+use b2b_dataset::{BuildingName, Catalog};
+use b2b_env::{EpisodeConfig, Task};
+use b2b_evaluate::statistics::median;
+use b2b_workers::{Setting, Source, Workers};
+use indicatif::ProgressBar;
+
+use crate::arguments::buildings::Buildings;
+use crate::arguments::jobs::Jobs;
+use crate::arguments::location::Location;
+use crate::arguments::task;
+use crate::output_folder::OutputFolder;
+use crate::progress::{Download, counter};
+use crate::table::Table;
+use crate::workers::worker_options;
+use crate::{interrupt, program, stdout};
+
+/// Search the schedules of the controller foresight
+///
+/// Runs every episode some 120 times under Guideline 36 with shifted setpoints, start times, supply air temperatures, least
+/// flows and economizer limits, by block of each day, and keeps the schedule with the lowest cost at no more discomfort.
+/// Every episode is kept: the same command resumes an interrupted search. `b2b run --controller foresight --parameters
+/// FILE.json` carries a schedule out.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    #[command(flatten)]
+    buildings: Buildings,
+    #[command(flatten)]
+    location: Location,
+    /// Run periods [default: the five two-week periods]
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
+    periods: Vec<Period>,
+    /// Task of operation [default: operate]
+    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
+    task: Option<Task>,
+    /// Zone time steps per hour
+    #[arg(long, default_value_t = 12, value_name = "N")]
+    steps_per_hour: u32,
+    /// Hours of a block of the day
+    #[arg(long, default_value_t = SearchOptions::default().block_hours, value_name = "N")]
+    block_hours: u32,
+    /// Rounds of a search
+    #[arg(long, default_value_t = SearchOptions::default().rounds, value_name = "N")]
+    rounds: usize,
+    /// Mirrored pairs of episodes in a round
+    #[arg(long, default_value_t = SearchOptions::default().pairs, value_name = "N")]
+    pairs: usize,
+    /// Random seed of the search
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Folder for the episodes, a file for each schedule, and foresight.jsonl with all of them
+    #[arg(long, default_value = "b2b-foresight", value_name = "FOLDER")]
+    out: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Name of the file with all schedules.
+const ALL: &str = "foresight.jsonl";
+/// Folder of the episodes of searches.
+const SEARCHES: &str = "searches";
+
+/// A schedule to search.
+struct Item {
+    building: BuildingName,
+    period: Period,
+}
+
+/// Runs the command.
+pub fn foresight(arguments: &Arguments) -> Result<()> {
+    let items = arguments.items()?;
+    let searches = arguments.out.join(SEARCHES);
+    std::fs::create_dir_all(&searches)
+        .with_context(|| format!("cannot write the folder {}", searches.display()))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
+    let bar = counter(0, "episodes", arguments.json);
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || -> Result<()> {
+        while let Some((number, item)) = numbered(&items, next.fetch_add(1, Ordering::Relaxed)) {
+            let stop = |_: &anyhow::Error| next.store(items.len(), Ordering::Relaxed);
+            let plan = arguments.search(&catalog, item, &bar).inspect_err(stop)?;
+            found.lock().expect("no thread panics while it writes results").push((number, plan));
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..arguments.jobs.count()?).map(|_| scope.spawn(work)).collect();
+        let ended = threads.into_iter().map(|thread| thread.join().expect("a thread of the search panicked"));
+        ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
+    })?;
+    bar.finish_and_clear();
+    let mut found = found.into_inner().expect("all threads have ended");
+    found.sort_by_key(|(number, _)| *number);
+    let plans: Vec<(String, Plan)> =
+        found.into_iter().map(|(number, plan)| (items[number].period.to_string(), plan)).collect();
+    arguments.write_all(&plans)?;
+    let summary: Vec<_> = plans.iter().map(|(_, plan)| plan).collect();
+    stdout::print_result(arguments.json, &summary, || arguments.text(&plans))
+}
+
+fn numbered(items: &[Item], number: usize) -> Option<(usize, &Item)> {
+    items.get(number).map(|item| (number, item))
+}
+
+impl Arguments {
+    fn items(&self) -> Result<Vec<Item>> {
+        let periods = match self.periods.is_empty() {
+            true => TwoWeeks::ALL.map(Period::TwoWeeks).to_vec(),
+            false => self.periods.clone(),
+        };
+        let of = |building: BuildingName| {
+            periods.iter().map(move |period| Item { building: building.clone(), period: *period })
+        };
+        Ok(self.buildings.names()?.into_iter().flat_map(of).collect())
+    }
+
+    fn task(&self) -> Task {
+        self.task.clone().unwrap_or_else(task::usual)
+    }
+
+    fn options(&self) -> SearchOptions {
+        let Self { block_hours, rounds, pairs, seed, .. } = *self;
+        SearchOptions { block_hours, rounds, pairs, seed }
+    }
+
+    /// Returns the plan of an item, from its file if it is there.
+    fn search(&self, catalog: &Catalog, item: &Item, bar: &ProgressBar) -> Result<Plan> {
+        interrupt::check()?;
+        let Item { building, period } = item;
+        let (task, options) = (self.task(), self.options());
+        let name = format!("{building}_{period}");
+        let path = self.out.join(format!("{name}.json"));
+        if path.exists() {
+            let plan = Plan::read(&path)?;
+            ensure!(
+                plan.options == options && plan.planned.task_sha256 == task.hash(),
+                "{} is a schedule of another search; choose another folder",
+                path.display()
+            );
+            return Ok(plan);
+        }
+        let found = catalog.find(building, &self.location.placement(), &mut Download::new(true))?;
+        let weather = found.weather.clone();
+        let period = period.in_weather(&weather)?;
+        let config = EpisodeConfig { weather, period, steps_per_hour: self.steps_per_hour, task };
+        let workers = Workers::new(worker_options(catalog.library().path()))?;
+        let mut episode = workers.episode(&Setting::new(Source::from(found), config))?;
+        let spaces = b2b_env::Environment::spaces(&episode);
+        bar.inc_length(options.episodes(spaces)? as u64);
+        let record = self.out.join(SEARCHES).join(format!("{name}.jsonl"));
+        let plan = plan(&mut episode, &options, Some(&record), &mut || bar.inc(1));
+        interrupt::check()?;
+        let plan = plan.with_context(|| format!("cannot plan {name}"))?;
+        write(&path, &[&plan])?;
+        Ok(plan)
+    }
+
+    fn write_all(&self, plans: &[(String, Plan)]) -> Result<()> {
+        write(&self.out.join(ALL), &plans.iter().map(|(_, plan)| plan).collect::<Vec<_>>())
+    }
+
+    fn text(&self, plans: &[(String, Plan)]) -> String {
+        let mut table = Table::new([
+            "building",
+            "period",
+            "cost, guideline36 (per m²)",
+            "cost, foresight",
+            "saving (%)",
+            "discomfort, guideline36 (K·h per zone)",
+            "discomfort, foresight",
+            "saved by (% of cost)",
+        ]);
+        for (period, plan) in plans {
+            table.row([
+                plan.planned.building.clone(),
+                period.clone(),
+                format!("{:.3}", plan.guideline.used),
+                format!("{:.3}", plan.result.used),
+                format!("{:.1}", 100.0 * plan.saving()),
+                format!("{:.2}", plan.guideline.discomfort),
+                format!("{:.2}", plan.result.discomfort),
+                saved_by(plan),
+            ]);
+        }
+        let mut savings: Vec<f64> = plans.iter().map(|(_, plan)| 100.0 * plan.saving()).collect();
+        savings.sort_by(f64::total_cmp);
+        format!(
+            "{}\n\nmedian saving {:.1} %\n\n  {}",
+            table.text(),
+            median(&savings),
+            self.out.join(ALL).display()
+        )
+    }
+}
+
+/// Returns the shifts that save, the largest first.
+fn saved_by(plan: &Plan) -> String {
+    let mut all: Vec<(&String, f64)> =
+        plan.savings.iter().map(|(shift, share)| (shift, 100.0 * share)).collect();
+    all.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let saving = all.iter().filter(|(_, percent)| *percent >= 0.1);
+    saving.map(|(shift, percent)| format!("{shift} {percent:.1}")).collect::<Vec<_>>().join(", ")
+}
+
+fn write(path: &Path, plans: &[&Plan]) -> Result<()> {
+    OutputFolder::write_file(path, |file| {
+        for plan in plans {
+            serde_json::to_writer(&mut *file, plan)?;
+            writeln!(file)?;
+        }
+        Ok(())
+    })
+}

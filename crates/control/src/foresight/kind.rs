@@ -1,0 +1,75 @@
+//! The kind `foresight`.
+
+use std::path::Path;
+
+use b2b_workers::Episode;
+use serde_json::Value;
+
+use super::{Foresight, NAME, Plan, Planned, Schedule, SearchOptions};
+use crate::kind::{self, AnyController, Case};
+use crate::parameter_set::{from_json, to_json};
+use crate::{Error, Result};
+
+/// The kind `foresight`. Its values are a schedule, or null: then it is the shipped one, or found by a search.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn help(&self) -> &'static str {
+        "guideline36 under a schedule found by a search with perfect foresight: shipped, or minutes to find"
+    }
+
+    fn is_stochastic(&self) -> bool {
+        true
+    }
+
+    fn controls_whole_building(&self) -> bool {
+        true
+    }
+
+    fn plans(&self) -> bool {
+        true
+    }
+
+    fn read(&self, path: &Path) -> Result<Value> {
+        Ok(to_json(&Plan::read(path)?.schedule))
+    }
+
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        if case.values.is_null() {
+            return Err(Error::NeedsEpisode { name: NAME });
+        }
+        let schedule: Schedule = from_json(case.values)?;
+        Ok(Box::new(Foresight::new(case.spaces, &schedule)?))
+    }
+
+    fn plan(
+        &self,
+        case: &Case<'_>,
+        episode: &mut Episode,
+        step: &mut dyn FnMut(),
+    ) -> Result<Option<Box<dyn AnyController>>> {
+        if !case.values.is_null() {
+            return self.make(case).map(Some);
+        }
+        let schedule = match Plan::shipped(&Planned::of(case.spaces)?) {
+            Some(plan) => plan.schedule,
+            None => {
+                let options = SearchOptions { seed: case.seed, ..SearchOptions::default() };
+                let (steps, episodes) = (case.spaces.episode_steps(), options.episodes(case.spaces)?);
+                let (mut done, mut told) = (0, 0);
+                let mut progress = || {
+                    done += 1;
+                    let due = steps * done / episodes;
+                    (told..due).for_each(|_| step());
+                    told = due;
+                };
+                super::plan(episode, &options, None, &mut progress)?.schedule
+            }
+        };
+        Ok(Some(Box::new(Foresight::new(case.spaces, &schedule)?)))
+    }
+}

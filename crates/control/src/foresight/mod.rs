@@ -1,0 +1,162 @@
+//! Guideline 36 under a schedule of its supervisory points that was found with perfect foresight of weather, occupants and
+//! physics: the best cost at comfort that is known for an episode, not a bound.
+//!
+//! [`plan`] searches for the [`Schedule`] by running the episode again and again; [`Foresight`] carries it out. A schedule
+//! moves what an operator could move: setpoints, start times, supply air temperatures, least flows and the economizer, alike
+//! in all zones, by block of each day. The loops of the guideline do the rest.
+
+mod kind;
+mod outcome;
+mod plan;
+mod response;
+mod schedule;
+mod search;
+mod trials;
+
+use std::path::Path;
+
+use b2b_env::{Controller, Decisions, Spaces};
+use b2b_workers::Episode;
+use serde::{Deserialize, Serialize};
+
+use crate::guideline36::{Guideline36, Guideline36Parameters};
+use crate::{Error, Result};
+pub(crate) use kind::Kind;
+pub use plan::{Plan, Planned, Total};
+pub use schedule::Schedule;
+use schedule::Varied;
+use search::{Effort, search};
+use trials::{Record, Trials};
+
+/// Name of the kind.
+const NAME: &str = "foresight";
+
+/// The guideline's sequences under a schedule.
+#[derive(Clone, Debug)]
+pub struct Foresight {
+    guideline: Guideline36,
+    /// Values of the supervisory points by block of the episode.
+    rows: Vec<Vec<f64>>,
+    steps_per_block: usize,
+    step: usize,
+}
+
+impl Foresight {
+    /// Creates the sequences of a building under a schedule. After the last day, the last block lasts.
+    ///
+    /// # Errors
+    /// [`Error::Values`] if the schedule does not fit the building.
+    pub fn new(spaces: &Spaces, schedule: &Schedule) -> Result<Self> {
+        let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
+        let rows = schedule.rows(guideline.supervisory_points())?;
+        let steps_per_block = (schedule.block_hours * spaces.episode.steps_per_hour) as usize;
+        Ok(Self { guideline, rows, steps_per_block, step: 0 })
+    }
+}
+
+impl Controller for Foresight {
+    fn reset(&mut self) {
+        self.guideline.reset();
+        self.step = 0;
+    }
+
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        if self.step.is_multiple_of(self.steps_per_block)
+            && let Some(row) = self.rows.get(self.step / self.steps_per_block)
+        {
+            self.guideline.supervise(row);
+        }
+        self.step += 1;
+        self.guideline.act(observation, action);
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        self.guideline.record()
+    }
+}
+
+/// How a schedule is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchOptions {
+    /// Length of a block of the day, h; a divisor of 24.
+    pub block_hours: u32,
+    /// Number of rounds. Each runs 4 episodes and 2 for every pair.
+    pub rounds: usize,
+    /// Mirrored pairs of a round.
+    pub pairs: usize,
+    /// Random seed.
+    pub seed: u64,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self { block_hours: 4, rounds: 8, pairs: 5, seed: 0 }
+    }
+}
+
+impl SearchOptions {
+    /// Returns the number of episodes that a search in a building runs.
+    ///
+    /// # Errors
+    /// [`Error::Values`] if `block_hours` is not a divisor of 24.
+    pub fn episodes(&self, spaces: &Spaces) -> Result<usize> {
+        Ok(self.effort().episodes(self.varied(spaces)?.len()))
+    }
+
+    fn effort(&self) -> Effort {
+        Effort { rounds: self.rounds, pairs: self.pairs, seed: self.seed }
+    }
+
+    /// Returns the shifts of a building.
+    fn varied(&self, spaces: &Spaces) -> Result<Vec<Varied>> {
+        if !24_u32.is_multiple_of(self.block_hours) {
+            let why = format!("block_hours is {}; expected a divisor of 24", self.block_hours);
+            return Err(Error::Values { why });
+        }
+        let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
+        Ok(Varied::of(guideline.supervisory_points()))
+    }
+}
+
+/// Searches the schedule of an episode. With a `record` file, an interrupted search resumes. `done` is called after every
+/// episode of the search.
+///
+/// # Errors
+/// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].
+pub fn plan(
+    episode: &mut Episode,
+    options: &SearchOptions,
+    record: Option<&Path>,
+    done: &mut dyn FnMut(),
+) -> Result<Plan> {
+    let spaces = std::sync::Arc::clone(b2b_env::Environment::spaces(episode));
+    let task = &spaces.episode.task;
+    if !task.is_operation() || task.energy_weight <= 0.0 {
+        return Err(Error::NotOperation { name: NAME, task: task.to_string() });
+    }
+    let (planned, varied) = (Planned::of(&spaces)?, options.varied(&spaces)?);
+    let record = record.map(|path| Record::open(path, &(&planned, options))).transpose()?;
+    let mut trials = Trials::new(episode, record, done);
+    let (mut episodes, blocks) = (0, Schedule::blocks(options.block_hours));
+    let mut run = |points: &[search::Point]| {
+        episodes += points.len();
+        let schedules = points.iter().map(|point| Schedule::of_point(&varied, options.block_hours, point));
+        schedules.map(|schedule| trials.run(&schedule)).collect()
+    };
+    let shifts = varied.len();
+    let parts: Vec<Vec<usize>> =
+        (0..shifts).map(|shift| (0..blocks).map(|block| block * shifts + shift).collect()).collect();
+    let bounds = Schedule::bounds(&varied, options.block_hours);
+    let days = spaces.episode.period.days() as usize;
+    let found = search(&bounds, days, &parts, options.effort(), &mut run)?;
+    Ok(Plan {
+        planned,
+        options: *options,
+        episodes,
+        guideline: Total::of(&found.baseline, &spaces),
+        result: Total::of(&found.outcome, &spaces),
+        savings: varied.iter().map(|varied| varied.name.to_owned()).zip(found.shares).collect(),
+        schedule: Schedule::of_point(&varied, options.block_hours, &found.point),
+    })
+}

@@ -1,0 +1,70 @@
+//! What an episode under a schedule came to, day by day.
+
+use b2b_env::{Metrics, Observer, Step};
+use serde::{Deserialize, Serialize};
+
+/// Use and discomfort of an episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The days, in order.
+    pub days: Vec<Day>,
+}
+
+/// Use and discomfort of a day.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Day {
+    /// Amount of the task's resource, usually cost, in mean steps of the building's class.
+    pub used: f64,
+    /// Deviation outside the band integrated over time, K·h per zone.
+    pub discomfort: f64,
+}
+
+impl Outcome {
+    /// Returns the amount of the resource, in mean steps of the building's class.
+    pub fn used(&self) -> f64 {
+        self.days.iter().map(|day| day.used).sum()
+    }
+
+    /// Returns the discomfort, K·h per zone.
+    pub fn discomfort(&self) -> f64 {
+        self.days.iter().map(|day| day.discomfort).sum()
+    }
+}
+
+/// Adds up the penalties of an episode day by day.
+#[derive(Debug)]
+pub(super) struct Days {
+    steps_per_day: usize,
+    steps: usize,
+    /// Comfort penalties in place of discomfort.
+    days: Vec<Day>,
+}
+
+impl Days {
+    pub(super) fn new(steps_per_hour: u32) -> Self {
+        Self { steps_per_day: 24 * steps_per_hour as usize, steps: 0, days: Vec::new() }
+    }
+
+    /// Returns the outcome. The episode's discomfort is divided among the days as its comfort penalty is.
+    pub(super) fn outcome(mut self, metrics: &Metrics) -> Outcome {
+        let penalty: f64 = self.days.iter().map(|day| day.discomfort).sum();
+        let discomfort = metrics.zone_discomfort().unwrap_or(0.0);
+        let scale = if penalty > 0.0 { discomfort / penalty } else { 0.0 };
+        self.days.iter_mut().for_each(|day| day.discomfort *= scale);
+        Outcome { days: self.days }
+    }
+}
+
+impl Observer for Days {
+    fn step(&mut self, step: &Step<'_>) -> b2b_env::Result<()> {
+        if self.steps.is_multiple_of(self.steps_per_day) {
+            self.days.push(Day::default());
+        }
+        self.steps += 1;
+        if let Some(day) = self.days.last_mut() {
+            day.used += step.reward.energy_penalty;
+            day.discomfort += step.reward.temperature_penalty;
+        }
+        Ok(())
+    }
+}

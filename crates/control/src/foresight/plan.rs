@@ -1,0 +1,133 @@
+//! A schedule found for an episode, with what it was found for and what it came to.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use b2b_building::RunPeriod;
+use b2b_env::{Inputs, Spaces};
+use serde::{Deserialize, Serialize};
+
+use super::SearchOptions;
+use super::outcome::Outcome;
+use super::schedule::Schedule;
+use crate::parameter_set::read;
+use crate::{Error, Result};
+
+/// The plans that ship with the program, one per line.
+const SHIPPED: &str = include_str!("../../data/foresight.jsonl");
+
+/// An episode that a plan is for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Planned {
+    /// Name of the building.
+    pub building: String,
+    /// Its model and weather.
+    pub inputs: Inputs,
+    /// Run period.
+    pub period: RunPeriod,
+    /// Zone time steps per hour.
+    pub steps_per_hour: u32,
+    /// SHA-256 of the task.
+    pub task_sha256: String,
+}
+
+/// What an episode came to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Total {
+    /// Amount of the task's resource, usually cost, per m².
+    pub used: f64,
+    /// Discomfort, K·h per zone.
+    pub discomfort: f64,
+}
+
+/// A schedule with its result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// The episode.
+    pub planned: Planned,
+    /// How it was searched.
+    pub options: SearchOptions,
+    /// Episodes that it ran.
+    pub episodes: usize,
+    /// Guideline 36 without supervision.
+    pub guideline: Total,
+    /// The plan.
+    pub result: Total,
+    /// What each shift saves: the score without it less the score, as a share of the guideline's cost.
+    pub savings: BTreeMap<String, f64>,
+    /// The schedule.
+    pub schedule: Schedule,
+}
+
+impl Planned {
+    /// Returns the episode of an environment.
+    ///
+    /// # Errors
+    /// The errors of [`Inputs::of`].
+    pub fn of(spaces: &Spaces) -> Result<Self> {
+        let episode = &spaces.episode;
+        Ok(Self {
+            building: spaces.building.name.clone(),
+            inputs: Inputs::of(spaces)?,
+            period: episode.period,
+            steps_per_hour: episode.steps_per_hour,
+            task_sha256: episode.task.hash(),
+        })
+    }
+}
+
+impl Total {
+    /// Returns an outcome in the unit of the task's resource.
+    pub(super) fn of(outcome: &Outcome, spaces: &Spaces) -> Self {
+        let unit = spaces.energy_scale() / spaces.episode.task.energy_weight;
+        Self { used: outcome.used() * unit, discomfort: outcome.discomfort() }
+    }
+}
+
+impl Plan {
+    /// Reads a plan from a JSON file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason.
+    pub fn read(path: &Path) -> Result<Self> {
+        let plan: Self = read(path)?;
+        let invalid = |error: Error| Error::ParameterFile { path: path.to_owned(), why: error.to_string() };
+        plan.schedule.check().map_err(invalid)?;
+        Ok(plan)
+    }
+
+    /// Returns the shipped plan for an episode, if there is one.
+    pub fn shipped(planned: &Planned) -> Option<Self> {
+        Self::all_shipped().find(|plan| plan.planned == *planned)
+    }
+
+    /// Returns the shipped plans.
+    pub fn all_shipped() -> impl Iterator<Item = Self> {
+        SHIPPED.lines().map(|line| serde_json::from_str(line).expect("a test reads all shipped plans"))
+    }
+
+    /// Returns the share of the guideline's cost that the plan saves.
+    pub fn saving(&self) -> f64 {
+        1.0 - self.result.used / self.guideline.used
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_plan_saves_at_no_more_discomfort() {
+        for plan in Plan::all_shipped() {
+            let Planned { building, period, .. } = &plan.planned;
+            plan.schedule.check().unwrap();
+            assert_eq!(plan.schedule.days.len(), period.days() as usize, "{building} {period}");
+            assert!(plan.result.used <= plan.guideline.used, "{building} {period}");
+            assert!(plan.result.discomfort <= plan.guideline.discomfort + 0.1 * f64::from(period.days()));
+            assert_eq!(Plan::shipped(&plan.planned).as_ref(), Some(&plan), "one plan per episode");
+        }
+    }
+}

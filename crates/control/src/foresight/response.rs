@@ -1,0 +1,101 @@
+//! The slope of each day's objective, estimated from mirrored pairs.
+
+/// Regularization of the slope that all days share: the square of a pair's error over the square of a usual slope.
+const SHARED: f64 = 0.01;
+/// The same for a day's difference from it.
+const OWN: f64 = 0.03;
+
+/// Half of the difference between the two points of a mirrored pair, and of their objectives.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    pub(super) difference: Vec<f64>,
+    pub(super) gain: f64,
+}
+
+/// Returns the slope of each day from its pairs: ridge regressions, of all days together and then of each day's
+/// residuals. Days are alike, so that a few pairs determine many slopes.
+pub(super) fn slopes(days: &[Vec<Pair>]) -> Vec<Vec<f64>> {
+    let all: Vec<&Pair> = days.iter().flatten().collect();
+    let width = all.first().map_or(0, |pair| pair.difference.len());
+    let shared = ridge(&all, &vec![0.0; width], SHARED);
+    days.iter().map(|pairs| ridge(&pairs.iter().collect::<Vec<_>>(), &shared, OWN)).collect()
+}
+
+/// Returns the slope nearest to a prior that explains the pairs.
+fn ridge(pairs: &[&Pair], prior: &[f64], regularization: f64) -> Vec<f64> {
+    let width = prior.len();
+    let mut matrix = vec![0.0; width * width];
+    (0..width).for_each(|index| matrix[index * width + index] = regularization);
+    let mut right = vec![0.0; width];
+    for Pair { difference, gain } in pairs {
+        let residual = gain - dot(difference, prior);
+        for (row, &factor) in difference.iter().enumerate() {
+            right[row] += factor * residual;
+            let entries = &mut matrix[row * width..(row + 1) * width];
+            entries.iter_mut().zip(difference).for_each(|(entry, value)| *entry += factor * value);
+        }
+    }
+    solve(&mut matrix, &mut right);
+    prior.iter().zip(right).map(|(prior, own)| prior + own).collect()
+}
+
+/// Solves a positive definite system in place, by Cholesky's factorization.
+fn solve(matrix: &mut [f64], right: &mut [f64]) {
+    let width = right.len();
+    for column in 0..width {
+        for row in column..width {
+            let known = dot(&matrix[row * width..][..column], &matrix[column * width..][..column]);
+            let rest = matrix[row * width + column] - known;
+            matrix[row * width + column] =
+                if row == column { rest.sqrt() } else { rest / matrix[column * width + column] };
+        }
+    }
+    for row in 0..width {
+        let known = dot(&matrix[row * width..][..row], &right[..row]);
+        right[row] = (right[row] - known) / matrix[row * width + row];
+    }
+    for row in (0..width).rev() {
+        let known: f64 = (row + 1..width).map(|below| matrix[below * width + row] * right[below]).sum();
+        right[row] = (right[row] - known) / matrix[row * width + row];
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_positive_definite_system_is_solved() {
+        let mut right = [10.0, 11.0];
+        solve(&mut [4.0, 2.0, 2.0, 3.0], &mut right);
+        assert!((right[0] - 1.0).abs() < 1e-12 && (right[1] - 3.0).abs() < 1e-12, "{right:?}");
+    }
+
+    #[test]
+    fn days_share_a_slope_that_none_of_them_could_tell_alone() {
+        let slope = [0.3, -0.2, 0.0, 0.1];
+        // Each day moves along one axis only.
+        let day = |axis: usize| {
+            let mut difference = vec![0.0; 4];
+            difference[axis] = 1.0;
+            vec![Pair { gain: dot(&slope, &difference), difference }]
+        };
+        for found in slopes(&[day(0), day(1), day(2), day(3)]) {
+            found
+                .iter()
+                .zip(slope)
+                .for_each(|(found, slope)| assert!((found - slope).abs() < 0.01, "{found}"));
+        }
+    }
+
+    #[test]
+    fn a_day_of_its_own_departs_from_the_others() {
+        let pairs = |slope: f64| vec![Pair { difference: vec![1.0], gain: slope }];
+        let found = slopes(&[pairs(0.1), pairs(0.1), pairs(-0.5)]);
+        assert!(found[0][0] > 0.08 && found[2][0] < -0.45, "{found:?}");
+    }
+}

@@ -1,0 +1,161 @@
+//! Supervisory values by day and block of the day.
+
+use serde::{Deserialize, Serialize};
+
+use crate::guideline36::{Shift, SupervisoryPoint};
+use crate::{Error, Result};
+
+/// Hours of a day.
+const DAY: u32 = 24;
+/// Values are rounded to this fraction of their unit, so that a file holds what was run.
+const PER_UNIT: f64 = 100.0;
+
+/// Shifts of what Guideline 36 chooses, the same for all owners of a shift, by block of each day.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Schedule {
+    /// Names of the shifts.
+    pub shifts: Vec<String>,
+    /// Length of a block, h; a divisor of 24.
+    pub block_hours: u32,
+    /// The days from the first of the episode on. A day has its blocks from midnight on, a block one value per shift.
+    pub days: Vec<Vec<Vec<f64>>>,
+}
+
+/// A shift that a schedule varies.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Varied {
+    pub(super) name: &'static str,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Unit of the search.
+    pub(super) unit: f64,
+}
+
+impl Varied {
+    /// Returns the shifts of a building's points, each once, in order of appearance. Setpoints stay within the band: outside,
+    /// they only trade comfort for cost.
+    pub(super) fn of(points: &[SupervisoryPoint]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for point in points {
+            let (name, _) = point.shift.described();
+            let [low, high] = match point.shift {
+                Shift::HeatingSetpoint => [0.0, point.high],
+                Shift::CoolingSetpoint => [point.low, 0.0],
+                _ => [point.low, point.high],
+            };
+            if all.iter().all(|varied| varied.name != name) {
+                all.push(Self { name, low, high, unit: point.high.min(-point.low) });
+            }
+        }
+        all
+    }
+}
+
+impl Schedule {
+    /// Returns the number of blocks of a day.
+    pub(super) fn blocks(block_hours: u32) -> usize {
+        (DAY / block_hours) as usize
+    }
+
+    /// Returns the schedule of a search's point: for each day, the blocks one after another, in units of the shifts.
+    pub(super) fn of_point(varied: &[Varied], block_hours: u32, point: &[Vec<f64>]) -> Self {
+        let value = |(varied, share): (&Varied, &f64)| {
+            let value = (share * varied.unit).clamp(varied.low, varied.high);
+            // Adding 0 turns a negative zero into a positive one.
+            (value * PER_UNIT).round() / PER_UNIT + 0.0
+        };
+        let block = |shares: &[f64]| varied.iter().zip(shares).map(value).collect();
+        Self {
+            shifts: varied.iter().map(|varied| varied.name.to_owned()).collect(),
+            block_hours,
+            days: point.iter().map(|day| day.chunks(varied.len()).map(block).collect()).collect(),
+        }
+    }
+
+    /// Returns the bounds of a search's day.
+    pub(super) fn bounds(varied: &[Varied], block_hours: u32) -> Vec<[f64; 2]> {
+        let of = |varied: &Varied| [varied.low, varied.high].map(|limit| limit / varied.unit);
+        let block: Vec<_> = varied.iter().map(of).collect();
+        block.repeat(Self::blocks(block_hours))
+    }
+
+    /// Checks the shape.
+    ///
+    /// # Errors
+    /// [`Error::Values`] with what is wrong.
+    pub fn check(&self) -> Result<()> {
+        let wrong = |why: String| Err(Error::Values { why });
+        let Self { shifts, block_hours, days } = self;
+        if !DAY.is_multiple_of(*block_hours) {
+            return wrong(format!("block_hours is {block_hours}; expected a divisor of 24"));
+        }
+        if days.is_empty() {
+            return wrong("`days` is empty".to_owned());
+        }
+        let blocks = Self::blocks(*block_hours);
+        for (number, day) in days.iter().enumerate() {
+            if day.len() != blocks || day.iter().any(|block| block.len() != shifts.len()) {
+                return wrong(format!(
+                    "day {number} has not {blocks} blocks with a value for each of {} shifts",
+                    shifts.len()
+                ));
+            }
+        }
+        match days.iter().flatten().flatten().find(|value| !value.is_finite()) {
+            Some(value) => wrong(format!("{value} is not a finite number")),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the values of the points of a building, one row per block of the episode.
+    ///
+    /// # Errors
+    /// [`Error::Values`] if the shape is wrong or a point's shift is missing.
+    pub(super) fn rows(&self, points: &[SupervisoryPoint]) -> Result<Vec<Vec<f64>>> {
+        self.check()?;
+        let number = |point: &SupervisoryPoint| {
+            let (name, _) = point.shift.described();
+            let missing = || Error::Values { why: format!("the schedule has no `{name}`") };
+            self.shifts.iter().position(|shift| shift == name).ok_or_else(missing)
+        };
+        let numbers = points.iter().map(number).collect::<Result<Vec<_>>>()?;
+        let row = |block: &Vec<f64>| numbers.iter().map(|&number| block[number]).collect();
+        Ok(self.days.iter().flatten().map(row).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VARIED: [Varied; 2] = [
+        Varied { name: "a", low: -0.5, high: 2.0, unit: 0.5 },
+        Varied { name: "b", low: -0.1, high: 0.3, unit: 0.1 },
+    ];
+
+    #[test]
+    fn a_point_of_the_search_becomes_values_within_the_limits() {
+        let day = [vec![1.0, 9.0], vec![-2.0, 0.0]].concat();
+        let schedule = Schedule::of_point(&VARIED, 12, &[day]);
+        assert_eq!(schedule.days, [[[0.5, 0.3], [-0.5, 0.0]]]);
+        schedule.check().unwrap();
+        let bounds = Schedule::bounds(&VARIED, 12);
+        assert_eq!((bounds.len(), bounds[0]), (4, [-1.0, 4.0]));
+        assert!((bounds[3][0] + 1.0).abs() < 1e-12 && (bounds[3][1] - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_schedule_of_another_shape_is_refused() {
+        let good = Schedule::of_point(&VARIED, 12, &[vec![0.0; 4]]);
+        let said = |change: fn(&mut Schedule)| {
+            let mut bad = good.clone();
+            change(&mut bad);
+            bad.check().unwrap_err().to_string()
+        };
+        assert!(said(|bad| bad.block_hours = 5).contains("divisor of 24"));
+        assert!(said(|bad| bad.days.clear()).contains("empty"));
+        assert!(said(|bad| bad.days[0].truncate(1)).contains("2 blocks"));
+        assert!(said(|bad| bad.days[0][1][0] = f64::NAN).contains("finite"));
+    }
+}

@@ -1,0 +1,377 @@
+//! The search for a schedule.
+//!
+//! What a building does on a day hardly depends on the day before, so that one episode tries something on each of its days.
+//! A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope of every day's
+//! objective; then it goes down the slopes by steps of several lengths. For each day, the best of all that was tried is the
+//! next point. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best days together
+//! have no more discomfort than under the guideline.
+
+use b2b_base::random::{standard_normal, stream};
+use rand_chacha::ChaCha8Rng;
+
+use super::outcome::{Day, Outcome};
+use super::response::{Pair, slopes};
+use crate::Result;
+
+/// Deviation of the first pairs, in units of the values.
+const FIRST_SPREAD: f64 = 0.25;
+/// Factor of the deviation from round to round.
+const NARROWING: f64 = 0.85;
+/// Largest draw, in deviations.
+const WIDEST: f64 = 2.0;
+/// Lengths of the steps down the slopes, relative to a day's own.
+const LENGTHS: [f64; 3] = [0.3, 1.0, 3.0];
+/// Bounds of a day's own length, in units.
+const OWN_LENGTH: [f64; 2] = [0.01, 1.0];
+/// First length of a day.
+const FIRST_LENGTH: f64 = 0.2;
+/// Factors of a day's own length after no step, the shortest, the middle and the longest was best.
+const FACTORS: [f64; 4] = [0.4, 0.5, 1.0, 2.0];
+/// Price of discomfort in scores, in days of the guideline's cost per K·h: as in the score at comfort.
+const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
+/// Bounds of the price of a round.
+const PRICES: [f64; 2] = [0.01, 10.0];
+/// Bisections of the logarithm of the price.
+const BISECTIONS: usize = 20;
+/// Difference of a day's objective that is none, in days of the guideline's cost.
+const RESOLUTION: f64 = 2e-4;
+
+/// A point of the search: for each day, values in units of their own.
+pub(super) type Point = Vec<Vec<f64>>;
+
+/// Runs episodes under points, and returns an outcome for each.
+pub(super) type Run<'a> = dyn FnMut(&[Point]) -> Result<Vec<Outcome>> + 'a;
+
+/// How to search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// Number of rounds.
+    pub(super) rounds: usize,
+    /// Mirrored pairs of a round.
+    pub(super) pairs: usize,
+    /// Random seed.
+    pub(super) seed: u64,
+}
+
+impl Effort {
+    /// Returns the episodes of a search in which points have `parts` that may be left out.
+    pub(super) fn episodes(self, parts: usize) -> usize {
+        self.rounds * (1 + 2 * self.pairs + LENGTHS.len()) + 2 + parts
+    }
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub(super) point: Point,
+    pub(super) outcome: Outcome,
+    /// The guideline itself.
+    pub(super) baseline: Outcome,
+    /// Score without each part, less the score.
+    pub(super) shares: Vec<f64>,
+}
+
+/// A search in progress.
+struct Search<'a> {
+    bounds: &'a [[f64; 2]],
+    random: ChaCha8Rng,
+    spread: f64,
+    price: f64,
+    /// The best value of each day.
+    center: Point,
+    /// The episode at the center, if it has run.
+    at_center: Option<Outcome>,
+    /// Length of the steps of each day.
+    lengths: Vec<f64>,
+    /// Mirrored pairs of the last rounds by day, without prices.
+    tried: Vec<Vec<Tried>>,
+    baseline: Outcome,
+    best: Best,
+}
+
+/// A mirrored pair of a day.
+struct Tried {
+    difference: Vec<f64>,
+    outcomes: [Day; 2],
+}
+
+/// The best whole episode.
+struct Best {
+    point: Point,
+    outcome: Outcome,
+    score: f64,
+}
+
+/// Returns the cost of an episode relative to the baseline's, with every K·h beyond the baseline's discomfort at the price of
+/// the score at comfort, but without its allowance.
+pub(super) fn score(outcome: &Outcome, baseline: &Outcome) -> f64 {
+    let days = baseline.days.len() as f64;
+    let excess = (outcome.discomfort() - baseline.discomfort()).max(0.0);
+    outcome.used() / baseline.used() + SCORE_PRICE * excess / days
+}
+
+/// Searches for a point with the lowest score. `parts` are sets of positions in a day, each of which is left out where it saves
+/// nothing. A baseline that uses nothing is the best there is.
+///
+/// # Errors
+/// The errors of `run`.
+pub(super) fn search(
+    bounds: &[[f64; 2]],
+    days: usize,
+    parts: &[Vec<usize>],
+    effort: Effort,
+    run: &mut Run<'_>,
+) -> Result<Found> {
+    let zero = vec![vec![0.0; bounds.len()]; days];
+    let baseline = one(run, &zero)?;
+    let best = Best { point: zero.clone(), outcome: baseline.clone(), score: 1.0 };
+    if baseline.used() <= 0.0 || bounds.is_empty() {
+        let shares = vec![0.0; parts.len()];
+        return Ok(Found { point: zero, outcome: baseline.clone(), baseline, shares });
+    }
+    let mut search = Search {
+        bounds,
+        random: stream("foresight", effort.seed, 0),
+        spread: FIRST_SPREAD,
+        price: SCORE_PRICE,
+        at_center: Some(baseline.clone()),
+        center: zero,
+        lengths: vec![FIRST_LENGTH; days],
+        tried: (0..days).map(|_| Vec::new()).collect(),
+        baseline,
+        best,
+    };
+    for _ in 0..effort.rounds {
+        search.round(effort.pairs, run)?;
+    }
+    let last = one(run, &search.center)?;
+    search.best.keep(&search.center, &last, &search.baseline);
+    search.without(parts, run)
+}
+
+fn one(run: &mut Run<'_>, point: &Point) -> Result<Outcome> {
+    Ok(run(std::slice::from_ref(point))?.remove(0))
+}
+
+impl Search<'_> {
+    /// Tries pairs and steps, and moves each day to its best.
+    fn round(&mut self, pairs: usize, run: &mut Run<'_>) -> Result<()> {
+        let center = match self.at_center.take() {
+            Some(known) => known,
+            None => one(run, &self.center)?,
+        };
+        self.best.keep(&self.center, &center, &self.baseline);
+        let mut points: Vec<Point> = (0..pairs).flat_map(|_| self.pair()).collect();
+        let mut outcomes = self.run(&points, run)?;
+        self.learn(&points, &outcomes, pairs);
+        points.insert(0, self.center.clone());
+        outcomes.insert(0, center);
+        self.set_price(&outcomes);
+        let steps = self.steps();
+        let first_step = points.len();
+        outcomes.extend(self.run(&steps, run)?);
+        points.extend(steps);
+        self.set_price(&outcomes);
+        let best: Vec<usize> = (0..self.center.len()).map(|day| self.best_of(day, &outcomes)).collect();
+        let days = self.center.iter_mut().zip(&mut self.lengths).zip(best).enumerate();
+        for (day, ((center, length), best)) in days {
+            center.clone_from(&points[best][day]);
+            let factor = if best < first_step { FACTORS[0] } else { FACTORS[best - first_step + 1] };
+            *length = (*length * factor).clamp(OWN_LENGTH[0], OWN_LENGTH[1]);
+        }
+        self.spread *= NARROWING;
+        Ok(())
+    }
+
+    /// Runs points and keeps the best episode.
+    fn run(&mut self, points: &[Point], run: &mut Run<'_>) -> Result<Vec<Outcome>> {
+        let outcomes = run(points)?;
+        for (point, outcome) in points.iter().zip(&outcomes) {
+            self.best.keep(point, outcome, &self.baseline);
+        }
+        Ok(outcomes)
+    }
+
+    /// Returns a mirrored pair around the center, within the bounds.
+    fn pair(&mut self) -> [Point; 2] {
+        let [mut up, mut down] = [self.center.clone(), self.center.clone()];
+        for (up, down) in up.iter_mut().zip(&mut down) {
+            for ((up, down), [low, high]) in up.iter_mut().zip(down).zip(self.bounds) {
+                let draw = standard_normal(&mut self.random).clamp(-WIDEST, WIDEST) * self.spread;
+                *up = (*up + draw).clamp(*low, *high);
+                *down = (*down - draw).clamp(*low, *high);
+            }
+        }
+        [up, down]
+    }
+
+    /// Sets the lowest price at which the best outcomes of the days have no more discomfort than the baseline.
+    fn set_price(&mut self, outcomes: &[Outcome]) {
+        let [mut low, mut high] = PRICES.map(f64::ln);
+        for _ in 0..BISECTIONS {
+            self.price = f64::midpoint(low, high).exp();
+            let of_best = |day| outcomes[self.best_of(day, outcomes)].days[day].discomfort;
+            let discomfort: f64 = (0..self.center.len()).map(of_best).sum();
+            match discomfort > self.baseline.discomfort() {
+                true => low = self.price.ln(),
+                false => high = self.price.ln(),
+            }
+        }
+        self.price = high.exp();
+    }
+
+    /// Remembers the pairs of this round and of the last.
+    fn learn(&mut self, points: &[Point], outcomes: &[Outcome], pairs: usize) {
+        for (day, tried) in self.tried.iter_mut().enumerate() {
+            let old = tried.len().saturating_sub(pairs);
+            tried.drain(..old);
+            for (points, outcomes) in points.chunks(2).zip(outcomes.chunks(2)) {
+                let [up, down] = [0, 1].map(|side: usize| &points[side][day]);
+                let difference = up.iter().zip(down).map(|(up, down)| (up - down) / 2.0).collect();
+                let outcomes = [0, 1].map(|side: usize| outcomes[side].days[day]);
+                tried.push(Tried { difference, outcomes });
+            }
+        }
+    }
+
+    /// Returns the objective of a day, in days of the guideline's cost.
+    fn objective(&self, day: Day) -> f64 {
+        let mean = self.baseline.used() / self.baseline.days.len() as f64;
+        day.used / mean + self.price * day.discomfort
+    }
+
+    /// Returns points down the slopes, one for each length.
+    fn steps(&self) -> Vec<Point> {
+        let pair = |tried: &Tried| {
+            let [up, down] = tried.outcomes.map(|day| self.objective(day));
+            Pair { difference: tried.difference.clone(), gain: (up - down) / 2.0 }
+        };
+        let pairs: Vec<Vec<Pair>> = self.tried.iter().map(|tried| tried.iter().map(pair).collect()).collect();
+        let slopes = slopes(&pairs);
+        let point = |length: &f64| {
+            let days = self.center.iter().zip(&slopes).zip(&self.lengths);
+            days.map(|((center, slope), own)| self.step(center, slope, length * own)).collect()
+        };
+        LENGTHS.iter().map(point).collect()
+    }
+
+    /// Returns a day's values after a step of a length down its slope.
+    fn step(&self, center: &[f64], slope: &[f64], length: f64) -> Vec<f64> {
+        let mean_square = slope.iter().map(|slope| slope * slope).sum::<f64>() / slope.len() as f64;
+        if mean_square <= 0.0 {
+            return center.to_vec();
+        }
+        let values = center.iter().zip(slope).zip(self.bounds);
+        let step = |slope: f64| (slope / mean_square.sqrt()).clamp(-WIDEST, WIDEST) * length;
+        values.map(|((center, slope), [low, high])| (center - step(*slope)).clamp(*low, *high)).collect()
+    }
+
+    /// Returns the number of the best outcome of a day; the first, unless another is better.
+    fn best_of(&self, day: usize, outcomes: &[Outcome]) -> usize {
+        let mut best = (0, self.objective(outcomes[0].days[day]) - RESOLUTION);
+        for (number, outcome) in outcomes.iter().enumerate().skip(1) {
+            let objective = self.objective(outcome.days[day]);
+            if objective < best.1 {
+                best = (number, objective);
+            }
+        }
+        best.0
+    }
+
+    /// Leaves out each part on the days on which it saves nothing, and returns what was found.
+    fn without(mut self, parts: &[Vec<usize>], run: &mut Run<'_>) -> Result<Found> {
+        let whole = (self.best.point.clone(), self.best.outcome.clone(), self.best.score);
+        let without = |part: &Vec<usize>| {
+            let mut point = whole.0.clone();
+            point.iter_mut().for_each(|day| part.iter().for_each(|&index| day[index] = 0.0));
+            point
+        };
+        let outcomes = run(&parts.iter().map(without).collect::<Vec<_>>())?;
+        let shares: Vec<f64> =
+            outcomes.iter().map(|outcome| score(outcome, &self.baseline) - whole.2).collect();
+        let mut sparse = whole.0.clone();
+        for (part, outcome) in parts.iter().zip(&outcomes) {
+            for (day, values) in sparse.iter_mut().enumerate() {
+                let [with, without] = [&whole.1, outcome].map(|outcome| self.objective(outcome.days[day]));
+                if without < with + RESOLUTION {
+                    part.iter().for_each(|&index| values[index] = 0.0);
+                }
+            }
+        }
+        let outcome = one(run, &sparse)?;
+        if score(&outcome, &self.baseline) < whole.2 + RESOLUTION * parts.len() as f64 {
+            self.best.point = sparse;
+            self.best.outcome = outcome;
+        }
+        let Best { point, outcome, .. } = self.best;
+        Ok(Found { point, outcome, baseline: self.baseline, shares })
+    }
+}
+
+impl Best {
+    /// Keeps an episode if it is better.
+    fn keep(&mut self, point: &Point, outcome: &Outcome, baseline: &Outcome) {
+        let score = score(outcome, baseline);
+        if score < self.score {
+            *self = Self { point: point.clone(), outcome: outcome.clone(), score };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EFFORT: Effort = Effort { rounds: 8, pairs: 4, seed: 0 };
+    const BOUNDS: [[f64; 2]; 4] = [[-1.0, 1.0]; 4];
+
+    /// A cost with its lowest value at 0.6 and -0.3, flat in the last value, and discomfort from a value of 0.2 of the third on,
+    /// which saves cost.
+    fn toy(points: &[Point]) -> Result<Vec<Outcome>> {
+        let day = |day: &Vec<f64>| Day {
+            used: 10.0 + 4.0 * (day[0] - 0.6).powi(2) + 4.0 * (day[1] + 0.3).powi(2) - 2.0 * day[2],
+            discomfort: 1.0 + 3.0 * (day[2] - 0.2).max(0.0),
+        };
+        Ok(points.iter().map(|point| Outcome { days: point.iter().map(day).collect() }).collect())
+    }
+
+    fn parts() -> Vec<Vec<usize>> {
+        (0..4).map(|index| vec![index]).collect()
+    }
+
+    #[test]
+    fn the_lowest_cost_at_the_discomfort_of_the_baseline_is_found() {
+        let found = search(&BOUNDS, 14, &parts(), EFFORT, &mut toy).unwrap();
+        assert!(
+            found.outcome.discomfort() < found.baseline.discomfort() + 0.3,
+            "{}",
+            found.outcome.discomfort()
+        );
+        // 10 - 0.4 of 11.8 at the corner of discomfort.
+        let ratio = found.outcome.used() / found.baseline.used();
+        assert!(ratio < 0.84, "{ratio}");
+        assert!(found.point.iter().all(|day| day[3] == 0.0), "a value without effect is left out");
+        assert!(found.shares[0] > 0.05 && found.shares[3].abs() < 1e-12, "{:?}", found.shares);
+    }
+
+    #[test]
+    fn a_search_runs_the_episodes_it_announces_and_repeats_with_its_seed() {
+        let count = std::cell::Cell::new(0);
+        let mut counted = |points: &[Point]| {
+            count.set(count.get() + points.len());
+            toy(points)
+        };
+        let first = search(&BOUNDS, 3, &parts(), EFFORT, &mut counted).unwrap();
+        assert_eq!(count.get(), EFFORT.episodes(parts().len()));
+        assert_eq!(search(&BOUNDS, 3, &parts(), EFFORT, &mut toy).unwrap().point, first.point);
+        let other = search(&BOUNDS, 3, &parts(), Effort { seed: 1, ..EFFORT }, &mut toy).unwrap();
+        assert_ne!(other.point, first.point);
+    }
+
+    #[test]
+    fn nothing_is_better_than_a_baseline_that_uses_nothing() {
+        let mut free = |points: &[Point]| Ok(vec![Outcome { days: vec![Day::default(); 2] }; points.len()]);
+        let found = search(&BOUNDS, 2, &parts(), EFFORT, &mut free).unwrap();
+        assert_eq!((found.point, found.shares), (vec![vec![0.0; 4]; 2], vec![0.0; 4]));
+    }
+}

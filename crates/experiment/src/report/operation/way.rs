@@ -1,0 +1,146 @@
+//! How far controllers get from the guideline's cost to the best known one, which `foresight` finds.
+
+use b2b_evaluate::statistics::median;
+use serde_json::{Value, json};
+
+use super::buildings;
+use super::comparison::GUIDELINE;
+use super::figures::Figures;
+use crate::definition::Experiment;
+use crate::results::Results;
+
+/// The controller that the way leads to.
+const BEST: &str = "foresight";
+
+/// An episode under the guideline, under the best known schedule, and under the controller on the way.
+struct Episode {
+    period: String,
+    guideline: Figures,
+    best: Figures,
+    others: Vec<Option<Figures>>,
+}
+
+/// Returns the table of savings and of shares of the way, by type and period; `None` without the best known costs.
+pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value> {
+    experiment.kept_controllers().find(|controller| *controller == BEST)?;
+    let others: Vec<&str> =
+        experiment.kept_controllers().filter(|controller| ![GUIDELINE, BEST].contains(controller)).collect();
+    let mut rows = Vec::new();
+    let mut all = Vec::new();
+    for building_type in &experiment.types {
+        let episodes = episodes(experiment, results, &others, building_type.name());
+        for period in &experiment.periods {
+            let own: Vec<&Episode> = episodes.iter().filter(|episode| episode.period == *period).collect();
+            rows.extend(cells(building_type.name(), period, &own, others.len()));
+        }
+        all.extend(episodes);
+    }
+    rows.extend(cells("all", "all", &all.iter().collect::<Vec<_>>(), others.len()));
+    let mut header: Vec<String> = [
+        "type",
+        "period",
+        "episodes",
+        "saving of foresight (%)",
+        "least",
+        "most",
+        "discomfort, guideline36 (K·h per zone)",
+        "discomfort, foresight",
+        "beyond the free discomfort",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    header.extend(others.iter().map(|controller| format!("share of the way, {controller} (%)")));
+    Some(json!({
+        "name": "The way from guideline36 to foresight",
+        "title": "medians over the buildings; the way is the cost that foresight saves, and 100 % is all of it",
+        "header": header,
+        "rows": rows,
+    }))
+}
+
+/// Returns the episodes of a type that ran under the guideline and under the best known schedule.
+fn episodes(
+    experiment: &Experiment,
+    results: &Results,
+    others: &[&str],
+    building_type: &str,
+) -> Vec<Episode> {
+    let of = |controller: &str| buildings(experiment, results, controller, building_type);
+    let (bests, others): (Vec<_>, Vec<_>) = (of(BEST), others.iter().map(|other| of(other)).collect());
+    let mut episodes = Vec::new();
+    for (building, periods) in of(GUIDELINE) {
+        for guideline in periods {
+            let same = |all: &[(String, Vec<Figures>)]| {
+                let (_, periods) = all.iter().find(|(name, _)| *name == building)?;
+                periods.iter().find(|figures| figures.period == guideline.period).cloned()
+            };
+            let Some(best) = same(&bests) else { continue };
+            let others = others.iter().map(|other| same(other)).collect();
+            episodes.push(Episode { period: guideline.period.clone(), guideline, best, others });
+        }
+    }
+    episodes
+}
+
+/// Returns a row of medians; `None` without an episode.
+fn cells(building_type: &str, period: &str, episodes: &[&Episode], others: usize) -> Option<Vec<String>> {
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        median(&values)
+    };
+    let mut savings: Vec<f64> =
+        episodes.iter().map(|episode| 100.0 * episode.saving(&episode.best)).collect();
+    savings.sort_by(f64::total_cmp);
+    let (least, most) = (savings.first()?, savings.last()?);
+    let discomfort = |of: fn(&Episode) -> &Figures| {
+        middle(episodes.iter().map(|episode| of(episode).discomfort).collect())
+    };
+    let uncomfortable = episodes.iter().filter(|episode| episode.best.uncomfortable).count();
+    let mut cells = vec![building_type.to_owned(), period.to_owned(), episodes.len().to_string()];
+    cells.extend([median(&savings), *least, *most].map(|percent| format!("{percent:.1}")));
+    cells.push(format!("{:.2}", discomfort(|episode| &episode.guideline)));
+    cells.push(format!("{:.2}", discomfort(|episode| &episode.best)));
+    cells.push(if uncomfortable == 0 {
+        String::new()
+    } else {
+        format!("{uncomfortable} of {}", episodes.len())
+    });
+    for other in 0..others {
+        let share = |episode: &&Episode| {
+            let way = episode.saving(&episode.best);
+            let gone = episode.saving(episode.others[other].as_ref()?);
+            (way > 0.0).then(|| 100.0 * gone / way)
+        };
+        let shares: Vec<f64> = episodes.iter().filter_map(share).collect();
+        cells.push(if shares.is_empty() { String::new() } else { format!("{:.0}", middle(shares)) });
+    }
+    Some(cells)
+}
+
+impl Episode {
+    /// Returns the share of the guideline's cost under the first task that a controller saves.
+    fn saving(&self, own: &Figures) -> f64 {
+        1.0 - own.costs[0] / self.guideline.costs[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_controller_halfway_between_the_guideline_and_the_best_goes_half_of_the_way() {
+        let at = |cost: f64| Figures { costs: vec![cost], discomfort: cost, ..Figures::default() };
+        let episode = |guideline: f64, best: f64, other: Option<f64>| Episode {
+            period: "mixed".into(),
+            guideline: at(guideline),
+            best: at(best),
+            others: vec![other.map(at)],
+        };
+        let all = [episode(2.0, 1.0, Some(1.5)), episode(1.0, 0.9, Some(1.0)), episode(1.0, 0.8, None)];
+        let row = cells("type", "mixed", &all.iter().collect::<Vec<_>>(), 1).unwrap();
+        assert_eq!(row[2..6], ["3", "20.0", "10.0", "50.0"]);
+        assert_eq!(row[9], "25", "the median of 50 and 0 %");
+        assert!(cells("type", "mixed", &[], 1).is_none());
+    }
+}
