@@ -27,7 +27,7 @@ from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .identity import identity_of
 from .learning import Agent
-from .rollouts import BuiltInController, ReactiveController, Trajectory, rollout
+from .rollouts import BuiltInController, Trajectory, rollout
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -267,7 +267,10 @@ class Problem:
         wrap: Callable[[_Env], _Env] | None = None,
         **arguments: Any,
     ) -> Result:
-        """Runs a policy and the reactive controllers on every test environment, or on the first ``n``.
+        """Runs a policy and the baseline on every test environment, or on the first ``n``.
+
+        The baseline and the scores are the task's: the reactive controllers, or in tasks of operation
+        ``Guideline36Controller`` and the score at comfort.
 
         ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
@@ -279,12 +282,11 @@ class Problem:
             made = self._make("test", building, task, **{"run_period": period, **arguments})
             try:
                 env = made if wrap is None else wrap(made)
-                baseline = rollout(made, ReactiveController(made))
+                baseline = rollout(made, BuiltInController(made, kind=unwrap(made).setting.baseline))
                 trajectory = rollout(env, _controller(policy, made))
             finally:
                 made.close()
-            returns = (trajectory.episode_return, baseline.episode_return)
-            score, resolved_score = _core.normalized_score(*returns), _core.resolved_score(*returns, len(trajectory))
+            score, resolved_score = _scores(trajectory, baseline, 24 * unwrap(made).timesteps_per_hour)
             row = {"building": building, "task": task, "period": period, "return": trajectory.episode_return}
             row |= {"baseline_return": baseline.episode_return, "score": score, "resolved_score": resolved_score}
             row["relative_energy"] = _energy(trajectory) / (_energy(baseline) or math.nan)
@@ -369,6 +371,18 @@ def _controller(policy: Callable[[Any], Any] | Agent, env: _Env) -> Callable[[An
     if isinstance(policy, Agent):
         return policy.controller(env)
     return policy(env) if isinstance(policy, type) else policy
+
+
+def _scores(trajectory: Trajectory, baseline: Trajectory, steps_per_day: int) -> tuple[float | None, float | None]:
+    """Returns the score and the resolved score; in a task of operation, both are the score at comfort."""
+    own, usual = trajectory.metrics or {}, baseline.metrics or {}
+    if own.get("tdis_tot") is None:
+        returns = (trajectory.episode_return, baseline.episode_return)
+        return _core.normalized_score(*returns), _core.resolved_score(*returns, len(trajectory))
+    # The penalty of the resource is proportional to its amount.
+    used, usually = ((each["energy_penalty"], each["tdis_tot"]) for each in (own, usual))
+    score = _core.score_at_comfort(used, usually, len(trajectory) / steps_per_day)
+    return score, score
 
 
 def _energy(trajectory: Trajectory) -> float:

@@ -1,4 +1,4 @@
-"""Evaluation of a policy on many buildings, relative to the reactive controllers."""
+"""Evaluation of a policy on many buildings, relative to the baseline."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
 
 
-@dataclass
+@dataclass(repr=False)
 class Evaluation:
     """The result of :func:`evaluate`."""
 
@@ -54,6 +54,13 @@ class Evaluation:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def __repr__(self) -> str:
+        ran = [row for row in self.rows if row["lost"] is None]
+        lost = f", {len(self) - len(ran)} lost" if len(ran) < len(self) else ""
+        scores = [row["score"] for row in ran if row["score"] is not None]
+        score = f", mean score {np.mean(scores):.3f}" if scores else ""
+        return f"<Evaluation of {self.summary['policy']}: {len(self)} episodes{lost}{score}>"
 
 
 class EpisodeContext:

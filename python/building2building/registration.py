@@ -41,7 +41,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     - ``task``: ``operate`` (comfort bands and costs) by default; the paper's ``constant``, ``occupancy+energy0.5``,
       ``random:7+cost2``...; a JSON file, or a dictionary;
-    - ``run_period``: ``winter``, ``summer``, ``full_year`` or days such as ``01-01..01-07``;
+    - ``run_period``: ``winter``, ``summer``, ``full_year``, days such as ``01-01..01-07``, or two weeks that the
+      weather decides: ``peak-heating``, ``typical-heating``, ``peak-cooling``, ``typical-cooling`` or ``mixed``;
     - ``timesteps_per_hour``: 12 by default;
     - ``rescale_action``: actions in [-1, 1] instead of physical units; the default of ``gymnasium.make``;
     - ``window_days`` and ``window_starts``: episodes of ``window_days`` days that begin on one of ``window_starts``

@@ -9,7 +9,7 @@ use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
-use b2b_evaluate::Baselines;
+use b2b_evaluate::{Baselines, Operated};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -228,6 +228,14 @@ pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64
 #[pyfunction]
 pub fn resolved_score(episode_return: f64, baseline_return: f64, steps: usize) -> Option<f64> {
     b2b_evaluate::resolved_score(episode_return, baseline_return, steps)
+}
+
+/// Returns the score at comfort of an episode of some days; `own` and `baseline` are the amount of the task's resource in
+/// any unit, and discomfort, K·h per zone. `None` if the ratio is undefined.
+#[pyfunction]
+pub fn score_at_comfort(own: (f64, f64), baseline: (f64, f64), days: f64) -> Option<f64> {
+    let [own, baseline] = [own, baseline].map(|(used, discomfort)| Operated { used, discomfort });
+    b2b_evaluate::score_at_comfort(own, baseline, days)
 }
 
 /// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds, and `resolved`

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Class, Model};
+use b2b_building::{BuildingType, Class, Model, Period};
 use b2b_climate::{Place, WeatherFile};
 use b2b_dataset::{BuildingName, Catalog, Control, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
@@ -232,8 +232,9 @@ impl Setting {
     #[new]
     fn new(building: &Building, run_period: &str, timesteps_per_hour: u32, task: &str) -> PyResult<Self> {
         let task = read_task(task)?;
-        let period = run_period.parse().map_err(of_building)?;
         let weather = building.inner.weather.clone();
+        let period: Period = run_period.parse().map_err(of_building)?;
+        let period = period.in_weather(&weather).map_err(of_building)?;
         let episode = EpisodeConfig { weather, period, steps_per_hour: timesteps_per_hour, task };
         let setting = b2b_workers::Setting { source: building.inner.source(), episode };
         Ok(Self { setting, building: Arc::clone(&building.inner) })

@@ -150,11 +150,19 @@ pub fn baselines_folder() -> PyResult<PathBuf> {
 }
 
 /// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps.
-/// Runs the episode if its baseline is unknown.
+/// Runs the episode if its baseline is unknown. Raises for a task of operation, whose score is not a ratio of returns.
 #[pyfunction]
 pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)> {
     let _running = running()?;
     let episode = self::episode(episode)?;
+    if episode.task.is_operation() {
+        let message = format!(
+            "task `{}` is scored by cost at comfort, which does not follow from a return; call evaluate, or \
+             trajectory.write and `b2b score`",
+            episode.task
+        );
+        return Err(Exception::Setting.new_err(message));
+    }
     let launcher = pools::options(py)?.launcher;
     let counter = Counter::default();
     py.detach(|| {

@@ -39,7 +39,9 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
+    use super::benchmarks::{
+        Problem, Restriction, measures, normalized_score, resolved_score, score_at_comfort,
+    };
     #[pymodule_export]
     use super::calibration::calibrate;
     #[pymodule_export]

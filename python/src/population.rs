@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_dataset::{BuildingId, Control};
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
@@ -33,7 +33,7 @@ pub struct Episodes {
     tasks: Vec<Task>,
     /// What an agent sets in buildings that are generated.
     control: Control,
-    period: RunPeriod,
+    period: Period,
     steps_per_hour: u32,
     /// Buildings that were found.
     found: Vec<Arc<Inner>>,
@@ -81,30 +81,30 @@ impl Episodes {
     }
 
     /// Returns a setting of each given building with the first task.
-    fn found_settings(&self, of: &[Arc<Inner>]) -> Vec<Setting> {
-        let setting = |building: &Arc<Inner>| Setting {
-            source: building.source(),
-            episode: EpisodeConfig {
-                weather: building.weather().to_owned(),
-                period: self.period,
-                steps_per_hour: self.steps_per_hour,
-                task: self.tasks[0].clone(),
-            },
+    fn found_settings(&self, of: &[Arc<Inner>]) -> PyResult<Vec<Setting>> {
+        let setting = |building: &Arc<Inner>| {
+            let weather = building.weather().to_owned();
+            let period = self.period.in_weather(&weather).map_err(of_building)?;
+            let (steps_per_hour, task) = (self.steps_per_hour, self.tasks[0].clone());
+            Ok(Setting {
+                source: building.source(),
+                episode: EpisodeConfig { weather, period, steps_per_hour, task },
+            })
         };
         of.iter().map(setting).collect()
     }
 
     /// Returns the pairs of building and task that environments repeat: all buildings with one task, then all with the
     /// next, up to `count` pairs.
-    pub fn repeated(&self, count: usize) -> Vec<(Setting, Arc<Inner>)> {
-        let settings = self.found_settings(&self.found);
+    pub fn repeated(&self, count: usize) -> PyResult<Vec<(Setting, Arc<Inner>)>> {
+        let settings = self.found_settings(&self.found)?;
         let pair = |(task, number): (&Task, usize)| {
             let mut setting = settings[number].clone();
             setting.episode.task = task.clone();
             (setting, Arc::clone(&self.found[number]))
         };
         let numbers = |task| (0..settings.len()).map(move |number| (task, number));
-        self.tasks.iter().flat_map(numbers).take(count).map(pair).collect()
+        Ok(self.tasks.iter().flat_map(numbers).take(count).map(pair).collect())
     }
 
     fn generated(&self, population: &Population) -> PyResult<Buildings> {
@@ -126,7 +126,7 @@ impl Episodes {
             Some(building_type) => known.insert((building_type, zones(&building.source()))),
         };
         let found: Vec<_> = self.found.iter().filter(differs).cloned().collect();
-        let mut settings = self.found_settings(&found);
+        let mut settings = self.found_settings(&found)?;
         for population in self.populations.values().flatten() {
             let of = self.generated(population)?;
             for (name, building) in population.representatives().map_err(of_env)? {
@@ -164,7 +164,7 @@ impl Episodes {
             }
         }
         for (building_type, found) in self.found_by_type() {
-            let settings = self.found_settings(&found);
+            let settings = self.found_settings(&found)?;
             groups.push((building_type, settings.len() as f64, Box::new(AnyOf(settings))));
         }
         if let Some(weights) = weights {

@@ -132,7 +132,7 @@ impl VecEnv {
                 }
                 None => {
                     let (settings, buildings): (Vec<_>, Vec<_>) =
-                        episodes.repeated(count).into_iter().unzip();
+                        episodes.repeated(count)?.into_iter().unzip();
                     let mut envs =
                         Envs::new(count, cut.of_fixed(settings.clone()), options).map_err(of_env)?;
                     let spaces = envs.prepare(&settings).map_err(of_env)?;

@@ -234,3 +234,21 @@ def test_raw_observations_of_houses_have_their_own_width_or_the_paper_s():
         assert vector.single_observation_space.shape == (max(widths),)
         for each in (*envs, vector):
             each.close()
+
+
+def test_a_problem_of_operation_is_scored_at_comfort_relative_to_guideline_36():
+    problem = Problem("operate-warehouse", **DAY)
+    result = problem.evaluate(b2b.Guideline36Controller, n=1)
+    assert result.episodes[0]["score"] == pytest.approx(1.0, abs=1e-12)
+    cold = problem.evaluate(lambda observation: np.zeros(5), n=1).episodes[0]
+    own, usual = cold, result.episodes[0]
+    excess = own["tdis_tot"] - usual["tdis_tot"] - 0.1
+    assert excess > 1
+    expected = own["cost_tot"] / usual["cost_tot"] + 0.5 * excess
+    assert cold["score"] == cold["resolved_score"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_test_environment_of_operation_runs_the_two_weeks_of_its_weather(closing):
+    (env,) = closing(Problem("operate-warehouse").make_test_envs(1))
+    assert env.unwrapped.setting.episode_steps == 14 * 288
+    assert not 90 < env.unwrapped.setting.first_day < 300, "the coldest two weeks"

@@ -182,6 +182,21 @@ def test_info_behaves_as_a_dictionary(make):
     assert written["mine"] == 1 and "energy" in written and dict(written)["mine"] == 1
 
 
+def test_a_run_period_of_two_weeks_is_the_weather_s(make):
+    env = make("OfficeSmall", task="operate", run_period="peak-cooling")
+    _, info = env.reset(seed=0)
+    assert env.unwrapped.setting.episode_steps == 14 * 288
+    envs = b2b.make_vec("OfficeSmall", 1, run_period="peak-cooling")
+    try:
+        envs.reset(seed=0)
+        assert 150 < info["first_day"] < 240, "in summer"
+        np.testing.assert_array_equal(envs._observations[0], env.unwrapped.observation.astype(np.float32))
+    finally:
+        envs.close()
+    with pytest.raises(b2b.Error, match="did you mean peak-cooling"):
+        make("OfficeSmall", run_period="peak-coolng")
+
+
 def test_a_seed_draws_the_days_and_the_targets(make):
     env = make(
         "OfficeSmall",

@@ -136,3 +136,25 @@ def test_the_files_of_an_evaluation_and_an_agent_are_as_described(tmp_path):
     assert set(json.loads((tmp_path / "run/agent.json").read_text())) == keys("agent")
     # The file's own SHA-256 is not part of the agent.
     assert set(agent.info) == keys("agent") - {"sha256"}
+
+
+def test_every_claim_of_the_paper_has_its_place_and_its_numbers():
+    rows = re.findall(r"^\| (\d+) (.*?) \| (.*?) \| (.*?) \|$", (DOCS / "paper.md").read_text(), re.M)
+    assert [int(number) for number, *_ in rows] == list(range(1, 91))
+    for number, _, here, where in rows:
+        assert re.match("holds|differs", here), number
+        pages = [DOCS / link.split("#")[0] for link in re.findall(r"\]\((.*?)\)", where)]
+        files = [ROOT / name for name in re.findall(r"`(crates/.*?)`", where)]
+        assert all(path.exists() for path in pages + files), number
+        assert pages or files or "`" in where, number
+    here = {number: here for number, _, here, _ in rows}
+    counts = {"eight": 8, "nine": 9, "ten": 10}
+    assert counts[re.search(r"(\w+) types", here["37"]).group(1)] == len(b2b.NodeType)
+    listed = subprocess.run(
+        ["b2b", "list", "--sizes", "--task", "constant"], capture_output=True, text=True, check=True
+    )
+    sizes = {line.split()[0]: re.findall(r" (\d+)", line)[:3] for line in listed.stdout.splitlines()[1:]}
+    types = ("RestaurantFastFood", "Warehouse", "RetailStandalone", "OfficeSmall", "OfficeMedium")
+    for (_, claim, _, _), building_type in zip(rows[11:16], types, strict=True):
+        zones, action, observation = re.findall(r"\d+", claim)[:3]
+        assert sizes[building_type] == [zones, observation, action], claim

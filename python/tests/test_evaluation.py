@@ -191,6 +191,13 @@ def test_a_return_is_scored_by_the_shipped_and_the_computed_baseline():
     assert b2b.compute_normalized_score(-1.0, "SingleFamilyHouse-0018") < 1.0, "the baseline of a winter is shipped"
     with pytest.raises(b2b.Error, match="occupied"):
         b2b.compute_normalized_score(-1.0, HOUSES[0], "occupied")
+    with pytest.raises(errors.SettingError, match="cost at comfort"):
+        b2b.compute_normalized_score(-1.0, HOUSES[0], "operate")
+
+
+def test_an_evaluation_is_represented_by_a_line():
+    result = b2b.evaluate("constant", HOUSES[0], "constant", run_periods="01-10..01-10")
+    assert repr(result) == f"<Evaluation of constant: 1 episodes, mean score {result.rows[0]['score']:.3f}>"
 
 
 def test_invalid_policies_and_buildings_raise():

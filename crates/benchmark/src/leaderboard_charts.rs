@@ -65,7 +65,7 @@ fn returns(board: &[&Entry]) -> Chart {
             trace["marker"]["size"] = 11.into();
         }
     }
-    let note = "dashed: the reactive controllers; error bars: 95 % intervals; triangles: beyond the axis";
+    let note = "dashed: the baseline; error bars: 95 % intervals; triangles: beyond the axis";
     chart("Median score", note, traces, layout)
 }
 
@@ -210,7 +210,7 @@ fn by_type(board: &[&Entry]) -> Chart {
     });
     scale_y(&mut layout, &values);
     let title = if several_tasks { "Scores by building type and task" } else { "Scores by building type" };
-    let note = and_beyond("one point per episode; dashed: the reactive controllers", &values);
+    let note = and_beyond("one point per episode; dashed: the baseline", &values);
     chart(title, &note, data, layout)
 }
 
@@ -242,7 +242,7 @@ fn curves(board: &[&Entry]) -> Option<Chart> {
         "yaxis": {"title": {"text": "score, interquartile mean"}, "zeroline": false}, "shapes": [horizontal_line(1.0)],
     });
     scale_y(&mut layout, &values);
-    let note = "scores after training on each test environment; dashed: the reactive controllers";
+    let note = "scores after training on each test environment; dashed: the baseline";
     Some(chart("Adaptation", &and_beyond(note, &values), data, layout))
 }
 

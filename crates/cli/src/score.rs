@@ -8,7 +8,7 @@ use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_env::{Comfort, EpisodeMetrics, Task};
-use b2b_evaluate::{Baselines, Episode, SiteInfo, Subject, task_for};
+use b2b_evaluate::{Baseline, Baselines, Episode, SiteInfo, Subject, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
@@ -17,11 +17,11 @@ use crate::progress::Download;
 use crate::run::trajectory_file::Stored;
 use crate::{program, stdout};
 
-/// Score a trajectory against the reactive controllers
+/// Score a trajectory against the baseline
 ///
 /// Reads a trajectory.parquet written by `b2b run`. The score is its return divided by the reactive controllers' return
-/// for the same building, task and run period: lower is better, below 1 beats the baseline. A baseline that is not yet
-/// known is simulated first and cached.
+/// for the same building, task and run period; in tasks of operation, cost at comfort relative to guideline36. Lower is
+/// better, below 1 beats the baseline. A baseline that is not yet known is simulated first and cached.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -71,6 +71,17 @@ struct Score {
     baseline_return: f64,
     score: Option<f64>,
     resolved_score: Option<f64>,
+    /// The parts of the score at comfort in a task of operation.
+    #[serde(flatten)]
+    parts: Option<Parts>,
+}
+
+/// Cost (or another resource of the task) relative to the baseline, and discomfort, K·h per zone.
+#[derive(Serialize)]
+struct Parts {
+    relative_resource: Option<f64>,
+    discomfort_k_h: f64,
+    baseline_discomfort_k_h: f64,
 }
 
 /// Runs the command.
@@ -103,6 +114,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         baseline_return: baseline.episode_return,
         score: scores.score,
         resolved_score: scores.resolved,
+        parts: Parts::of(&metrics, resource, &baseline),
     };
     stdout::print_result(arguments.json, &score, || score.text())
 }
@@ -141,21 +153,43 @@ fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
     Ok(())
 }
 
+impl Parts {
+    fn of(metrics: &EpisodeMetrics, resource: Option<f64>, baseline: &Baseline) -> Option<Self> {
+        let usual = baseline.resource.filter(|amount| *amount > 0.0);
+        Some(Self {
+            relative_resource: resource.zip(usual).map(|(own, usual)| own / usual),
+            discomfort_k_h: metrics.tdis_tot?,
+            baseline_discomfort_k_h: baseline.discomfort?,
+        })
+    }
+}
+
 impl Score {
     fn text(&self) -> String {
-        let text = |score: Option<f64>| score.map_or("undefined".to_owned(), |score| format!("{score:.4}"));
         let Self { building, place, period, task, controller, .. } = self;
+        let number =
+            |number: Option<f64>| number.map_or("undefined".to_owned(), |number| format!("{number:.4}"));
+        let returns = [
+            ("return", format!("{:.1}", self.episode_return)),
+            ("baseline return", format!("{:.1}", self.baseline_return)),
+        ];
+        let mut lines = Vec::from(returns);
+        match &self.parts {
+            Some(parts) => lines.extend([
+                ("cost / baseline", number(parts.relative_resource)),
+                ("discomfort", format!("{:.2} K·h per zone", parts.discomfort_k_h)),
+                ("baseline's", format!("{:.2} K·h per zone", parts.baseline_discomfort_k_h)),
+                ("score at comfort", number(self.score)),
+            ]),
+            None => {
+                lines
+                    .extend([("score", number(self.score)), ("resolved score", number(self.resolved_score))]);
+            }
+        }
+        let lines: Vec<String> = lines.iter().map(|(name, value)| format!("  {name:<18}{value}")).collect();
         format!(
-            "{building} in {place}, {period}, task {task}, {controller} controller\n\n  {:<18}{:.1}\n  {:<18}{:.1}\n  \
-             {:<18}{}\n  {:<18}{}",
-            "return",
-            self.episode_return,
-            "baseline return",
-            self.baseline_return,
-            "score",
-            text(self.score),
-            "resolved score",
-            text(self.resolved_score)
+            "{building} in {place}, {period}, task {task}, {controller} controller\n\n{}",
+            lines.join("\n")
         )
     }
 }

@@ -180,7 +180,8 @@ impl Group {
 }
 
 impl OperationComfort {
-    fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
+    /// Returns the comfort of some episodes; `None` if one was lost or is not of operation.
+    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
         let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
         let (mut costs, mut peaks) = (Vec::new(), Vec::new());
         for row in rows {
@@ -210,7 +211,8 @@ impl OperationComfort {
 /// Returns the mean of some values; `None` without any.
 fn mean_of(values: impl Iterator<Item = f64>) -> Option<f64> {
     let values: Vec<f64> = values.collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    // A sum of negative zeros would begin at -0.
+    (!values.is_empty()).then(|| values.iter().fold(0.0, |sum, value| sum + value) / values.len() as f64)
 }
 
 /// Returns the name of a building type in results; users' models have no type.

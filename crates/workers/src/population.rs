@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_dataset::house::{Foundation, HouseSample};
 use b2b_dataset::{Building, BuildingId, Catalog, Control, Places, Split};
 use b2b_energyplus::install::Quiet;
@@ -29,7 +29,7 @@ pub struct Buildings {
     /// What an agent sets in them.
     pub control: Control,
     /// Run period of an episode.
-    pub period: RunPeriod,
+    pub period: Period,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
     /// Setpoints, comfort and reward.
@@ -86,9 +86,9 @@ impl Buildings {
         let (model, weather) = self.catalog.generate(building, &mut Quiet).map_err(Error::building)?;
         let name = name + self.control.suffix();
         let source = Source::generated(name, building.class(), model, weather.clone()).under(self.control);
-        let task = self.task.clone();
-        let episode =
-            EpisodeConfig { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
+        let (steps_per_hour, task) = (self.steps_per_hour, self.task.clone());
+        let period = self.period.in_weather(&weather).map_err(Error::building)?;
+        let episode = EpisodeConfig { weather, period, steps_per_hour, task };
         Ok(Setting { source: Arc::new(source), episode })
     }
 }

@@ -22,10 +22,11 @@ impl Notes {
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
         let summary = self.conversion.as_ref().map(|Conversion { from, to, changed, left_out }| {
             let (changed, left_out) = (changed.len(), left_out.len());
-            format!(
-                "converted from EnergyPlus {from} to {to}: {changed} kinds of changes, {left_out} left out; `b2b import` \
-                 lists them"
-            )
+            let changes = match (changed, left_out) {
+                (0, 0) => "nothing to change".to_owned(),
+                _ => format!("{changed} kinds of changes, {left_out} left out; `b2b import` lists them"),
+            };
+            format!("converted from EnergyPlus {from} to {to}: {changes}")
         });
         self.warnings.iter().cloned().chain(summary)
     }

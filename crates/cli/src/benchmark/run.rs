@@ -156,7 +156,7 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
         None => ", custom problem".to_owned(),
     };
     format!(
-        "{} on {}{modified}\nresolved and normalized score: interquartile means (lower is better, reactive controllers = 1)\n\n{}\n\n{}\n\n{}  \
+        "{} on {}{modified}\nresolved and normalized score: interquartile means (lower is better, baseline = 1)\n\n{}\n\n{}\n\n{}  \
          [95 % confidence intervals: bootstrap over buildings, stratified by type and task]\n\n  {}",
         result.name,
         result.problem.name,

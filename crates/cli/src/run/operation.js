@@ -14,7 +14,7 @@ function operationTiles(s) {
   const used = [["heating", "heating_wh_m2"], ["cooling", "cooling_wh_m2"], ["fans", "fans_wh_m2"]];
   tile("heating, cooling, fans", used.map(([, name]) => fixed(s[name] / 1000, 2)).join(", ") + " kWh/m²");
   tile("emissions", fixed(s.emis_tot, 2) + " kg CO₂/m²");
-  tile("actuator travel, full strokes", fixed(s.daily_travel, 1) + " /day");
+  tile("actuator travel, full strokes", s.travel.length ? fixed(s.daily_travel, 1) + " /day" : "–");
   tile("engine messages", `${s.engine_warnings} warnings, ${s.engine_severes} severe`);
   spreadTiles();
   const outside = s.zones.filter(zone => zone.never_near_target).map(zone => zone.name);

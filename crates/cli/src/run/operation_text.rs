@@ -30,7 +30,7 @@ impl Summary {
                 "return",
                 format!("{:.1}  (discomfort {temperature:.1}, cost {cost:.1})", metrics.episode_return),
             ),
-            ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
+            ("actuator travel", self.travel_text()),
             ("outdoor air per person", self.outdoor_air_text()),
         ]
     }

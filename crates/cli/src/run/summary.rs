@@ -228,9 +228,17 @@ impl Summary {
                 format!("{:.2} {}, {:.2} kg CO₂/m²", of(Term::Cost), self.cost_unit(), of(Term::Emissions)),
             ),
             ("peak electric demand", format!("{:.1} W/m²", of(Term::PeakElectricity))),
-            ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
+            ("actuator travel", self.travel_text()),
             ("outdoor air per person", self.outdoor_air_text()),
         ]
+    }
+
+    /// Returns the actuator travel; a model under its own controls has no actuators.
+    pub(super) fn travel_text(&self) -> String {
+        match self.travel.is_empty() {
+            true => "–".to_owned(),
+            false => format!("{:.1} full strokes/day", self.metrics.daily_travel),
+        }
     }
 
     /// Returns the shares of occupied hours outside the comfort band.
@@ -290,13 +298,20 @@ impl Summary {
         }
     }
 
+    /// Returns the number of the engine's messages, and where they are.
+    fn engine_text(&self) -> String {
+        let Self { engine_warnings, engine_severes, .. } = self;
+        let place = if engine_warnings + engine_severes > 0 { " (in summary.json)" } else { "" };
+        format!("{engine_warnings} warnings, {engine_severes} severe{place}")
+    }
+
     /// Returns indicators of the validity of the run, and its computational cost.
     fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
         let other_cpu = self.cpu_s - self.environment_cpu_s;
         vec![
             ("clamped action values", self.metrics.clamped_actions.to_string()),
             ("steps under the ventilation interlock", self.metrics.ventilation_overrides.to_string()),
-            ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
+            ("engine messages", self.engine_text()),
             (
                 "energy mismatch vs. EnergyPlus meters",
                 format!("{:.1e} (relative)", self.meter_relative_error),

@@ -297,10 +297,10 @@ fn measures_text(measures: &Measures) -> String {
     }
     let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
     format!(
-        "score             {:.3}   {verdict} the reactive controllers\n\
+        "score             {:.3}   {verdict} the baseline\n\
          resolved score    {:.3}\n\
          RMS deviation     {:.3} K\n\
-         energy            {:.3} of the reactive controllers'\n\
+         energy            {:.3} of the baseline's\n\
          actuator travel   {:.1} strokes/day, {:.2} of the limit\n\
          oscillation       {:.1} % of zone-steps\n\n",
         measures.score,

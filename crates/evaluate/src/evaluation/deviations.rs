@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::recording::{ControlledZone, Recording};
 
-/// A histogram of deviations from target over every step and zone with both heating and cooling.
+/// A histogram of deviations from target or band over every step and zone with both heating and cooling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Deviations {
     /// Counts in bins of [`Deviations::WIDTH`] from [`Deviations::LOWEST`]; the outermost bins take everything beyond.
@@ -28,7 +28,7 @@ impl Deviations {
         let mut deviations = Self::empty();
         for (before, end) in recording.steps() {
             for zone in zones.iter().filter(|zone| zone.fully_conditioned) {
-                deviations.add(end[zone.slot] - zone.target.of(before));
+                deviations.add(zone.deviation(before, end));
             }
         }
         deviations

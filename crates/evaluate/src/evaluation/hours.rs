@@ -14,8 +14,11 @@ pub struct Hours {
     pub mean: Vec<i32>,
     /// Temperature of the warmest controlled zone, °C/100.
     pub warmest: Vec<i32>,
-    /// Mean target temperature, °C/100.
+    /// Mean target temperature, or mean heating setpoint of the bands, °C/100.
     pub target: Vec<i32>,
+    /// Mean cooling setpoint of the bands of zones with cooling, °C/100; empty in a task with targets.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cooling: Vec<i32>,
     /// Outdoor air temperature, °C/100.
     pub outdoor: Vec<i32>,
     /// HVAC power, electricity and gas, W/m²/100.
@@ -35,11 +38,16 @@ impl Hours {
         let mut hours = Self::default();
         for hour in all.chunks(per_hour) {
             let temperatures = || hour.iter().flat_map(|(_, end)| zones.iter().map(|zone| end[zone.slot]));
-            let targets = hour.iter().flat_map(|(before, _)| zones.iter().map(|zone| zone.target.of(before)));
+            let setpoints =
+                || hour.iter().flat_map(|(before, _)| zones.iter().map(|zone| zone.setpoints(before)));
             hours.coldest.push(hundredths(temperatures().fold(f64::INFINITY, f64::min)));
             hours.warmest.push(hundredths(temperatures().fold(f64::NEG_INFINITY, f64::max)));
             hours.mean.push(hundredths(mean(temperatures())));
-            hours.target.push(hundredths(mean(targets)));
+            hours.target.push(hundredths(mean(setpoints().map(|pair| pair.heating))));
+            if spaces.episode.task.is_operation() {
+                let cooling = setpoints().map(|pair| pair.cooling).filter(|setpoint| setpoint.is_finite());
+                hours.cooling.push(hundredths(mean(cooling)));
+            }
             hours.outdoor.push(hundredths(mean(hour.iter().map(|(_, end)| end[outdoor]))));
             // Wh/m² per step, times steps per hour.
             let power = mean(hour.iter().map(|(_, end)| end[electricity] + end[gas])) * per_hour as f64;

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use b2b_building::{Conditioning, Zone};
-use b2b_env::Spaces;
-use b2b_env::{Target, Trajectory};
+use b2b_env::{Pair, Spaces, Target, Trajectory};
 
 /// A recorded episode.
 pub(super) struct Recording {
@@ -29,9 +28,24 @@ pub(super) struct ControlledZone {
     /// Index of its temperature.
     pub(super) slot: usize,
     /// Its target.
-    pub(super) target: Target,
+    target: Target,
+    /// Whether its target is a band.
+    has_band: bool,
     /// Whether it has both heating and cooling.
     pub(super) fully_conditioned: bool,
+}
+
+impl ControlledZone {
+    /// Returns its setpoints for the step after an observation; both are the target where there is no band.
+    pub(super) fn setpoints(&self, before: &[f64]) -> Pair {
+        self.target.pair_of(before, self.has_band)
+    }
+
+    /// Returns its deviation at the end of a step from the target observed before, K; 0 within a band.
+    pub(super) fn deviation(&self, before: &[f64], end: &[f64]) -> f64 {
+        let (Pair { heating, cooling }, temperature) = (self.setpoints(before), end[self.slot]);
+        temperature - temperature.max(heating).min(cooling)
+    }
 }
 
 impl Recording {
@@ -49,6 +63,7 @@ pub(super) fn controlled_zones(spaces: &Spaces) -> Vec<ControlledZone> {
     let zone = |(number, (slot, zone)): (usize, (usize, &Zone))| ControlledZone {
         slot,
         target: spaces.observation.target(number),
+        has_band: spaces.episode.task.is_operation(),
         fully_conditioned: zone.conditioning == Conditioning::HeatingAndCooling,
     };
     controlled.enumerate().map(zone).collect()

@@ -106,8 +106,13 @@ impl Scored {
     /// Returns whether discomfort in a task of operation exceeds the baseline's by more than the free allowance; `None`
     /// in a task with targets.
     pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
-        let days = self.metrics.steps as f64 / (24.0 * f64::from(steps_per_hour));
+        let days = self.days(steps_per_hour);
         Some(excess_discomfort(self.metrics.tdis_tot?, self.baseline_discomfort?, days) > 0.0)
+    }
+
+    /// Returns the length of the episode, days.
+    pub fn days(&self, steps_per_hour: u32) -> f64 {
+        self.metrics.steps as f64 / (24.0 * f64::from(steps_per_hour))
     }
 
     /// Returns HVAC energy relative to the baseline; `None` if the baseline's is unknown or 0.
@@ -116,7 +121,7 @@ impl Scored {
         Some(self.metrics.energy() / baseline)
     }
 
-    /// Returns the root of the temperature penalty relative to the reactive controllers', after adding a deviation of
+    /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
     /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the resource,
     /// to which penalties are proportional.
     pub fn relative_comfort(&self) -> Option<f64> {
@@ -138,13 +143,13 @@ impl Scored {
     }
 }
 
-/// Returns total HVAC energy divided by the reactive controllers' total; `None` if theirs is unknown or 0. A ratio of
+/// Returns total HVAC energy divided by the baseline's total; `None` if theirs is unknown or 0. A ratio of
 /// sums gives almost no weight to an episode that uses almost no energy.
 pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
 }
 
-/// Returns the total of the task's resource divided by the reactive controllers' total, for rows of one task; `None` if
+/// Returns the total of the task's resource divided by the baseline's total, for rows of one task; `None` if
 /// theirs is unknown or not above 0.
 pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))

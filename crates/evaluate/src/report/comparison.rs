@@ -7,9 +7,11 @@ use serde_json::{Value, json};
 use super::chart::{Chart, hover_name};
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
-use super::trade_off::energy_and_comfort;
-use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
+use super::trade_off::trade_offs;
+use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy, relative_resource};
+use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::score_text;
+use crate::summary::OperationComfort;
 use crate::{Error, Result};
 
 /// The episodes of a policy.
@@ -25,6 +27,22 @@ impl Compared {
     fn ran(&self) -> Vec<(&EpisodeInfo, &Scored)> {
         self.rows.iter().filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
     }
+
+    fn mean(&self, value: impl Fn(&Scored) -> f64) -> f64 {
+        let ran = self.ran();
+        // A sum of negative zeros would begin at -0.
+        ran.iter().fold(0.0, |sum, (_, scored)| sum + value(scored)) / ran.len().max(1) as f64
+    }
+
+    /// Returns the mean of a score, unless it is unknown in an episode.
+    fn score(&self, value: impl Fn(&Scored) -> Option<f64>) -> String {
+        let ran = self.ran();
+        let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| value(scored)).collect();
+        match scores.len() == ran.len() && !ran.is_empty() {
+            true => score_text(scores.iter().sum::<f64>() / scores.len() as f64),
+            false => "–".to_owned(),
+        }
+    }
 }
 
 /// Writes the page.
@@ -36,15 +54,15 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
     let episodes = all.first().map_or(0, |compared| compared.rows.len());
     let series: Vec<_> =
         all.iter().map(|compared| Series { name: &compared.name, episodes: compared.ran() }).collect();
-    let charts = [step_rewards(&series), rms_deviations(&series), energy_and_comfort(&series, 340, false)];
+    let charts = [step_rewards(&series), rms_deviations(&series)].into_iter();
+    let charts = charts.chain(trade_offs(&series, 340, false));
     let data = json!({
         "title": format!("{} policies on {episodes} episodes", all.len()),
         "tiles": [],
         "tables": [table(all)],
         "lost": [],
-        "drawings": charts.map(Chart::json),
-        "footer": "Means over episodes. Score: the return divided by the reactive controllers' return for the same building, \
-                   task and days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both.",
+        "drawings": charts.map(Chart::json).collect::<Vec<_>>(),
+        "footer": footer(all),
     });
     b2b_page::write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
 }
@@ -75,37 +93,94 @@ fn check_same(all: &[Compared]) -> Result<()> {
     Ok(())
 }
 
+/// Returns whether all episodes are of tasks of operation.
+fn is_operation(all: &[Compared]) -> bool {
+    let ran = all.iter().flat_map(|compared| compared.ran());
+    ran.map(|(_, scored)| scored.metrics.tdis_tot).all(|discomfort| discomfort.is_some())
+}
+
+fn footer(all: &[Compared]) -> String {
+    match is_operation(all) {
+        true => format!(
+            "Means over episodes. Score at comfort: cost divided by the guideline controller's cost (the baseline), plus \
+             {DISCOMFORT_COST} days of that cost for every K·h per zone of discomfort beyond its own and {FREE_DISCOMFORT} K·h per day; \
+             lower is better."
+        ),
+        false => format!(
+            "Means over episodes. Score: the return divided by the baseline's return for the same building, task and days; \
+             lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation to both. The baseline is the \
+             reactive controllers; in tasks of operation it is the guideline controller, and both are the score at comfort."
+        ),
+    }
+}
+
 fn table(all: &[Compared]) -> Value {
-    let row = |compared: &Compared| {
-        let ran = compared.ran();
-        let mean = |value: &dyn Fn(&Scored) -> f64| {
-            ran.iter().map(|(_, scored)| value(scored)).sum::<f64>() / ran.len().max(1) as f64
-        };
-        let score = |value: fn(&Scored) -> Option<f64>| {
-            let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| value(scored)).collect();
-            match scores.len() == ran.len() && !ran.is_empty() {
-                true => score_text(scores.iter().sum::<f64>() / scores.len() as f64),
-                false => "–".to_owned(),
-            }
-        };
-        let energy = relative_energy(&compared.rows);
-        json!([
-            compared.name,
-            format!("{:.1}", mean(&|scored| scored.metrics.episode_return)),
-            score(|scored| scored.resolved_score),
-            score(|scored| scored.score),
-            format!("{:.2}", mean(&|scored| scored.metrics.rms_deviation)),
-            energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
-            format!("{:.2}", mean(&|scored| scored.metrics.energy() / 1000.0)),
-            format!("{:.1}", mean(&|scored| scored.metrics.daily_travel)),
-        ])
+    let (header, row): (&[&str], fn(&Compared) -> Vec<String>) = match is_operation(all) {
+        true => (&OPERATION_COLUMNS, operation_row),
+        false => (&COLUMNS, tracking_row),
     };
-    json!({
-        "title": "means over episodes",
-        "header": ["policy", "return", "resolved score", "score", "RMS deviation (K)", "energy / baseline",
-                   "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
-        "rows": all.iter().map(row).collect::<Vec<_>>(),
-    })
+    json!({"title": "means over episodes", "header": header, "rows": all.iter().map(row).collect::<Vec<_>>()})
+}
+
+const COLUMNS: [&str; 8] = [
+    "policy",
+    "return",
+    "resolved score",
+    "score",
+    "RMS deviation (K)",
+    "energy / baseline",
+    "HVAC energy (kWh/m²)",
+    "actuator travel (strokes/day)",
+];
+
+/// The columns of operation: cost at comfort first.
+const OPERATION_COLUMNS: [&str; 10] = [
+    "policy",
+    "score at comfort",
+    "cost (per m²)",
+    "cost / baseline",
+    "discomfort (K·h per zone)",
+    "baseline's discomfort",
+    "episodes beyond the free discomfort",
+    "peak demand, 15 min (W/m²)",
+    "HVAC energy (kWh/m²)",
+    "actuator travel (strokes/day)",
+];
+
+fn tracking_row(compared: &Compared) -> Vec<String> {
+    vec![
+        compared.name.clone(),
+        format!("{:.1}", compared.mean(|scored| scored.metrics.episode_return)),
+        compared.score(|scored| scored.resolved_score),
+        compared.score(|scored| scored.score),
+        format!("{:.2}", compared.mean(|scored| scored.metrics.rms_deviation)),
+        ratio(relative_energy(&compared.rows)),
+        format!("{:.2}", compared.mean(|scored| scored.metrics.energy() / 1000.0)),
+        format!("{:.1}", compared.mean(|scored| scored.metrics.daily_travel)),
+    ]
+}
+
+fn operation_row(compared: &Compared) -> Vec<String> {
+    let comfort = OperationComfort::of(compared.rows.iter());
+    let number = |value: fn(&OperationComfort) -> f64, decimals: usize| {
+        comfort.as_ref().map_or("–".to_owned(), |comfort| format!("{:.decimals$}", value(comfort)))
+    };
+    vec![
+        compared.name.clone(),
+        compared.score(|scored| scored.score),
+        number(|comfort| comfort.cost_tot, 3),
+        ratio(relative_resource(&compared.rows)),
+        number(|comfort| comfort.discomfort_k_h, 2),
+        ratio(comfort.as_ref().and_then(|comfort| comfort.baseline_discomfort_k_h)),
+        comfort.as_ref().map_or_else(String::new, OperationComfort::mark),
+        number(|comfort| 1000.0 * comfort.pele_tot, 1),
+        format!("{:.2}", compared.mean(|scored| scored.metrics.energy() / 1000.0)),
+        format!("{:.1}", compared.mean(|scored| scored.metrics.daily_travel)),
+    ]
+}
+
+fn ratio(ratio: Option<f64>) -> String {
+    ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }
 
 #[cfg(test)]
@@ -137,5 +212,16 @@ mod tests {
             let said = write(&mut Vec::new(), &pair).unwrap_err().to_string();
             assert!(said.contains("`b`") && said.contains(word), "{said}");
         }
+    }
+    #[test]
+    fn policies_of_operation_are_compared_by_cost_at_comfort() {
+        let mut own = compared("own", &[1]);
+        let scored = own.rows[0].outcome.as_mut().unwrap();
+        scored.score = Some(1.25);
+        (scored.resource, scored.baseline_resource) = (Some(3.0), Some(4.0));
+        (scored.metrics.cost_tot, scored.metrics.tdis_tot) = (Some(3.0), Some(2.5));
+        let table = table(&[own]);
+        assert_eq!(table["rows"][0].as_array().unwrap()[..5], ["own", "1.250", "3.000", "0.75", "2.50"]);
+        assert_eq!(table["header"][1], "score at comfort");
     }
 }

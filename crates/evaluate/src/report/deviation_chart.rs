@@ -83,7 +83,7 @@ pub fn step_deviations(title: String, all: &[StepDeviations]) -> Chart {
     }
     let range = [-1.1 * extent, 1.1 * extent];
     let mut layout = json!({
-        "yaxis": {"title": {"text": "deviation from target (K)"}, "range": range, "zeroline": false},
+        "yaxis": {"title": {"text": "deviation (K)"}, "range": range, "zeroline": false},
         "xaxis": {"type": "category"}, "shapes": [horizontal_line(0.0)], "showlegend": several,
     });
     if several {
@@ -92,8 +92,8 @@ pub fn step_deviations(title: String, all: &[StepDeviations]) -> Chart {
     Chart {
         title,
         note: format!(
-            "zone temperature minus target; zones with heating and cooling, every building weighted equally; 99 % of \
-             the steps are within the axis{}",
+            "zone temperature minus target, or beyond the band in operation; zones with heating and cooling, every \
+             building weighted equally; 99 % of the steps are within the axis{}",
             if beyond > 0.0 {
                 format!(
                     "; beyond ±10 K, counted as 10 K: up to {:.1} % of the steps of one violin",

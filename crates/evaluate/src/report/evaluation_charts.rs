@@ -9,7 +9,7 @@ use super::chart::{
 };
 use super::deviation_chart::{StepDeviations, step_deviations};
 use super::series::Series;
-use super::trade_off::energy_and_comfort;
+use super::trade_off::trade_offs;
 use crate::evaluation::{EpisodeInfo, Row};
 use crate::results::Results;
 use crate::summary::type_label;
@@ -36,11 +36,10 @@ pub(super) fn all(results: &Results, deviations: &[StepDeviations]) -> Vec<Value
     let charts = [
         scores_by_type(&rows, &types),
         scores_by_zone(&rows, &types),
-        step_deviations("Deviation from target, all steps".into(), deviations),
+        step_deviations("Deviations of all steps".into(), deviations),
         rms_deviations(&rows, &types),
-        trade_off(results, &types),
     ];
-    charts.into_iter().map(Chart::json).collect()
+    charts.into_iter().chain(by_type(results, &types)).map(Chart::json).collect()
 }
 
 fn distinct<K: PartialEq>(rows: &[EpisodeRun<'_>], key: impl Fn(&EpisodeRun<'_>) -> K) -> Vec<K> {
@@ -83,7 +82,7 @@ fn scores_by_type(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     });
     Chart {
         title: format!("Scores by building type{}", if several_tasks { " and task" } else { "" }),
-        note: "one point per episode; dashed: the reactive controllers".into(),
+        note: "one point per episode; dashed: the baseline".into(),
         height: 360,
         wide: false,
         data,
@@ -101,7 +100,7 @@ fn scores_by_zone(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     }
     Chart {
         title: "Scores by climate zone".into(),
-        note: "ASHRAE 169 climate zones, from hot to cold; dashed: the reactive controllers".into(),
+        note: "ASHRAE 169 climate zones, from hot to cold; dashed: the baseline".into(),
         height: 360,
         wide: false,
         data,
@@ -177,12 +176,13 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     }
 }
 
-fn trade_off(results: &Results, types: &[String]) -> Chart {
+/// Returns what is used against comfort, a series for each type.
+fn by_type(results: &Results, types: &[String]) -> Vec<Chart> {
     let episodes = |name: &String| {
         let own = results.rows.iter().filter(|row| row.info.building_type == *name);
         own.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
     };
     let series: Vec<_> =
         types.iter().map(|name| Series { name: type_label(name), episodes: episodes(name) }).collect();
-    energy_and_comfort(&series, 400, true)
+    trade_offs(&series, 400, true)
 }

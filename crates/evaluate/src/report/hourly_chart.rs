@@ -53,12 +53,22 @@ fn traces(times: &[i64], hours: &Hours) -> Value {
     let mut warmest = line("coldest to warmest zone", &hours.warmest, "y", invisible());
     warmest["fill"] = "tonexty".into();
     warmest["fillcolor"] = "rgba(37,99,235,.22)".into();
-    json!([
+    let dashed = |name: &str, values: &[i32]| {
+        line(name, values, "y", json!({"width": 1.2, "color": "#b45309", "dash": "dash"}))
+    };
+    let mut traces = vec![
         coldest,
         warmest,
         line("mean of zones", &hours.mean, "y", json!({"width": 1.2, "color": ZONES})),
-        line("mean target", &hours.target, "y", json!({"width": 1.2, "color": "#b45309", "dash": "dash"})),
-        line("outdoor air", &hours.outdoor, "y2", json!({"width": 1, "color": "#0891b2"})),
-        line("HVAC power", &hours.power, "y3", json!({"width": 1, "color": "#e4572e"})),
-    ])
+    ];
+    match hours.cooling.is_empty() {
+        true => traces.push(dashed("mean target", &hours.target)),
+        false => traces.extend([
+            dashed("mean heating setpoint", &hours.target),
+            dashed("mean cooling setpoint", &hours.cooling),
+        ]),
+    }
+    traces.push(line("outdoor air", &hours.outdoor, "y2", json!({"width": 1, "color": "#0891b2"})));
+    traces.push(line("HVAC power", &hours.power, "y3", json!({"width": 1, "color": "#e4572e"})));
+    traces.into()
 }

@@ -40,8 +40,8 @@ pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
         series.iter().flat_map(|series| &series.episodes).map(|(_, scored)| scored.metrics.rms_deviation);
     make_logarithmic(&mut layout["yaxis"], range(&all.collect::<Vec<_>>()));
     Chart {
-        title: "RMS deviation from target".into(),
-        note: "one point per episode; diamond: mean".into(),
+        title: "RMS deviation".into(),
+        note: "from target, or beyond the band in operation; one point per episode; diamond: mean".into(),
         height: 340,
         wide: false,
         data: data.into(),

@@ -1,72 +1,129 @@
-//! The chart of energy against comfort, relative to the reactive controllers if they are known.
+//! The charts of what policies use against comfort, relative to the baseline where it is known.
 
 use serde_json::{Value, json};
 
 use super::chart::{Chart, color, horizontal_line, make_logarithmic, range, vertical_line};
 use super::series::{Series, labels};
 use crate::evaluation::{EpisodeInfo, Scored};
+use crate::scores::FREE_DISCOMFORT;
 
-/// Returns the chart of HVAC energy against comfort, one point per episode, relative to the reactive controllers at (1,
-/// 1); without them, it shows energy and RMS deviation in units.
-pub fn energy_and_comfort(series: &[Series<'_>], height: u32, wide: bool) -> Chart {
-    let relative = |scored: &Scored| Some([scored.relative_energy()?, scored.relative_comfort()?]);
-    let all = || series.iter().flat_map(|series| series.episodes.iter().map(|(_, scored)| *scored));
-    match all().any(|scored| relative(scored).is_some()) {
-        true => to_baseline(series, &relative, height, wide),
-        false => {
-            let absolute =
-                |scored: &Scored| Some([scored.metrics.energy() / 1000.0, scored.metrics.rms_deviation]);
-            let axis =
-                |title: &str| json!({"title": {"text": title}, "rangemode": "tozero", "zeroline": false});
-            Chart {
-                title: "Energy vs. comfort".into(),
-                note: "one point per episode; lower left is better".into(),
-                height,
-                wide,
-                data: traces(series, &absolute).into(),
-                layout: json!({"xaxis": axis("HVAC energy (kWh/m²)"), "yaxis": axis("RMS deviation (K)")}),
-            }
-        }
-    }
+/// An episode in a table.
+type Entry<'a> = (&'a EpisodeInfo, &'a Scored);
+
+/// What a chart draws of each episode.
+struct Form {
+    title: &'static str,
+    note: &'static str,
+    /// Titles of the axes.
+    axes: [&'static str; 2],
+    /// Position of an episode; `None` if it is not known.
+    point: fn(&Entry<'_>) -> Option<[f64; 2]>,
+    /// Position of the baseline, and the dashed line of comfort.
+    baseline: Option<([f64; 2], f64)>,
 }
 
-type Point<'a> = &'a dyn Fn(&Scored) -> Option<[f64; 2]>;
+const TRACKING: Form = Form {
+    title: "Energy vs. comfort",
+    note: "one point per episode; lower left is better",
+    axes: ["HVAC energy (kWh/m²)", "RMS deviation (K)"],
+    point: |(_, scored)| Some([scored.metrics.energy() / 1000.0, scored.metrics.rms_deviation]),
+    baseline: None,
+};
 
-fn to_baseline(series: &[Series<'_>], point: Point<'_>, height: u32, wide: bool) -> Chart {
-    let all = series.iter().flat_map(|series| series.episodes.iter().map(|(_, scored)| *scored));
-    let points: Vec<[f64; 2]> = all.filter_map(point).collect();
-    let axis = |title: &str, side: usize| {
-        let values: Vec<f64> = points.iter().map(|point| point[side]).collect();
-        let (low, high) = range(&values);
-        let mut axis = json!({"title": {"text": title}, "zeroline": false});
-        make_logarithmic(&mut axis, (low.min(1.0), high.max(1.0)));
-        axis
+const TRACKING_RELATIVE: Form = Form {
+    title: "Energy vs. comfort, relative to the baseline",
+    note: "one point per episode; lower left is better; comfort: root of the temperature penalty, after adding 0.2 K to both",
+    axes: ["HVAC energy / baseline", "deviation / baseline"],
+    point: |(_, scored)| Some([scored.relative_energy()?, scored.relative_comfort()?]),
+    baseline: Some(([1.0, 1.0], 1.0)),
+};
+
+const OPERATION: Form = Form {
+    title: "Cost vs. comfort",
+    note: "one point per episode; lower left is better; discomfort: mean over zones",
+    axes: ["cost (per m²)", "discomfort (K·h/day)"],
+    point: |(info, scored)| {
+        Some([scored.metrics.cost_tot?, scored.metrics.tdis_tot? / scored.days(info.steps_per_hour)])
+    },
+    baseline: None,
+};
+
+const OPERATION_RELATIVE: Form = Form {
+    title: "Cost vs. comfort, relative to the baseline",
+    note: "one point per episode; lower left is better; discomfort: per zone, beyond the baseline's; dashed: the \
+           baseline's cost, and the discomfort that is free",
+    axes: ["cost / baseline", "excess discomfort (K·h/day)"],
+    point: |(info, scored)| {
+        let discomfort = scored.metrics.tdis_tot? - scored.baseline_discomfort?;
+        Some([scored.relative_resource()?, discomfort / scored.days(info.steps_per_hour)])
+    },
+    baseline: Some(([1.0, 0.0], FREE_DISCOMFORT)),
+};
+
+/// Returns a chart for the episodes of tracking and one for those of operation, as far as there are any, one point per
+/// episode. Without a known baseline, a chart has units.
+pub fn trade_offs(series: &[Series<'_>], height: u32, wide: bool) -> Vec<Chart> {
+    let chart = |relative: &Form, absolute: &Form, operated: bool| {
+        let own: Vec<Series<'_>> = series
+            .iter()
+            .map(|Series { name, episodes }| {
+                let is_own = |(_, scored): &&Entry<'_>| scored.metrics.tdis_tot.is_some() == operated;
+                Series { name, episodes: episodes.iter().filter(is_own).copied().collect() }
+            })
+            .collect();
+        let known = |form: &Form| {
+            own.iter().flat_map(|series| &series.episodes).any(|row| (form.point)(row).is_some())
+        };
+        let form = if known(relative) { relative } else { absolute };
+        known(form).then(|| draw(&own, form, height, wide))
     };
-    let mut data = traces(series, point);
-    data.push(json!({
-        "type": "scatter", "mode": "markers", "x": [1], "y": [1], "name": "reactive controllers",
-        "hovertemplate": "reactive controllers<extra></extra>",
-        "marker": {"symbol": "diamond", "size": 12, "color": "#b45309", "line": {"width": 1.5, "color": "#fff"}},
-    }));
-    Chart {
-        title: "Energy vs. comfort, relative to the reactive controllers".into(),
-        note: "one point per episode; lower left is better; comfort: root of the temperature penalty, after adding \
-               0.2 K to both"
-            .into(),
-        height,
-        wide,
-        data: data.into(),
-        layout: json!({
-            "xaxis": axis("HVAC energy / baseline", 0), "yaxis": axis("deviation / baseline", 1),
-            "shapes": [horizontal_line(1.0), vertical_line(1.0)],
-        }),
-    }
+    [chart(&TRACKING_RELATIVE, &TRACKING, false), chart(&OPERATION_RELATIVE, &OPERATION, true)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
-fn traces(series: &[Series<'_>], point: Point<'_>) -> Vec<Value> {
+fn draw(series: &[Series<'_>], form: &Form, height: u32, wide: bool) -> Chart {
+    let mut data = traces(series, form);
+    let axes = [0, 1].map(|side| axis(series, form, side));
+    let mut layout = json!({"xaxis": axes[0], "yaxis": axes[1]});
+    if let Some(([x, y], comfort)) = form.baseline {
+        data.push(json!({
+            "type": "scatter", "mode": "markers", "x": [x], "y": [y], "name": "baseline",
+            "hovertemplate": "baseline<extra></extra>",
+            "marker": {"symbol": "diamond", "size": 12, "color": "#b45309", "line": {"width": 1.5, "color": "#fff"}},
+        }));
+        layout["shapes"] = json!([horizontal_line(comfort), vertical_line(x)]);
+    }
+    Chart { title: form.title.into(), note: form.note.into(), height, wide, data: data.into(), layout }
+}
+
+/// Returns the axis of one side of the points, around the baseline if it is drawn.
+fn axis(series: &[Series<'_>], form: &Form, side: usize) -> Value {
+    let mut axis = json!({"title": {"text": form.axes[side]}, "zeroline": false});
+    let Some((baseline, comfort)) = form.baseline else {
+        axis["rangemode"] = "tozero".into();
+        return axis;
+    };
+    let points = series.iter().flat_map(|series| &series.episodes).filter_map(form.point);
+    let mut values: Vec<f64> = points.map(|point| point[side]).filter(|value| value.is_finite()).collect();
+    values.push(baseline[side]);
+    if side == 1 {
+        values.push(comfort);
+    }
+    let (low, high) = range(&values);
+    if !make_logarithmic(&mut axis, (low, high)) {
+        // Leaves room around the baseline even if every episode is on it.
+        let margin = ((high - low) * 0.08).max(0.02);
+        axis["range"] = json!([low - margin, high + margin]);
+    }
+    axis
+}
+
+fn traces(series: &[Series<'_>], form: &Form) -> Vec<Value> {
     let trace = |(number, Series { name, episodes }): (usize, &Series<'_>)| {
-        let known: Vec<((&EpisodeInfo, &Scored), [f64; 2])> =
-            episodes.iter().filter_map(|(info, scored)| Some(((*info, *scored), point(scored)?))).collect();
+        let known: Vec<(Entry<'_>, [f64; 2])> =
+            episodes.iter().filter_map(|row| Some((*row, (form.point)(row)?))).collect();
         let [x, y] = [0, 1].map(|side| known.iter().map(|(_, point)| point[side]).collect::<Vec<_>>());
         json!({
             "type": "scatter", "mode": "markers", "name": name, "x": x, "y": y,
@@ -109,14 +166,43 @@ mod tests {
         };
         let info = episode();
         let drawn = |scored: &Scored| {
-            energy_and_comfort(&[Series { name: "a", episodes: vec![(&info, scored)] }], 300, true)
+            let series = [Series { name: "a", episodes: vec![(&info, scored)] }];
+            let [chart] = &trade_offs(&series, 300, true)[..] else { panic!("one chart") };
+            chart.clone()
         };
         let chart = drawn(&known);
         assert_eq!((&chart.data[0]["x"], &chart.data[0]["y"]), (&json!([1.0]), &json!([1.0])));
-        assert_eq!(chart.data[1]["name"], "reactive controllers");
+        assert_eq!(chart.data[1]["name"], "baseline");
         assert_eq!(chart.layout["shapes"].as_array().unwrap().len(), 2);
+        assert_eq!(chart.layout["yaxis"]["range"], json!([0.98, 1.02]), "no cliff of rounding errors");
         let chart = drawn(&unknown);
         assert_eq!(chart.data.as_array().unwrap().len(), 1);
         assert_eq!(chart.layout["xaxis"]["title"]["text"], "HVAC energy (kWh/m²)");
+    }
+
+    #[test]
+    fn operation_is_drawn_by_cost_and_discomfort_and_beside_tracking() {
+        let metrics = |tdis_tot| EpisodeMetrics { steps: 576, tdis_tot, ..EpisodeMetrics::default() };
+        let operated = Scored {
+            metrics: metrics(Some(5.0)),
+            resource: Some(3.0),
+            baseline_resource: Some(4.0),
+            baseline_discomfort: Some(2.0),
+            ..Scored::default()
+        };
+        let tracked = Scored { metrics: metrics(None), ..Scored::default() };
+        let info = episode();
+        let episodes = vec![(&info, &operated), (&info, &tracked)];
+        let charts = trade_offs(&[Series { name: "a", episodes }], 300, true);
+        assert_eq!(
+            charts.iter().map(|chart| chart.title.as_str()).collect::<Vec<_>>(),
+            [TRACKING.title, OPERATION_RELATIVE.title]
+        );
+        assert_eq!(
+            (&charts[1].data[0]["x"], &charts[1].data[0]["y"]),
+            (&json!([0.75]), &json!([1.5])),
+            "3 K·h in 2 days"
+        );
+        assert_eq!((&charts[1].data[1]["x"], &charts[1].data[1]["y"]), (&json!([1.0]), &json!([0.0])));
     }
 }

@@ -65,8 +65,10 @@ impl Call {
         found.ok_or_else(|| named().map(|(_, method, _)| method.as_str()).collect())
     }
 
-    /// Returns the names of all calls.
-    pub fn names() -> impl Iterator<Item = &'static str> {
-        CALLS.iter().map(|(name, ..)| *name)
+    /// Returns the names of all calls, each once.
+    pub fn names() -> Vec<&'static str> {
+        let mut names: Vec<_> = CALLS.iter().map(|(name, ..)| *name).collect();
+        names.dedup();
+        names
     }
 }

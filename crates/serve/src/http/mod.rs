@@ -187,8 +187,8 @@ fn read(content_type: Option<&str>, body: Body) -> std::result::Result<Arguments
 fn wrong_call(name: &str, method: &Method, methods: &[&str]) -> Refusal {
     match methods {
         [] => {
-            let known: Vec<_> = Call::names().collect();
-            Refusal::with_status(404, format!("no call `{name}`; expected one of {}", known.join(", ")))
+            let known = Call::names().join(", ");
+            Refusal::with_status(404, format!("no call `{name}`; expected one of {known}"))
         }
         methods => {
             let methods = methods.join(" or ");

@@ -87,7 +87,7 @@ impl<'a> Environments<'a> {
             catalog: Arc::clone(&self.catalog),
             population: Population::Ids(self.config.training_set.drawn(building_type).collect()),
             control: self.config.training_set.control,
-            period,
+            period: period.into(),
             steps_per_hour: self.config.training_set.steps_per_hour,
             task: self.config.training_set.task.as_slice()[0].clone(),
         })
