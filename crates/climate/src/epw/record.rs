@@ -276,7 +276,7 @@ impl Reader {
 
     fn finish(self) -> std::result::Result<Record, String> {
         let per_day = 24 * self.record.intervals as usize;
-        if self.rows % per_day == 0 {
+        if self.rows.is_multiple_of(per_day) {
             return Ok(self.record);
         }
         let [month, day] = self.date;
