@@ -34,6 +34,8 @@ pub struct Field {
     pub required: bool,
     /// Whether it must be more than zero.
     pub positive: bool,
+    /// Whether it must be a whole number.
+    pub whole: bool,
     /// Whether the engine sizes it if it is blank.
     pub autosized: bool,
 }
@@ -126,13 +128,15 @@ fn read_fields(object: &Value, fields: &mut HashMap<String, Field>) {
 impl Field {
     fn of(field: &Value, required: bool) -> Self {
         let forms = get(field, "anyOf").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-        let positive = [field].into_iter().chain(forms).any(|form| get(form, "exclusiveMinimum").is_some());
+        let forms = || [field].into_iter().chain(forms);
+        let is_whole = |form| get(form, "type").and_then(Value::as_text) == Some("integer");
         let default = get(field, "default").and_then(Value::as_text);
         Self {
             names: words(field, "object_list"),
             groups: words(field, "reference"),
             required,
-            positive,
+            positive: forms().any(|form| get(form, "exclusiveMinimum").is_some()),
+            whole: forms().any(is_whole),
             autosized: default.is_some_and(|word| word.eq_ignore_ascii_case("Autosize")),
         }
     }
@@ -161,13 +165,15 @@ mod tests {
     fn a_field_has_its_groups_and_limits_also_in_a_list() {
         let item = json!({"properties": {"branch_name": {"object_list": ["Branches"]}}, "required": ["branch_name"]});
         let size = json!({"default": "Autosize", "anyOf": [{"type": "number", "exclusiveMinimum": 0.0}]});
-        let fields = json!({"properties": {"flow": size, "branches": {"type": "array", "items": item}}});
+        let count = json!({"anyOf": [{"type": "integer"}, {"type": "string"}]});
+        let fields = json!({"properties": {"flow": size, "count": count, "branches": {"type": "array", "items": item}}});
         let class = json!({"name": {"reference": ["Lists"]}, "patternProperties": {".*": fields}});
         let schema = Schema::of_json(&json!({"properties": {"BranchList": class}}));
         let branch = schema.field("branchlist", "branch_name").unwrap();
         assert!(branch.required && branch.names == ["Branches"]);
         let flow = schema.field("BranchList", "flow").unwrap();
-        assert!(flow.positive && flow.autosized && !flow.required);
+        assert!(flow.positive && flow.autosized && !flow.required && !flow.whole);
+        assert!(schema.field("BranchList", "count").unwrap().whole);
         assert_eq!(schema.sized_if_blank("BranchList").collect::<Vec<_>>(), ["flow"]);
         assert_eq!(schema.groups("BranchList"), ["Lists"]);
         assert!(schema.has_group("Lists") && !schema.has_group("Branches"));

@@ -148,7 +148,8 @@ impl Sizes {
             let is_unused = matched.are_all_used && is_word(&fields[&field], "Autosize");
             if let Some(size) = size.or_else(|| is_unused.then_some(0.0)) {
                 let size = if size > 0.0 { size } else { size.max(self.minimum(class, &field)) };
-                fields.insert(field, json!(size));
+                let is_whole = self.schema.field(class, &field).is_some_and(|known| known.whole);
+                fields.insert(field, if is_whole { json!(size.round() as i64) } else { json!(size) });
             }
         }
     }
