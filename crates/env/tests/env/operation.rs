@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_building::hvac::Unsupported;
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_dataset::archetype;
-use b2b_env::{Env, EpisodeMetrics, Term, Trajectory};
+use b2b_env::{Env, EpisodeConfig, EpisodeMetrics, Term, Trajectory};
 
 use crate::case::{Case, random_episode};
 
@@ -43,8 +43,8 @@ fn the_band_of_a_medium_office_is_its_prototype_s() {
     assert!(day.iter().all(|pair| pair[1] - pair[0] > 2.0), "{day:?}");
 }
 
-/// Discomfort, bad air, energy, cost and peaks from the observations of an episode alone.
-fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 5] {
+/// Discomfort, bad air, energy, cost, emissions and peak from the observations of an episode alone.
+fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 6] {
     let (hours, space) = (1.0 / 12.0, env.observation_space());
     let zones: Vec<_> = env.building().controlled_zones().map(|zone| zone.name.clone()).collect();
     let (mut discomfort, mut bad_air) = (0.0, 0.0);
@@ -67,7 +67,8 @@ fn by_hand(env: &Env, rows: &[Vec<f64>]) -> [f64; 5] {
     let quarter = |three: &[Vec<f64>]| three.iter().map(|row| row[space.electricity()]).sum::<f64>() / 0.25;
     let peak = rows[1..].chunks(3).map(quarter).fold(0.0, f64::max);
     let cost = 0.127 * electricity + 0.0365 * gas;
-    [discomfort, bad_air, (electricity + gas) / 1000.0, cost / 1000.0, peak / 1000.0]
+    let emissions = 0.373 * electricity + 0.181 * gas;
+    [discomfort, bad_air, (electricity + gas) / 1000.0, cost / 1000.0, emissions / 1000.0, peak / 1000.0]
 }
 
 #[test]
@@ -77,8 +78,8 @@ fn indicators_follow_from_the_observations() {
     let first = env.reset().unwrap().to_vec();
     let trajectory = random_episode(&mut env, 3);
     let metrics = EpisodeMetrics::from(env.metrics());
-    let reported = [metrics.tdis_tot, metrics.idis_tot, metrics.ener_tot, metrics.cost_tot, metrics.pele_tot];
-    let reported = reported.map(Option::unwrap);
+    let EpisodeMetrics { tdis_tot, idis_tot, ener_tot, cost_tot, emis_tot, pele_tot, .. } = metrics;
+    let reported = [tdis_tot, idis_tot, ener_tot, cost_tot, emis_tot, pele_tot].map(Option::unwrap);
     let engine: f64 = env.engine_meters().unwrap().iter().sum();
     let error = (engine / 1000.0 - reported[2]).abs();
     assert!(error < 1e-6 * reported[2], "the engine's meters say {engine} Wh/m²");
@@ -254,6 +255,21 @@ fn operation_needs_bands_for_a_preview_and_a_valid_tariff() {
         let said = text.parse::<b2b_env::Task>().unwrap_err().to_string();
         assert!(said.contains(words), "{text}: {said}");
     }
+}
+
+#[test]
+fn a_preview_longer_than_the_weather_is_refused() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    let folder = tempfile::tempdir().unwrap();
+    let weather = folder.path().join("january.epw");
+    let whole = std::fs::read_to_string(&case.weather).unwrap();
+    // Eight lines of header and the hours of January.
+    let lines: Vec<&str> = whole.lines().take(8 + 31 * 24).collect();
+    std::fs::write(&weather, lines.join("\n")).unwrap();
+    let (period, task) = ("01-09..01-10".parse().unwrap(), "operate+preview".parse().unwrap());
+    let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
+    let said = Env::new(case.library.clone(), Arc::clone(&case.building), episode).unwrap_err().to_string();
+    assert!(said.contains("8760 hours") && said.contains("744"), "{said}");
 }
 
 #[test]
