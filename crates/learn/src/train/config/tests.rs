@@ -20,7 +20,10 @@ fn every_preset_is_complete_and_valid() {
         assert_eq!(changed(&TrainConfig::default(), &named.to_toml()), named, "{}", named.to_toml());
     }
     let said = TrainConfig::preset("papper").unwrap_err().to_string();
-    assert!(said.contains("expected `graph` or `paper` or `residual`; did you mean `paper`?"), "{said}");
+    assert!(
+        said.contains("expected `graph` or `paper` or `residual` or `supervisory`; did you mean `paper`?"),
+        "{said}"
+    );
 }
 
 #[test]
