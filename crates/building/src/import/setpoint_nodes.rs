@@ -18,7 +18,8 @@ pub(super) fn without_setpoint(model: &Model) -> Vec<String> {
     for class in model.classes().filter(|class| begins(class, "SetpointManager:")) {
         for (name, fields) in model.objects(class) {
             let Some(node) = text(fields, REFERENCE) else { continue };
-            if !given.contains(&node.to_lowercase()) && told.insert(node.to_lowercase()) {
+            let has_setpoint = nodes(model, node).iter().any(|node| given.contains(node));
+            if !has_setpoint && told.insert(node.to_lowercase()) {
                 problems.push(format!(
                     "{class} `{name}` takes the setpoint of node `{node}`, and neither a setpoint manager nor an EMS actuator \
                      gives it one: add a SetpointManager:Scheduled for `{node}`"
@@ -77,6 +78,10 @@ mod tests {
         let scheduled = json!({"S": {"setpoint_node_or_nodelist_name": "List"}});
         let list = json!({"List": {"nodes": [{"node_name": "SUPPLY"}]}});
         let model = json!({"SetpointManager:MixedAir": mixed, "SetpointManager:Scheduled": scheduled, "NodeList": list});
+        assert_eq!(of(model), Vec::<String>::new());
+        let mixed_as_listed =
+            json!({"A": {"reference_setpoint_node_name": "List", "setpoint_node_or_nodelist_name": "Mixed"}});
+        let model = json!({"SetpointManager:MixedAir": mixed_as_listed, "SetpointManager:Scheduled": scheduled, "NodeList": list});
         assert_eq!(of(model), Vec::<String>::new());
         let ems = json!({"E": {"actuated_component_unique_name": "supply"}});
         let model = json!({"SetpointManager:MixedAir": mixed, "EnergyManagementSystem:Actuator": ems});

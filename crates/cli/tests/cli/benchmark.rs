@@ -138,9 +138,10 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                     let pairs = 2 * controlled + building.zones.iter().filter(cooled).count();
                     let target_slots = match (&task.setpoints, task.preview) {
                         (Setpoints::Constant { .. }, _) => 0,
-                        (Setpoints::Band { .. }, None) => pairs,
+                        // And whether the day is a holiday.
+                        (Setpoints::Band { .. }, None) => pairs + 1,
                         // The next change of every zone, and prices, temperatures and radiation of a day.
-                        (Setpoints::Band { .. }, Some(_)) => 2 * pairs + 3 * 24,
+                        (Setpoints::Band { .. }, Some(_)) => 2 * pairs + 3 * 24 + 1,
                         _ => 2 * controlled,
                     };
                     let seen = spaces.observation.len();
