@@ -34,7 +34,7 @@ fn show_fits_a_screen_and_has_details_on_request() {
         "of the exterior walls",
         "Dining",
         "x scale",
-        "16 values",
+        "17 values",
         "4 values",
     ] {
         assert!(short.contains(word), "no {word} in {short}");
