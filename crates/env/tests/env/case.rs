@@ -109,9 +109,13 @@ impl Case {
     }
 
     pub fn env_with(&self, period: &str, task: Task) -> Env {
+        self.try_env(period, task).unwrap()
+    }
+
+    pub fn try_env(&self, period: &str, task: Task) -> b2b_env::Result<Env> {
         let (weather, period) = (self.weather.clone(), period.parse().unwrap());
         let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
-        Env::new(self.library.clone(), Arc::clone(&self.building), episode).unwrap()
+        Env::new(self.library.clone(), Arc::clone(&self.building), episode)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::case::{Case, Dice, random_episode};
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_energyplus::Level;
-use b2b_env::{Env, Error, Trajectory};
+use b2b_env::{Env, Error, Task, Trajectory};
 
 fn house() -> Case {
     Case::at_home(BuildingType::SingleFamilyHouse)
@@ -144,7 +144,7 @@ fn a_failed_step_has_the_messages_of_its_episode() {
 fn the_error_for_a_missing_weather_file_names_it() {
     let mut case = house();
     case.weather = "no such weather.epw".into();
-    let error = case.env("01-20..01-20").reset().unwrap_err().to_string();
+    let error = case.try_env("01-20..01-20", Task::default()).unwrap_err().to_string();
     assert!(error.contains("no such weather.epw"), "{error}");
 }
 

@@ -258,7 +258,7 @@ fn operation_needs_bands_for_a_preview_and_a_valid_tariff() {
 }
 
 #[test]
-fn a_preview_longer_than_the_weather_is_refused() {
+fn days_that_the_weather_does_not_have_are_refused() {
     let case = Case::at_home(BuildingType::OfficeSmall);
     let folder = tempfile::tempdir().unwrap();
     let weather = folder.path().join("january.epw");
@@ -266,10 +266,10 @@ fn a_preview_longer_than_the_weather_is_refused() {
     // Eight lines of header and the hours of January.
     let lines: Vec<&str> = whole.lines().take(8 + 31 * 24).collect();
     std::fs::write(&weather, lines.join("\n")).unwrap();
-    let (period, task) = ("01-09..01-10".parse().unwrap(), "operate+preview".parse().unwrap());
+    let (period, task) = ("01-31..02-01".parse().unwrap(), "operate+preview".parse().unwrap());
     let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
     let said = Env::new(case.library.clone(), Arc::clone(&case.building), episode).unwrap_err().to_string();
-    assert!(said.contains("8760 hours") && said.contains("744"), "{said}");
+    assert!(said.contains("january.epw does not have 02-01"), "{said}");
 }
 
 #[test]
