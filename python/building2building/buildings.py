@@ -199,8 +199,9 @@ def find_building(
     """Finds a building by its name: a building type, an id of the dataset, or the path of a model.
 
     A type is in its default place unless ``place`` or a ``weather`` file is given. ``allow_external`` and
-    ``keep_design_days`` are as for :func:`import_building`. With ``control="setpoints"``, an agent sets the heating and the cooling setpoint of every
-    zone, and the building's equipment follows by its own controls; otherwise it sets the actuators of the systems.
+    ``keep_design_days`` are as for :func:`import_building`. With ``control="setpoints"``, an agent sets the heating and
+    the cooling setpoint of every zone, and the building's equipment follows by its own controls; otherwise it sets the
+    actuators of the systems.
     """
     file = None if weather is None else os.fspath(weather)
     origin = Found(name, place, file, allow_external, control, keep_design_days)
@@ -219,8 +220,8 @@ def import_building(
 
     Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
     thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,
-    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``. Equipment is sized
-    for the design days of the weather file, or with ``keep_design_days`` for the model's.
+    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``. Equipment is
+    sized for the design days of the weather file, or with ``keep_design_days`` for the model's.
     """
     path = Path(model).resolve()
     if not path.is_file():

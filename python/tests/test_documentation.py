@@ -151,7 +151,10 @@ def test_every_claim_of_the_paper_has_its_place_and_its_numbers():
     counts = {"eight": 8, "nine": 9, "ten": 10}
     assert counts[re.search(r"(\w+) types", here["37"]).group(1)] == len(b2b.NodeType)
     listed = subprocess.run(
-        ["b2b", "list", "--sizes", "--task", "constant"], capture_output=True, text=True, check=True
+        [sys.executable, "-m", "building2building", "list", "--sizes", "--task", "constant"],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     sizes = {line.split()[0]: re.findall(r" (\d+)", line)[:3] for line in listed.stdout.splitlines()[1:]}
     types = ("RestaurantFastFood", "Warehouse", "RetailStandalone", "OfficeSmall", "OfficeMedium")
