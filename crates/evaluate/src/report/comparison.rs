@@ -115,11 +115,11 @@ fn footer(all: &[Compared]) -> String {
 }
 
 fn table(all: &[Compared]) -> Value {
-    let (header, row): (&[&str], fn(&Compared) -> Vec<String>) = match is_operation(all) {
-        true => (&OPERATION_COLUMNS, operation_row),
-        false => (&COLUMNS, tracking_row),
+    let (header, rows): (&[&str], Vec<_>) = match is_operation(all) {
+        true => (&OPERATION_COLUMNS, all.iter().map(operation_row).collect()),
+        false => (&COLUMNS, all.iter().map(tracking_row).collect()),
     };
-    json!({"title": "means over episodes", "header": header, "rows": all.iter().map(row).collect::<Vec<_>>()})
+    json!({"title": "means over episodes", "header": header, "rows": rows})
 }
 
 const COLUMNS: [&str; 8] = [
