@@ -35,8 +35,8 @@ impl Pilot {
     /// Creates the pilot for a building that still has its model, at the beginning of an episode.
     ///
     /// # Errors
-    /// The errors of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a graph
-    /// network in a building whose graph cannot be built.
+    /// The errors of [`attributes`]; [`Error::Weather`](crate::Error::Weather) for an unreadable weather file;
+    /// [`Error::Graph`](crate::Error::Graph) for a graph network in a building whose graph cannot be built.
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
         let attributes = attributes(interface.observation, spaces)?;

@@ -39,7 +39,7 @@ impl Site {
     /// Returns the site in the header of an EPW file.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be read; the errors of [`Site::from_epw`].
+    /// [`Error::Io`](crate::Error::Io) when the file cannot be read; the errors of [`Site::from_epw`].
     pub fn read(path: &Path) -> Result<Self> {
         EpwFile::open(path)?.site()
     }

@@ -21,7 +21,7 @@ use crate::panics::catch_panic;
 use crate::{Error, Result};
 
 /// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1, observation];
-/// its first output the action, float32 [1, action]. Every further input is a [state](OnnxState), which the output of the
+/// its first output the action, float32 [1, action]. Every further input is a state, which the output of the
 /// same number replaces at every step.
 #[derive(Debug)]
 pub struct OnnxPolicy {
