@@ -18,6 +18,8 @@ mod parameter_set;
 mod planner;
 mod random;
 mod reactive;
+#[cfg(target_os = "linux")]
+mod record_file;
 mod replay;
 #[cfg(target_os = "linux")]
 pub mod tune;

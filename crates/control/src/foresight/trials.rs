@@ -1,18 +1,16 @@
 //! Episodes under schedules.
 
-use std::fs::File;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use b2b_base::aside::append;
 use b2b_workers::{Episode, RolloutMemory};
 use serde::Serialize;
 
 use super::outcome::{Days, Outcome};
 use super::schedule::Schedule;
+use crate::Result;
 use crate::kind::KindDescription;
 use crate::parameter_set::to_json;
-use crate::{Error, Result};
+use crate::record_file::RecordFile;
 
 /// Runs the episodes of a search, one after another, in an episode that is reset for each.
 pub(super) struct Trials<'a> {
@@ -55,50 +53,26 @@ impl<'a> Trials<'a> {
     }
 }
 
-/// The outcomes of a search in a file, one line each, from which an interrupted search resumes.
+/// The outcomes of a search in a file, from which an interrupted search resumes.
 pub(super) struct Record {
-    path: PathBuf,
-    file: File,
+    file: RecordFile,
     known: std::vec::IntoIter<Outcome>,
 }
 
 impl Record {
-    /// Opens the file of a search, or creates it. `head` is what the search depends on. An incomplete last line is dropped.
+    /// Opens the file of a search, or creates it. `head` is what the search depends on.
     ///
     /// # Errors
-    /// [`Error::OtherTuning`] for the file of another search; [`Error::Io`].
+    /// The errors of [`RecordFile::open`].
     pub(super) fn open(path: &Path, head: &impl Serialize) -> Result<Self> {
-        let io = |source| Error::Io { path: path.to_owned(), source };
-        let other = |why: String| Error::OtherTuning { path: path.to_owned(), why };
-        let head = serde_json::to_string(head).expect("plain data always serializes") + "\n";
-        let text = match std::fs::read_to_string(path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            text => text.map_err(io)?,
-        };
-        let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-        let lines = match whole.strip_prefix(head.as_str()) {
-            Some(lines) => lines,
-            None if whole.is_empty() => "",
-            None => {
-                return Err(other(format!("it starts with {}", whole.lines().next().unwrap_or_default())));
-            }
-        };
-        let known: Vec<Outcome> = lines
-            .lines()
-            .map(|line| serde_json::from_str(line).map_err(|error| other(error.to_string())))
-            .collect::<Result<_>>()?;
-        let mut file = append(path).map_err(io)?;
-        file.set_len(whole.len() as u64).map_err(io)?;
-        if whole.is_empty() {
-            file.write_all(head.as_bytes()).map_err(io)?;
-        }
-        Ok(Self { path: path.to_owned(), file, known: known.into_iter() })
+        let (file, lines) = RecordFile::open(path, head)?;
+        let read = |line: &String| serde_json::from_str(line).map_err(|error| file.other(error.to_string()));
+        let known: Vec<Outcome> = lines.iter().map(read).collect::<Result<_>>()?;
+        Ok(Self { file, known: known.into_iter() })
     }
 
     fn push(&mut self, outcome: &Outcome) -> Result<()> {
-        let line = serde_json::to_string(outcome).expect("plain data always serializes") + "\n";
-        let written = self.file.write_all(line.as_bytes());
-        written.map_err(|source| Error::Io { path: self.path.clone(), source })
+        self.file.push(outcome)
     }
 }
 
@@ -106,6 +80,7 @@ impl Record {
 mod tests {
     use super::super::outcome::Day;
     use super::*;
+    use crate::Error;
 
     #[test]
     fn a_record_returns_what_was_written_and_refuses_another_search() {

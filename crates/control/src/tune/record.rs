@@ -1,16 +1,14 @@
 //! The file of evaluations, one line each, from which an interrupted tuning run resumes.
 
-use std::fs::File;
-use std::io::Write;
 use std::iter::repeat;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use b2b_base::aside::append;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::{Outcome, relative_losses, resolved_losses, worst_loss, worst_travel};
 use super::plan::Plan;
-use crate::{Error, Result};
+use crate::Result;
+use crate::record_file::RecordFile;
 
 /// A set of parameters and its outcomes on the buildings of the search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,8 +66,7 @@ enum Line {
 
 /// The evaluations of a plan, appended to a file.
 pub(super) struct Record {
-    path: PathBuf,
-    file: File,
+    file: RecordFile,
     pub(super) evaluations: Vec<Evaluation>,
     validations: Vec<Validation>,
 }
@@ -77,29 +74,9 @@ pub(super) struct Record {
 impl Record {
     /// Opens the file of a plan, or creates it. An incomplete last line is dropped.
     pub(super) fn open(path: &Path, plan: &Plan) -> Result<Self> {
-        let io = |source| Error::Io { path: path.to_owned(), source };
-        let head = serde_json::to_string(plan).expect("a plan is plain data") + "\n";
-        let text = match std::fs::read_to_string(path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            text => text.map_err(io)?,
-        };
-        let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-        let lines = match whole.strip_prefix(head.as_str()) {
-            Some(lines) => lines,
-            None if whole.is_empty() => "",
-            None => {
-                let why = format!("it starts with {}", whole.lines().next().unwrap_or_default());
-                return Err(Error::OtherTuning { path: path.to_owned(), why });
-            }
-        };
-        let mut file = append(path).map_err(io)?;
-        file.set_len(whole.len() as u64).map_err(io)?;
-        if whole.is_empty() {
-            file.write_all(head.as_bytes()).map_err(io)?;
-        }
-        let (evaluations, validations) = (Vec::new(), Vec::new());
-        let mut record = Self { path: path.to_owned(), file, evaluations, validations };
-        lines.lines().try_for_each(|line| record.read(plan, line))?;
+        let (file, lines) = RecordFile::open(path, plan)?;
+        let mut record = Self { file, evaluations: Vec::new(), validations: Vec::new() };
+        lines.iter().try_for_each(|line| record.read(plan, line))?;
         Ok(record)
     }
 
@@ -127,9 +104,7 @@ impl Record {
     }
 
     fn append(&mut self, line: Line) -> Result<Line> {
-        let text = serde_json::to_string(&line).expect("an evaluation is plain data") + "\n";
-        let written = self.file.write_all(text.as_bytes());
-        written.map_err(|source| Error::Io { path: self.path.clone(), source })?;
+        self.file.push(&line)?;
         Ok(line)
     }
 
@@ -141,8 +116,7 @@ impl Record {
     }
 
     fn read(&mut self, plan: &Plan, text: &str) -> Result<()> {
-        let other = |why: String| Error::OtherTuning { path: self.path.clone(), why };
-        let line: Line = serde_json::from_str(text).map_err(|error| other(error.to_string()))?;
+        let line: Line = serde_json::from_str(text).map_err(|error| self.file.other(error.to_string()))?;
         let (found, expected) = match &line {
             Line::Evaluation(evaluation) => (evaluation.outcomes.len(), 1..=plan.buildings.len()),
             Line::Validation(validation) => {
@@ -151,7 +125,7 @@ impl Record {
         };
         if !expected.contains(&found) {
             let expected = format!("{} to {}", expected.start(), expected.end());
-            return Err(other(format!("an evaluation has {found} buildings; expected {expected}")));
+            return Err(self.file.other(format!("an evaluation has {found} buildings; expected {expected}")));
         }
         self.keep(line);
         Ok(())
