@@ -127,3 +127,10 @@ pub struct LearnerSetting<'a> {
     /// Number of threads. Results do not depend on it.
     pub threads: usize,
 }
+
+impl LearnerSetting<'_> {
+    /// Returns the discount of a decision, given the discount per step.
+    pub fn discount_of_decision(&self, discount: f32) -> f32 {
+        (0..self.hold).map(|_| discount).product()
+    }
+}

@@ -2,18 +2,17 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, ensure};
 use b2b_building::Period;
 use b2b_climate::TwoWeeks;
-use b2b_control::foresight::{Plan, SearchOptions, plan};
+use b2b_control::foresight::{Plan, Planned, SearchOptions, plan};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::statistics::median;
 use b2b_workers::{Setting, Source, Workers};
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
@@ -88,32 +87,12 @@ pub fn foresight(arguments: &Arguments) -> Result<()> {
         .with_context(|| format!("cannot write the folder {}", searches.display()))?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let bar = counter(0, "episodes", arguments.json);
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let work = || -> Result<()> {
-        while let Some((number, item)) = numbered(&items, next.fetch_add(1, Ordering::Relaxed)) {
-            let stop = |_: &anyhow::Error| next.store(items.len(), Ordering::Relaxed);
-            let plan = arguments.search(&catalog, item, &bar).inspect_err(stop)?;
-            found.lock().expect("no thread panics while it writes results").push((number, plan));
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..arguments.jobs.count()?).map(|_| scope.spawn(work)).collect();
-        let ended = threads.into_iter().map(|thread| thread.join().expect("a thread of the search panicked"));
-        ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
-    })?;
+    let search = |item: &Item| arguments.search(&catalog, item, &bar);
+    let plans: Vec<Plan> =
+        arguments.jobs.thread_pool()?.install(|| items.par_iter().map(search).collect::<Result<_>>())?;
     bar.finish_and_clear();
-    let mut found = found.into_inner().expect("all threads have ended");
-    found.sort_by_key(|(number, _)| *number);
-    let plans: Vec<(String, Plan)> =
-        found.into_iter().map(|(number, plan)| (items[number].period.to_string(), plan)).collect();
-    arguments.write_all(&plans)?;
-    let summary: Vec<_> = plans.iter().map(|(_, plan)| plan).collect();
-    stdout::print_result(arguments.json, &summary, || arguments.text(&plans))
-}
-
-fn numbered(items: &[Item], number: usize) -> Option<(usize, &Item)> {
-    items.get(number).map(|item| (number, item))
+    write(&arguments.out.join(ALL), &plans)?;
+    stdout::print_result(arguments.json, &plans, || arguments.text(&items, &plans))
 }
 
 impl Arguments {
@@ -144,15 +123,6 @@ impl Arguments {
         let (task, options) = (self.task(), self.options());
         let name = format!("{building}_{period}");
         let path = self.out.join(format!("{name}.json"));
-        if path.exists() {
-            let plan = Plan::read(&path)?;
-            ensure!(
-                plan.options == options && plan.planned.task_sha256 == task.hash(),
-                "{} is a schedule of another search; choose another folder",
-                path.display()
-            );
-            return Ok(plan);
-        }
         let found = catalog.find(building, &self.location.placement(), &mut Download::new(true))?;
         let weather = found.weather.clone();
         let period = period.in_weather(&weather)?;
@@ -160,20 +130,25 @@ impl Arguments {
         let workers = Workers::new(worker_options(catalog.library().path()))?;
         let mut episode = workers.episode(&Setting::new(Source::from(found), config))?;
         let spaces = b2b_env::Environment::spaces(&episode);
+        if path.exists() {
+            let plan = Plan::read(&path)?;
+            ensure!(
+                plan.options == options && plan.planned == Planned::of(spaces)?,
+                "{} is a schedule of another search or episode; choose another folder",
+                path.display()
+            );
+            return Ok(plan);
+        }
         bar.inc_length(options.episodes(spaces)? as u64);
         let record = self.out.join(SEARCHES).join(format!("{name}.jsonl"));
         let plan = plan(&mut episode, &options, Some(&record), &mut || bar.inc(1));
         interrupt::check()?;
         let plan = plan.with_context(|| format!("cannot plan {name}"))?;
-        write(&path, &[&plan])?;
+        write(&path, std::slice::from_ref(&plan))?;
         Ok(plan)
     }
 
-    fn write_all(&self, plans: &[(String, Plan)]) -> Result<()> {
-        write(&self.out.join(ALL), &plans.iter().map(|(_, plan)| plan).collect::<Vec<_>>())
-    }
-
-    fn text(&self, plans: &[(String, Plan)]) -> String {
+    fn text(&self, items: &[Item], plans: &[Plan]) -> String {
         let mut table = Table::new([
             "building",
             "period",
@@ -184,10 +159,10 @@ impl Arguments {
             "discomfort, foresight",
             "saved by (% of cost)",
         ]);
-        for (period, plan) in plans {
+        for (Item { period, .. }, plan) in items.iter().zip(plans) {
             table.row([
                 plan.planned.building.clone(),
-                period.clone(),
+                period.to_string(),
                 format!("{:.3}", plan.guideline.used),
                 format!("{:.3}", plan.result.used),
                 format!("{:.1}", 100.0 * plan.saving()),
@@ -196,7 +171,7 @@ impl Arguments {
                 saved_by(plan),
             ]);
         }
-        let mut savings: Vec<f64> = plans.iter().map(|(_, plan)| 100.0 * plan.saving()).collect();
+        let mut savings: Vec<f64> = plans.iter().map(|plan| 100.0 * plan.saving()).collect();
         savings.sort_by(f64::total_cmp);
         format!(
             "{}\n\nmedian saving {:.1} %\n\n  {}",
@@ -216,7 +191,7 @@ fn saved_by(plan: &Plan) -> String {
     saving.map(|(shift, percent)| format!("{shift} {percent:.1}")).collect::<Vec<_>>().join(", ")
 }
 
-fn write(path: &Path, plans: &[&Plan]) -> Result<()> {
+fn write(path: &Path, plans: &[Plan]) -> Result<()> {
     OutputFolder::write_file(path, |file| {
         for plan in plans {
             serde_json::to_writer(&mut *file, plan)?;

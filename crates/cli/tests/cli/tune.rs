@@ -100,6 +100,7 @@ fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     agrees(&json(folder, run), "guideline");
 
     assert_rejected(folder, &format!("{search} whole --seed 1"), &["schedule of another search"]);
+    assert_rejected(folder, &format!("{search} whole --steps-per-hour 6"), &["schedule of another search"]);
     let tracking = format!("{search} other --task constant");
     assert_rejected(folder, &tracking, &["constant", "operate"]);
 }

@@ -118,12 +118,17 @@ impl Supervision {
     pub(super) fn new(spaces: &Spaces, systems: &[ControlledSystem], inputs: &Inputs) -> Self {
         let mut own = Self { points: Vec::new(), places: Vec::new() };
         for (system, (described, layout)) in spaces.building.laid_out_systems().enumerate() {
-            let (owner, shifts) = match systems[system].sequences {
+            let sequences = &systems[system].sequences;
+            let (owner, shifts) = match sequences {
                 Sequences::AirLoop(_) => (Owner::AirLoop(system), Shift::AIR_LOOP),
                 Sequences::SingleZone(_) => (Owner::Zone(layout.zones[0].index), Shift::UNIT),
                 Sequences::Thermostat(_) => (Owner::Zone(layout.zones[0].index), [].as_slice()),
             };
-            for shift in shifts {
+            let follows = |shift: &&Shift| match sequences {
+                Sequences::AirLoop(own) => own.follows(**shift),
+                Sequences::SingleZone(_) | Sequences::Thermostat(_) => true,
+            };
+            for shift in shifts.iter().filter(follows) {
                 own.add(shift.point(described.name(), owner), Place { system, zone: None });
             }
             for (number, served) in layout.zones.iter().enumerate() {

@@ -63,6 +63,11 @@ impl Economizer {
         self.enabled
     }
 
+    /// Returns whether its limit is fixed, so that a shift moves it.
+    pub(super) fn has_fixed_limit(&self) -> bool {
+        matches!(self.limit, HighLimit::Fixed(_))
+    }
+
     /// Shifts a fixed limit, K.
     pub(super) fn shift(&mut self, shift: f64) {
         self.shift = shift;
@@ -95,6 +100,8 @@ mod tests {
         let limits = [18.0, 18.0, 21.0, 21.0, 24.0, 24.0, 24.0].map(HighLimit::Fixed);
         assert_eq!(zones, limits);
         assert_eq!(HighLimit::of_zone(None), HighLimit::ReturnAir);
+        let has_fixed = |zone| Economizer::new(HighLimit::of_zone(zone)).has_fixed_limit();
+        assert_eq!([Some("5B"), None].map(has_fixed), [true, false]);
     }
 
     #[test]

@@ -159,6 +159,11 @@ impl AirLoop {
         (flow.min(self.outdoor_air.fan_flow), return_air)
     }
 
+    /// Returns whether a shift moves a choice of the air handler.
+    pub(super) fn follows(&self, shift: Shift) -> bool {
+        shift != Shift::EconomizerLimit || self.economizer.has_fixed_limit()
+    }
+
     /// Shifts a choice of the air handler.
     pub(super) fn shift(&mut self, shift: Shift, value: f64) {
         match shift {

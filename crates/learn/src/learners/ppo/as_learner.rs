@@ -90,8 +90,8 @@ impl LearnerOptions for PpoConfig {
     }
 
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
-        let LearnerSetting { widths, seed, policy, hold, .. } = *setting;
-        let gamma = (0..hold).map(|_| self.gamma).product();
+        let LearnerSetting { widths, seed, policy, .. } = *setting;
+        let gamma = setting.discount_of_decision(self.gamma);
         let own = Self { gamma, credit: setting.credit.clone(), ..self.clone() };
         let mut ppo = match policy {
             Policy::Flat => Ppo::new(widths, own, seed)?,

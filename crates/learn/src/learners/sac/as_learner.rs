@@ -60,12 +60,17 @@ impl LearnerOptions for SacConfig {
         self.n_steps
     }
 
+    fn discount(&self) -> f32 {
+        self.gamma
+    }
+
     fn is_on_policy(&self) -> bool {
         false
     }
 
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
-        let mut sac = Sac::new(setting.widths, setting.environments, self.clone(), setting.seed)?;
+        let own = Self { gamma: setting.discount_of_decision(self.gamma), ..self.clone() };
+        let mut sac = Sac::new(setting.widths, setting.environments, own, setting.seed)?;
         sac.set_threads(setting.threads);
         Ok(Box::new(sac))
     }

@@ -110,6 +110,7 @@ fn values_that_do_not_go_together_are_errors() {
         ),
         ("comfort_rate = 0.5", "`comfort_rate` is for tasks of operation"),
         ("task = 'operate'\ncomfort_rate = 2", "`comfort_rate` is 2; expected 0 to 1"),
+        ("task = 'operate'\ncomfort_rate = 0.5\nevaluation.every = 0", "`evaluation.every` is 0"),
         ("task = 'constant,random'\nobservation = 'raw'", "the observation `features`"),
         (
             "algorithm = 'sac'\nmirrored_noise = true",

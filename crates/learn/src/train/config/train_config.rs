@@ -125,10 +125,13 @@ impl TrainConfig {
     /// Checks how the agent acts, that a supervisor has tasks of operation and a reward in one part, and that only such tasks
     /// hold comfort.
     fn check_supervision(&self) -> Result<()> {
-        let Self { training_set, agent, rewards, .. } = self;
+        let Self { training_set, agent, rewards, evaluation, .. } = self;
         let operates = training_set.task.as_slice().iter().all(Task::is_operation);
         require(operates || rewards.comfort_rate == 0.0, || {
             "`comfort_rate` is for tasks of operation; choose `task` = operate, or 0".into()
+        })?;
+        require(evaluation.every > 0 || rewards.comfort_rate == 0.0, || {
+            "`comfort_rate` follows evaluations, and `evaluation.every` is 0: there are none; change one of them".into()
         })?;
         agent.acting.check(training_set.steps_per_hour).map_err(Error::Invalid)?;
         let Acting::Supervisory { .. } = agent.acting else { return Ok(()) };
