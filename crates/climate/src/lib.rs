@@ -8,6 +8,7 @@ mod error;
 mod ground;
 mod location;
 mod mild_year;
+mod months;
 mod morph;
 pub mod region;
 mod site;

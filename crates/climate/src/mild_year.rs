@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+use crate::months::MONTH_DAYS;
+
 const HEADER: &str = "LOCATION,Nowhere,,,,0,0.0,0.0,0.0,0.0
 DESIGN CONDITIONS,0
 TYPICAL/EXTREME PERIODS,0

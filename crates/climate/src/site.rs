@@ -110,9 +110,8 @@ mod tests {
 
     /// The rows of a year with a dry bulb by month and hour.
     fn year(dry_bulb: impl Fn(u32, u32) -> i32) -> String {
-        let days = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
         let mut text = String::new();
-        for (month, days) in (1..).zip(days) {
+        for (month, days) in (1..).zip(crate::months::MONTH_DAYS) {
             for (day, hour) in (1..=days).flat_map(|day| (1..=24).map(move |hour| (day, hour))) {
                 let (dry_bulb, rest) = (dry_bulb(month, hour - 1), ",1".repeat(28));
                 text += &format!("1999,{month},{day},{hour},60,flags,{dry_bulb}{rest}\n");

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use super::row::Row;
+use crate::months::MONTH_DAYS;
 use crate::{Error, Result};
 
 /// Lines of the header.
 const HEADER_LINES: usize = 8;
 /// Days of a year without 29 February.
 const DAYS: usize = 365;
-const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 /// Values that the engine takes before the first one that is not missing: dry bulb (°C) and relative humidity (%).
 const FIRST: [f64; 2] = [6.0, 50.0];
 

@@ -95,8 +95,8 @@ fn check_same(all: &[Compared]) -> Result<()> {
 
 /// Returns whether all episodes are of tasks of operation.
 fn is_operation(all: &[Compared]) -> bool {
-    let ran = all.iter().flat_map(|compared| compared.ran());
-    ran.map(|(_, scored)| scored.metrics.tdis_tot).all(|discomfort| discomfort.is_some())
+    let mut ran = all.iter().flat_map(|compared| compared.ran()).peekable();
+    ran.peek().is_some() && ran.all(|(_, scored)| scored.metrics.tdis_tot.is_some())
 }
 
 fn footer(all: &[Compared]) -> String {

@@ -58,7 +58,7 @@ impl Subject {
     ///
     /// # Errors
     /// [`Error::NoBands`], [`Error::TaskPart`] and [`Error::Plans`] for tasks and controllers that BOPTEST's interface
-    /// cannot express; the errors of the weather file, which must cover a year.
+    /// cannot express; the errors of the weather file.
     pub fn new(options: SubjectOptions) -> Result<Self> {
         check(&options)?;
         let SubjectOptions { building, weather, task, steps_per_hour, .. } = options.clone();
