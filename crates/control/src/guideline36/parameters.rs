@@ -93,8 +93,8 @@ impl Default for UnitaryParameters {
     fn default() -> Self {
         Self {
             gains: LoopGains::UNIT,
-            heating_margin: 0.05,
-            cooling_margin: 0.05,
+            heating_margin: 0.03,
+            cooling_margin: 0.03,
             min_flow: 0.2,
             heating_flow: 1.0,
             heating_lift: 11.0,

@@ -17,7 +17,7 @@ use crate::{Result, SiteInfo};
 pub(super) const REVISION: u32 = 4;
 /// The same for changes that affect only tasks of operation: the guideline controller and bands. Baselines of these tasks
 /// depend on both revisions.
-const OPERATION_REVISION: u32 = 3;
+const OPERATION_REVISION: u32 = 4;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
 

@@ -50,6 +50,17 @@ struct ServedZone {
     design_flow: f64,
 }
 
+/// Air that the terminals let through.
+#[derive(Clone, Copy, Debug)]
+struct Flow {
+    /// Supply flow, kg/s.
+    total: f64,
+    /// Temperature of the return air, °C.
+    return_air: f64,
+    /// The largest need of a zone for heat, 0 to 1.
+    need: f64,
+}
+
 impl AirLoop {
     pub(super) fn new(
         air_loop: &hvac::AirLoop,
@@ -127,18 +138,23 @@ impl AirLoop {
         let cools = self.zones.iter().any(|served| served.zone.outputs().cooling > 0.0);
         self.setpoint =
             self.supply.step(mode, cools.then_some(site.outdoor_temperature), self.requests, hours);
-        action[hvac::AirLoop::SUPPLY_TEMPERATURE] = self.setpoint;
-        let (flow, return_air) = self.command_terminals(mode, action);
-        let cools = !mode.heats() && flow > 0.0;
-        let economizes = self.economizer.step(cools, site.outdoor_temperature, return_air, hours);
+        let Flow { total: flow, return_air, need } = self.command_terminals(mode, action);
         let outdoor = site.outdoor_temperature;
-        let air = Air { flow, supply: self.setpoint, return_air, outdoor, economizes };
+        let air = Air { flow, supply: self.setpoint, return_air, outdoor, economizes: false };
+        if flow > 0.0 && !mode.heats() {
+            let idle = self.supply.at_most(self.setpoint, self.outdoor_air.untempered(mode, air));
+            self.setpoint = idle + need * (self.setpoint - idle);
+        }
+        action[hvac::AirLoop::SUPPLY_TEMPERATURE] = self.setpoint;
+        let cools = !mode.heats() && flow > 0.0;
+        let economizes = self.economizer.step(cools, outdoor, return_air, hours);
+        let air = Air { supply: self.setpoint, economizes, ..air };
         action[hvac::AirLoop::OUTDOOR_AIR] = self.outdoor_air.step(mode, air);
     }
 
-    /// Writes the commands of the terminals. Returns the supply flow (kg/s) and the temperature of the return air, °C.
-    fn command_terminals(&self, mode: Mode, action: &mut [f64]) -> (f64, f64) {
-        let (mut flow, mut heat, mut mean) = (0.0, 0.0, 0.0);
+    /// Writes the commands of the terminals.
+    fn command_terminals(&self, mode: Mode, action: &mut [f64]) -> Flow {
+        let (mut flow, mut heat, mut mean, mut most) = (0.0, 0.0, 0.0, 0.0_f64);
         for (index, served) in self.zones.iter().enumerate() {
             let need = served.zone.need();
             let command = served.terminal.step(TerminalInput {
@@ -151,12 +167,18 @@ impl AirLoop {
             });
             action[hvac::AirLoop::damper(index)] = command.opening;
             action[hvac::AirLoop::reheat(index)] = command.reheat;
-            flow += command.opening * served.design_flow;
-            heat += command.opening * served.design_flow * need.temperature;
+            let own = command.opening * served.design_flow;
+            flow += own;
+            heat += own * need.temperature;
+            most = most.max(served.terminal.needs_heat(command, need.temperature));
             mean += need.temperature / self.zones.len() as f64;
         }
-        let return_air = if flow > 0.0 { heat / flow } else { mean };
-        (flow.min(self.outdoor_air.fan_flow), return_air)
+        if flow > 0.0 {
+            let total = flow.min(self.outdoor_air.fan_flow);
+            Flow { total, return_air: heat / flow, need: most }
+        } else {
+            Flow { total: 0.0, return_air: mean, need: most }
+        }
     }
 
     /// Returns whether a shift moves a choice of the air handler.

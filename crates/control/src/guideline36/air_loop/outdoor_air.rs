@@ -50,6 +50,13 @@ impl OutdoorAir {
         (air.flow * outdoor_share(air.outdoor, air.return_air, mixed)).max(minimum)
     }
 
+    /// Returns the supply air temperature behind coils that are off, at the minimum of outdoor air and a flow above
+    /// 0, °C.
+    pub(super) fn untempered(&self, mode: Mode, air: Air) -> f64 {
+        let share = (self.minimum(mode) / air.flow).min(1.0);
+        air.return_air + share * (air.outdoor - air.return_air) + self.rise(air.flow)
+    }
+
     /// Returns the temperature rise across the fan, K. The power of a variable fan falls with about the third power of the
     /// flow, so its rise with the second. Air that is too cold would be heated again.
     fn rise(&self, flow: f64) -> f64 {
@@ -71,6 +78,13 @@ mod tests {
         for mode in [Mode::WarmUp, Mode::CoolDown, Mode::Setback, Mode::Setup, Mode::Unoccupied] {
             assert_eq!(OUTDOOR_AIR.step(mode, AIR), 0.0);
         }
+    }
+
+    #[test]
+    fn without_coils_the_supply_air_is_mixed_air_and_the_rise_of_the_fan() {
+        // A quarter of 3 °C and three quarters of 23 °C.
+        assert!((OUTDOOR_AIR.untempered(Mode::Occupied, AIR) - 18.25).abs() < 1e-12);
+        assert!((OUTDOOR_AIR.untempered(Mode::Setup, AIR) - 23.25).abs() < 1e-12, "without outdoor air");
     }
 
     #[test]

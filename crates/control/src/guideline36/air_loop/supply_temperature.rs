@@ -1,7 +1,9 @@
 //! Supply air temperature setpoint of an air handler of several zones (Guideline 36, 5.16.2.2).
 //!
 //! The guideline lowers the setpoint with the outdoor temperature in occupied mode whether or not a zone cools. Without a
-//! zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset here.
+//! zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset here. While
+//! no zone needs heat, it is lowered to what the mixed air is anyway: people and lights warm that for nothing. With a zone
+//! that does, the coil of the air handler costs less than reheat where reheat is electric.
 
 use super::super::modes::Mode;
 use super::trim_respond::{Reset, TrimRespond};
@@ -66,6 +68,12 @@ impl SupplyTemperature {
     /// Returns the setpoint of warm-up: 35 °C, or what the heating coil reaches.
     pub(super) fn warm(&self) -> f64 {
         WARM_UP.min(self.rules.reach[1])
+    }
+
+    /// Returns a setpoint of [`Self::step`] lowered to a temperature, °C, but not below the lowest one in cooling. Its shift
+    /// stays.
+    pub(super) fn at_most(&self, setpoint: f64, temperature: f64) -> f64 {
+        setpoint.min(temperature.max(self.rules.cooling[0]) + self.shift)
     }
 
     /// Shifts the setpoint while the air handler does not heat, K.

@@ -12,6 +12,8 @@ use super::super::zone::zone_loops::Outputs;
 const COIL_LEAD: f64 = 0.05;
 /// Least opening in heating (Vheat-min): without flow the coil gives no heat.
 const LEAST_HEATING: f64 = 0.1;
+/// Distances above the setpoint of the coil up to which a zone needs heat, and from which it needs none, K.
+const NEED: [f64; 2] = [0.1, 0.5];
 /// Temperature of the supply air above the zone from which it heats, K (5.6.5).
 const WARM: f64 = 3.0;
 
@@ -65,6 +67,13 @@ impl TerminalRules {
         let coil_heats = input.may_heat && !central_heat && opening > 0.0;
         let reheat = if coil_heats { input.heating_aim + COIL_LEAD } else { self.coil[0] };
         TerminalCommand { opening, reheat: reheat.clamp(self.coil[0], self.coil[1]) }
+    }
+
+    /// Returns how far a zone needs heat under a command, 0 to 1: fully from just above the setpoint of its coil down.
+    pub(super) fn needs_heat(&self, command: TerminalCommand, temperature: f64) -> f64 {
+        let [first, last] = NEED;
+        let above = temperature - command.reheat;
+        if command.reheat > self.coil[0] { ((last - above) / (last - first)).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     /// Returns the least opening in a mode (Vmin*).
@@ -121,6 +130,20 @@ mod tests {
             assert!((opening - expected).abs() < 1e-12, "{openings:?}");
         }
         assert!((step(Mode::Occupied, 0.0, 0.0).reheat - 21.1).abs() < 1e-9, "the coil leads the loop");
+    }
+
+    #[test]
+    fn a_zone_needs_no_heat_half_a_kelvin_above_its_coil_or_without_it() {
+        let command = TerminalCommand { opening: 0.15, reheat: 21.1 };
+        let needs = [20.0, 21.2, 21.4, 21.6].map(|temperature| RULES.needs_heat(command, temperature));
+        for (need, expected) in needs.into_iter().zip([1.0, 1.0, 0.5, 0.0]) {
+            assert!((need - expected).abs() < 1e-9, "{needs:?}");
+        }
+        assert_eq!(
+            RULES.needs_heat(TerminalCommand { reheat: 10.0, ..command }, 9.0),
+            0.0,
+            "the coil is off"
+        );
     }
 
     #[test]
