@@ -62,7 +62,8 @@ pub struct TrainingInfo {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the reactive controllers' parameters, for an agent that corrects them.
+    /// Hash of the reactive controllers' parameters, for an agent that corrects them; the revision of `guideline36`, for one
+    /// that supervises it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_controllers: Option<String>,
 }

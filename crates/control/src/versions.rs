@@ -6,6 +6,7 @@ use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 
+use crate::guideline36::REVISION;
 use crate::{Kind, Objective, ReactiveParameters};
 
 /// The versions that a result depends on, in addition to the policy.
@@ -20,6 +21,9 @@ pub struct Versions {
     /// Hash of the reactive controllers' parameters; empty in files of older versions.
     #[serde(default)]
     pub controllers: String,
+    /// Revision of the sequences of `guideline36` ([`REVISION`]); 0 in files of older versions.
+    #[serde(default)]
+    pub guideline36: u32,
 }
 
 impl Versions {
@@ -30,16 +34,19 @@ impl Versions {
             generator: GENERATOR_VERSION.to_owned(),
             engine: ENGINE_VERSION.to_owned(),
             controllers: controllers_hash(),
+            guideline36: REVISION,
         }
     }
 
     /// Describes the differences from other versions, if any: `dataset v0 (v1 in this program)`.
     pub fn differences(&self, here: &Self) -> Option<String> {
+        let revisions = [self, here].map(|versions| versions.guideline36.to_string());
         let pairs = [
             ("package", &self.package, &here.package),
             ("dataset", &self.generator, &here.generator),
             ("EnergyPlus", &self.engine, &here.engine),
             ("reactive controllers", &self.controllers, &here.controllers),
+            ("guideline36 revision", &revisions[0], &revisions[1]),
         ];
         let different = pairs.into_iter().filter(|(_, there, here)| there != here);
         let lines: Vec<_> =
@@ -50,10 +57,11 @@ impl Versions {
 
 impl std::fmt::Display for Versions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { package, generator, engine, controllers } = self;
+        let Self { package, generator, engine, controllers, guideline36 } = self;
         write!(
             f,
-            "building2building {package}, dataset {generator}, EnergyPlus {engine}, reactive controllers {controllers}"
+            "building2building {package}, dataset {generator}, EnergyPlus {engine}, reactive controllers {controllers}, \
+             guideline36 revision {guideline36}"
         )
     }
 }

@@ -146,13 +146,16 @@ impl Bands {
         Some(Self { band: band.clone(), zones: zones.collect() })
     }
 
-    /// Returns the setpoints of a controlled zone. `people` is whether any are present.
+    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for a zone whose schedules are not known:
+    /// in an observation they are seen a step late.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let zone = &self.zones[zone];
         match &self.band {
             Band::Own if zone.year.is_empty() => zone.pair(UNASKED),
             Band::Own => zone.of_span(&zone.year.at(day_of_year, hour)),
             Band::Presence { occupied, unoccupied } => {
+                let known = !zone.year.is_empty();
+                let people = if known { zone.year.at(day_of_year, hour).people } else { people };
                 zone.pair(if people { *occupied } else { *unoccupied })
             }
             Band::Hours { pairs, otherwise } => zone.pair(at_hours(pairs, *otherwise, day_of_year, hour)),
@@ -258,6 +261,24 @@ mod tests {
         assert_eq!([at(6, 5.9), at(6, 6.0), at(6, 17.9), at(6, 18.0)], [15.6, 21.0, 21.0, 15.6]);
         assert_eq!(at(7, 12.0), 15.6);
         assert_eq!(bands.at(1, 6, 12.0, true).cooling, f64::INFINITY);
+    }
+
+    #[test]
+    fn pairs_by_presence_follow_the_schedules_of_a_zone_or_else_the_people_seen() {
+        let span =
+            |from, people| format!(r#"{{"from":{from},"heating":null,"cooling":null,"people":{people}}}"#);
+        let spans = [span(0, false), span(6, true), span(18, false)].join(",");
+        let year: ZoneYear =
+            serde_json::from_str(&format!(r#"{{"profiles":[[{spans}]],"days":[0]}}"#)).unwrap();
+        let band = Band::Presence { occupied: [21.0, 24.0], unoccupied: [15.6, 28.0] };
+        let zones = [year, ZoneYear::default()].map(|year| ZoneBands { year, cooled: true });
+        let bands = Bands { band, zones: zones.into() };
+        let heating = |zone, hour, people| bands.at(zone, 1, hour, people).heating;
+        assert_eq!(
+            [heating(0, 5.9, true), heating(0, 6.0, false), heating(0, 18.0, true)],
+            [15.6, 21.0, 15.6]
+        );
+        assert_eq!([heating(1, 12.0, false), heating(1, 0.0, true)], [15.6, 21.0]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::SearchOptions;
 use super::outcome::Outcome;
 use super::schedule::Schedule;
+use crate::guideline36::REVISION;
 use crate::parameter_set::read;
 use crate::{Error, Result};
 
@@ -30,6 +31,8 @@ pub struct Planned {
     pub steps_per_hour: u32,
     /// SHA-256 of the task.
     pub task_sha256: String,
+    /// Revision of the sequences that the schedule shifts ([`REVISION`]).
+    pub guideline36: u32,
 }
 
 /// What an episode came to.
@@ -75,6 +78,7 @@ impl Planned {
             period: episode.period,
             steps_per_hour: episode.steps_per_hour,
             task_sha256: episode.task.hash(),
+            guideline36: REVISION,
         })
     }
 }
@@ -94,8 +98,15 @@ impl Plan {
     /// [`Error::Io`]; [`Error::ParameterFile`] with the reason.
     pub fn read(path: &Path) -> Result<Self> {
         let plan: Self = read(path)?;
-        let invalid = |error: Error| Error::ParameterFile { path: path.to_owned(), why: error.to_string() };
-        plan.schedule.check().map_err(invalid)?;
+        let invalid = |why: String| Error::ParameterFile { path: path.to_owned(), why };
+        plan.schedule.check().map_err(|error| invalid(error.to_string()))?;
+        let revision = plan.planned.guideline36;
+        if revision != REVISION {
+            return Err(invalid(format!(
+                "its schedule was found for revision {revision} of guideline36, which is {REVISION} here; search again with \
+                 `b2b tune foresight`"
+            )));
+        }
         Ok(plan)
     }
 
@@ -125,6 +136,7 @@ mod tests {
             let Planned { building, period, .. } = &plan.planned;
             plan.schedule.check().unwrap();
             assert_eq!(plan.schedule.days.len(), period.days() as usize, "{building} {period}");
+            assert_eq!(plan.planned.guideline36, REVISION, "{building} {period}: search again");
             assert!(plan.result.used <= plan.guideline.used, "{building} {period}");
             assert!(plan.result.discomfort <= plan.guideline.discomfort + 0.1 * f64::from(period.days()));
             assert_eq!(Plan::shipped(&plan.planned).as_ref(), Some(&plan), "one plan per episode");

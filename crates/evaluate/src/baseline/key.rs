@@ -1,7 +1,7 @@
 //! The key of a baseline: everything that it depends on.
 
 use b2b_base::digest::sha256;
-use b2b_control::{Objective, kind_hash, parameters_hash};
+use b2b_control::{Objective, guideline36, kind_hash, parameters_hash};
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
 use b2b_env::{Band, DataFile, Task};
@@ -13,11 +13,8 @@ use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
 
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
-/// baselines cached before are not reused.
+/// baselines cached before are not reused. Baselines of tasks of operation depend on the revision of `guideline36` too.
 pub(super) const REVISION: u32 = 4;
-/// The same for changes that affect only tasks of operation: the guideline controller and bands. Baselines of these tasks
-/// depend on both revisions.
-const OPERATION_REVISION: u32 = 4;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
 
@@ -53,7 +50,7 @@ impl Key {
         let task = &episode.task;
         let (objective, controller, revision) = match task.is_operation() {
             true => {
-                let revision = REVISION * REVISIONS + OPERATION_REVISION;
+                let revision = REVISION * REVISIONS + guideline36::REVISION;
                 (Objective::Energy, guideline36_hash(task), revision)
             }
             false => {

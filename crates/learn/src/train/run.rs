@@ -426,7 +426,12 @@ impl<'a> Run<'a> {
 }
 
 fn training_info(config: &TrainConfig) -> TrainingInfo {
-    let Versions { package, generator, engine, controllers } = Versions::current();
+    let Versions { package, generator, engine, controllers, guideline36 } = Versions::current();
+    let acting = config.agent.acting;
+    let base_controllers = match acting.is_supervision() {
+        true => Some(format!("guideline36 revision {guideline36}")),
+        false => acting.is_correction().then_some(controllers),
+    };
     TrainingInfo {
         algorithm: config.learner.name().into(),
         buildings: config.training_set.buildings_text(),
@@ -439,6 +444,6 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
         package,
         generator,
         engine,
-        base_controllers: config.agent.acting.is_correction().then_some(controllers),
+        base_controllers,
     }
 }
