@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import gymnasium
 
+from .acting import ActingEnv, ActingVectorEnv
 from .buildings import find_building, list_building_types
 from .env import BuildingEnv
 from .errors import SettingError
@@ -23,7 +24,7 @@ TASKS = {"v0": "constant", "v1": "operate"}
     target_temperature_mode="name it in the task, such as occupancy",
     random_schedule_seed="name it in the task, such as random:7",
 )
-@with_arguments_of(BuildingEnv)
+@with_arguments_of(BuildingEnv, acting=None, observation=None)
 def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     """Makes an environment, for example ``make_env("OfficeSmall")`` or ``make_env("OfficeSmall-0042")``.
 
@@ -51,6 +52,9 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
       keeps the sizes for its own weather;
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;
+    - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the reactive
+      controllers, and ``supervisory:60`` shifts what ``guideline36`` chooses and holds each decision for an hour, which is a
+      step (:class:`~building2building.acting.ActingEnv`). ``observation`` is ``features`` then, or ``raw``;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
     - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,
@@ -58,14 +62,18 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     Random draws follow the seed of ``reset``.
     """
+    acting, observation = arguments.pop("acting", None), arguments.pop("observation", None)
     check_names("make_env", arguments, (BuildingEnv, gymnasium.make))
     if building_type is None:
-        return BuildingEnv(**arguments)
-    env_id, building = _env_id(building_type)
-    return cast(BuildingEnv, gymnasium.make(env_id, **{"rescale_action": False, **building, **arguments}))
+        env: gymnasium.Env[Any, Any] = BuildingEnv(**arguments)
+    else:
+        env_id, building = _env_id(building_type)
+        env = gymnasium.make(env_id, **{"rescale_action": False, **building, **arguments})
+    acts = env if _is_plain(acting, observation) else ActingEnv(env, acting, observation or "features")
+    return cast(BuildingEnv, acts)
 
 
-@with_arguments_of(BuildingVectorEnv)
+@with_arguments_of(BuildingVectorEnv, acting=None, observation=None)
 def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: Any) -> BuildingVectorEnv:
     """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
 
@@ -75,14 +83,20 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
     - ``by_role``: observations of houses have a slot for every zone role, the same in every house.
     - ``normalize``: observations in [-1, 1] by fixed bounds.
-    - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
+    - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or ``Disabled``.
     """
+    acting, observation = arguments.pop("acting", None), arguments.pop("observation", None)
     check_names("make_vec", arguments, (BuildingVectorEnv, gymnasium.make_vec))
+    if acting is not None:
+        arguments.setdefault("autoreset_mode", "SameStep")
     if building_type is None:
-        return BuildingVectorEnv(None, num_envs, **arguments)
-    env_id, building = _env_id(building_type)
-    arguments = {"rescale_action": False, **building, **arguments}
-    return cast(BuildingVectorEnv, gymnasium.make_vec(env_id, num_envs=num_envs, **arguments))
+        envs = BuildingVectorEnv(None, num_envs, **arguments)
+    else:
+        env_id, building = _env_id(building_type)
+        arguments = {"rescale_action": False, **building, **arguments}
+        envs = cast(BuildingVectorEnv, gymnasium.make_vec(env_id, num_envs=num_envs, **arguments))
+    act = envs if _is_plain(acting, observation) else ActingVectorEnv(envs, acting, observation or "features")
+    return cast(BuildingVectorEnv, act)
 
 
 def register_envs() -> None:
@@ -100,6 +114,13 @@ def register_envs() -> None:
                     disable_env_checker=True,
                     order_enforce=False,
                 )
+
+
+def _is_plain(acting: str | None, observation: str | None) -> bool:
+    """Returns whether actions set the actuators; raises for an observation that needs an acting."""
+    if acting is None and observation is not None:
+        raise SettingError(f"observation={observation!r} needs an acting, such as acting='supervisory:60'")
+    return acting is None
 
 
 def _env_id(building: str) -> tuple[str, dict[str, str]]:

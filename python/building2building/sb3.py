@@ -126,6 +126,9 @@ def make_sb3_vec(
     """
     if isinstance(building_type, BuildingVectorEnv):
         return SB3VecEnv(building_type, normalize)
+    if arguments.get("acting") is not None:
+        # Actions are in [-1, 1] and features are scaled.
+        return SB3VecEnv(make_vec(building_type, num_envs, **arguments), normalize=False)
     arguments.setdefault("rescale_action", True)
     return SB3VecEnv(make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments), normalize)
 

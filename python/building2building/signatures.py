@@ -12,12 +12,15 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def with_arguments_of(maker: Callable[P, object]) -> Callable[[Callable[..., T]], Callable[P, T]]:
-    """Gives a function the arguments of a class, for type checkers, editors and ``help``."""
+def with_arguments_of(maker: Callable[P, object], **more: object) -> Callable[[Callable[..., T]], Callable[P, T]]:
+    """Gives a function the arguments of a class, and ``more`` with their defaults, for type checkers, editors and ``help``."""
 
     def give(function: Callable[..., T]) -> Callable[P, T]:
         returned = inspect.signature(function).return_annotation
-        signature = inspect.signature(maker).replace(return_annotation=returned)
+        signature = inspect.signature(maker)
+        own = [inspect.Parameter(each, inspect.Parameter.KEYWORD_ONLY, default=more[each]) for each in more]
+        parameters = [*signature.parameters.values(), *own]
+        signature = signature.replace(parameters=parameters, return_annotation=returned)
         function.__signature__ = signature  # type: ignore[attr-defined]
         return cast(Callable[P, T], function)
 

@@ -3,7 +3,7 @@
 //! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files and [`calibration`] fits them to metered energy, and
 //! [`table`] converts the dataset's rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
-//! controllers, [`record`] writes an episode, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
+//! controllers, [`record`] writes an episode, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`pilot`] is an agent's interface, [`benchmarks`] has the
 //! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, [`temporary`] makes temporary folders, and [`error`] defines the exceptions.
 
 mod arrays;
@@ -21,6 +21,7 @@ mod learning;
 mod local;
 mod morphology;
 mod owner;
+mod pilot;
 mod pools;
 mod population;
 mod record;
@@ -68,6 +69,8 @@ mod _core {
     use super::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
     #[pymodule_export]
     use super::owner::Owner;
+    #[pymodule_export]
+    use super::pilot::Pilot;
     #[pymodule_export]
     use super::record::{Record, trajectory_hash};
     #[pymodule_export]

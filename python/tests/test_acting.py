@@ -1,0 +1,61 @@
+"""Environments as agents of ``b2b train`` see them."""
+
+import numpy as np
+import pytest
+
+import building2building as b2b
+from building2building.errors import SettingError
+
+DAY = {"task": "operate", "run_period": "01-10..01-10"}
+
+
+def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
+    env = b2b.make_env("OfficeSmall-0042", acting="supervisory:60", **DAY)
+    observation, _ = env.reset(seed=0)
+    assert observation.shape == env.observation_space.shape and observation.dtype == np.float32
+    assert len(env.metadata["observation_names"]) == observation.size
+    assert "heating setpoint shift" in env.metadata["action_names"]
+    total, hours, truncated = 0.0, 0, False
+    while not truncated:
+        observation, reward, terminated, truncated, _ = env.step(np.zeros(env.action_space.shape))
+        total, hours = total + reward, hours + 1
+        assert not terminated and env.observation_space.contains(observation)
+    assert hours == 24
+    plain = b2b.make_env("OfficeSmall-0042", **DAY)
+    plain.reset(seed=0)
+    guideline = b2b.rollout(plain, b2b.BuiltInController("guideline36", plain))
+    assert total == pytest.approx(guideline.metrics["episode_return"], rel=1e-9)
+    colder = np.zeros(env.action_space.shape)
+    colder[env.metadata["action_names"].index("heating setpoint shift")] = -1.0
+    env.reset(seed=0)
+    assert sum(env.step(colder)[1] for _ in range(24)) != pytest.approx(total, rel=1e-4)
+
+
+def test_a_batch_has_the_rewards_of_single_environments():
+    envs = b2b.make_vec("OfficeSmall-0042", 2, acting="supervisory:30", **DAY)
+    observations, _ = envs.reset(seed=0)
+    assert observations.shape == envs.observation_space.shape
+    actions = np.stack([np.zeros(envs.single_action_space.shape), np.full(envs.single_action_space.shape, 0.5)])
+    totals = np.zeros(2)
+    for half_hour in range(48):
+        observations, rewards, _, truncated, infos = envs.step(actions)
+        totals += rewards
+        assert truncated.all() == (half_hour == 47)
+    assert infos["final_obs"][0].shape == envs.single_observation_space.shape
+    single = b2b.make_env("OfficeSmall-0042", acting="supervisory:30", **DAY)
+    for index, action in enumerate(actions):
+        single.reset(seed=0)
+        total = sum(single.step(action)[1] for _ in range(48))
+        assert totals[index] == pytest.approx(total, rel=1e-3)
+    envs.close()
+
+
+def test_an_acting_that_is_not_possible_is_an_error():
+    for arguments, said in [
+        ({"acting": "supervisory:20"}, "15, 30 or 60"),
+        ({"acting": "superviser"}, "unknown acting"),
+        ({"acting": "supervisory", "rescale_action": True}, "rescale_action"),
+        ({"observation": "features"}, "needs an acting"),
+    ]:
+        with pytest.raises(SettingError, match=said):
+            b2b.make_env("OfficeSmall-0042", **DAY, **arguments)
