@@ -109,8 +109,13 @@ def of_air_handler(steps, before, system):
     flow = steps[[f"{zone} damper opening" for zone in system.zones]].sum(axis=1)
     people = before[[f"{zone} occupancy" for zone in system.zones]].sum(axis=1)
     outdoor_air, minimum = steps[f"{system.name} outdoor air flow"] / DENSITY, decided("minimum outdoor air") / DENSITY
-    # Without a zone that cools, the setpoint stays at t_max (docs/guideline36.md).
-    reset = cools | ~mode.isin(["occupied", "setup"])
+    # Without a zone that cools, the setpoint stays at t_max; without one that needs heat, the coil warms no outdoor air
+    # (docs/guideline36.md).
+    heats = pd.concat([before[f"{z} air temperature"] < steps[f"{z} heating setpoint"] for z in system.zones], axis=1)
+    reset = (cools & heats.any(axis=1)) | ~mode.isin(["occupied", "setup"])
+    untempered = ~mode.isin(["warmup", "setback", "freeze"])
+    highest = np.where(untempered, decided("t_max"), np.inf)
+    yield written_out("SupplyAirTemperatureWithinReset", ~setpoint.between(12.0, highest), untempered)
     yield judge(
         "G36SupplyAirTemperatureSetpoint",
         mode_operation=mode[reset],

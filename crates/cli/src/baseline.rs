@@ -36,8 +36,8 @@ use crate::{interrupt, program, shipped, stdout};
     after_help = "\
 Examples:
   b2b baseline --out crates/evaluate/data/baselines.csv     the shipped table
-  b2b baseline --task operate --period peak-heating typical-heating peak-cooling typical-cooling mixed \
-      --out crates/evaluate/data/baselines_operation.csv     the same of operation: 240 episodes, about an hour
+  b2b baseline --task operate operate+tou --period peak-heating typical-heating mixed typical-cooling peak-cooling \
+      --out crates/evaluate/data/baselines_operation.csv     the same of operation: 480 episodes, half an hour
   b2b baseline --check --fresh --sample 20 --seed 1          recompute 20 of the shipped rows
   b2b baseline --check --fresh SingleFamilyHouse-0018 --task constant --period winter"
 )]
