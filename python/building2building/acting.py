@@ -1,4 +1,4 @@
-"""Environments as agents of ``b2b train`` see them: their observation, and actions that correct or supervise controllers."""
+"""Environments as agents of ``b2b train`` see them, with actions that correct or supervise a controller."""
 
 from __future__ import annotations
 

@@ -52,9 +52,10 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
       keeps the sizes for its own weather;
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;
-    - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the reactive
-      controllers, and ``supervisory:60`` shifts what ``guideline36`` chooses and holds each decision for an hour, which is a
-      step (:class:`~building2building.acting.ActingEnv`). ``observation`` is ``features`` then, or ``raw``;
+    - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the
+      reactive controllers, and ``supervisory:60`` shifts what ``guideline36`` chooses and holds each decision for an
+      hour, which is a step (:class:`~building2building.acting.ActingEnv`). ``observation`` is ``features`` then, or
+      ``raw``;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
     - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,
@@ -83,7 +84,8 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
     - ``by_role``: observations of houses have a slot for every zone role, the same in every house.
     - ``normalize``: observations in [-1, 1] by fixed bounds.
-    - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or ``Disabled``.
+    - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or
+      ``Disabled``.
     """
     acting, observation = arguments.pop("acting", None), arguments.pop("observation", None)
     check_names("make_vec", arguments, (BuildingVectorEnv, gymnasium.make_vec))

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 def with_arguments_of(maker: Callable[P, object], **more: object) -> Callable[[Callable[..., T]], Callable[P, T]]:
-    """Gives a function the arguments of a class, and ``more`` with their defaults, for type checkers, editors and ``help``."""
+    """Gives a function the arguments of a class, and ``more`` with their defaults, for type checkers and ``help``."""
 
     def give(function: Callable[..., T]) -> Callable[P, T]:
         returned = inspect.signature(function).return_annotation

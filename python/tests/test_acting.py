@@ -1,9 +1,8 @@
 """Environments as agents of ``b2b train`` see them."""
 
+import building2building as b2b
 import numpy as np
 import pytest
-
-import building2building as b2b
 from building2building.errors import SettingError
 
 DAY = {"task": "operate", "run_period": "01-10..01-10"}
@@ -23,7 +22,7 @@ def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
     assert hours == 24
     plain = b2b.make_env("OfficeSmall-0042", **DAY)
     plain.reset(seed=0)
-    guideline = b2b.rollout(plain, b2b.BuiltInController("guideline36", plain))
+    guideline = b2b.rollout(plain, b2b.Guideline36Controller(plain))
     assert total == pytest.approx(guideline.metrics["episode_return"], rel=1e-9)
     colder = np.zeros(env.action_space.shape)
     colder[env.metadata["action_names"].index("heating setpoint shift")] = -1.0
