@@ -312,7 +312,7 @@ def select_building(
 
 
 def check_control(building: Building, control: str) -> None:
-    """Raises if arguments ask for another interface than that of a building."""
+    """Raises if arguments ask for another interface than a building's."""
     if control not in ("actuators", building.control):
         raise SettingError(
             f"{building!r} is controlled through its {building.control}; pass control={control!r} to find_building or "

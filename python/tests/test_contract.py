@@ -18,8 +18,18 @@ from gymnasium.utils.env_checker import check_env
 DAY = "01-01..01-01"
 
 
-@pytest.mark.parametrize("version, task", [("v0", "constant"), ("v1", "operate")])
-@pytest.mark.parametrize("building_type", b2b.list_building_types())
+#: Ids whose check takes the fewest seconds; the others are checked by the nightly command.
+QUICK = [("SingleFamilyHouse", "v0"), ("SingleFamilyHouse", "v1"), ("RestaurantFastFood", "v1"), ("OfficeSmall", "v1")]
+
+
+@pytest.mark.parametrize(
+    "building_type, version, task",
+    [
+        pytest.param(name, version, task, marks=() if (name, version) in QUICK else pytest.mark.nightly)
+        for name in b2b.list_building_types()
+        for version, task in [("v0", "constant"), ("v1", "operate")]
+    ],
+)
 def test_every_id_passes_the_checker_without_a_warning(building_type, version, task):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -19,7 +19,7 @@ pub struct Schema {
 struct Class {
     /// Groups of references that the name of an object belongs to.
     groups: Vec<String>,
-    /// Fields, also those of lists.
+    /// Fields, including the fields of lists.
     fields: HashMap<String, Field>,
 }
 

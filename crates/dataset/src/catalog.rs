@@ -38,7 +38,7 @@ pub struct Placement {
     pub allow_external: bool,
     /// What an agent sets: the actuators of the systems, or the setpoints of every zone.
     pub control: Control,
-    /// Whether a user's model keeps its design days instead of those of the weather file.
+    /// Whether a user's model keeps its design days instead of the weather file's.
     pub keep_design_days: bool,
 }
 

@@ -38,7 +38,7 @@ impl ComfortWeights {
         &self.weights
     }
 
-    /// Sets the multipliers to those of a checkpoint; none leave them as they are.
+    /// Restores the multipliers of a checkpoint; none leave them as they are.
     pub fn set(&mut self, weights: &[f32]) {
         if weights.len() == self.weights.len() {
             self.weights.copy_from_slice(weights);

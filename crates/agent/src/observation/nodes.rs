@@ -59,7 +59,7 @@ impl NodeSpaces {
         Self { types: types.into() }
     }
 
-    /// Returns the spaces of the first types: those of an agent from before the others were added.
+    /// Returns the spaces of the first types, which an agent has from before the others were added.
     #[must_use]
     pub fn first(mut self, count: usize) -> Self {
         self.types.truncate(count);

@@ -20,7 +20,7 @@ fn env(building: &str, task: &str) -> Env {
     let weather = found.weather.clone();
     let building = Arc::new(found.prepare(catalog.library()).unwrap());
     let (period, task) = ("01-10..01-10".parse().unwrap(), task.parse().unwrap());
-    Env::new(catalog.library().clone(), building, EpisodeConfig { weather, period, steps_per_hour: 12, task })
+    Env::new(catalog.library().clone(), building, EpisodeConfig { weather, period, steps_per_hour: 4, task })
         .unwrap()
 }
 
@@ -173,6 +173,7 @@ fn every_node_has_the_features_of_its_type_and_every_actuator_a_place() {
         for task in ["constant", "occupancy"] {
             let mut env = env(building, task);
             let spaces = Arc::clone(env.spaces());
+            let seen = env.reset().unwrap().to_vec();
             for (form, attributes) in [(ObservationForm::Raw, true), (ObservationForm::Features, false)] {
                 let interface = interface(form, RESIDUAL, attributes);
                 let plan = NodePlan::of(NodeForm { attributes }, &spaces).unwrap();
@@ -188,7 +189,6 @@ fn every_node_has_the_features_of_its_type_and_every_actuator_a_place() {
                     assert!(place.output < widths[graph.types[place.node]].outputs);
                 }
                 let mut pilot = Pilot::new(interface, &spaces).unwrap();
-                let seen = env.reset().unwrap().to_vec();
                 let row = pilot.observe(&seen);
                 assert_eq!(row.len(), graph.width());
                 assert!(row.iter().all(|value| value.abs() <= 6.0), "{building}, {task}, {form}: {row:?}");

@@ -107,7 +107,7 @@ pub(super) fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> 
     }
 }
 
-/// Returns the engine variable of a heater's heating rate: that of its coil, or its own if it has none.
+/// Returns the engine variable of a heater's heating rate: its coil's, or its own if it has no coil.
 fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> {
     let coil = text(model.require(&heater.class, &heater.name)?, "heating_coil_name");
     Ok(match coil {

@@ -14,7 +14,7 @@ use crate::{Error, Result};
 pub struct SystemLayout {
     /// Range of its actuators in the action.
     pub actions: Range<usize>,
-    /// Zones it serves: one, or those of the terminals of an air loop in their order.
+    /// Zones it serves: one, or the zones of an air loop's terminals in their order.
     pub zones: Vec<ServedZone>,
 }
 

@@ -21,7 +21,7 @@ use crate::{Conditioning, Model, Result};
 /// A group of actuators that act together on their zones.
 ///
 /// Zones and actuators are numbered within the system: its zones in the order of [`System::zones`], its actuators in the
-/// order of [`System::actuators`], which is that of the action.
+/// order of [`System::actuators`], which is the action's.
 pub trait System: Object + Debug + Send + Sync {
     /// Name: its air loop or its zone.
     fn name(&self) -> &str;
@@ -67,7 +67,7 @@ pub trait System: Object + Debug + Send + Sync {
     /// The sequence of operation by which rule-based controllers control it.
     fn sequence(&self) -> Sequence<'_>;
 
-    /// Design flows and capacities, from the model. By default those of the equipment of its zone, without air flow.
+    /// Design flows and capacities, from the model. By default the capacities of its zone's equipment, without air flow.
     ///
     /// # Errors
     /// [`crate::Error::MissingObject`] for a dangling reference.

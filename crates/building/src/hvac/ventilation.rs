@@ -163,7 +163,7 @@ fn sizing_specification<'a>(model: &'a Model, zone: &str) -> Option<&'a str> {
 struct Room {
     /// Floor area, m².
     floor_area: f64,
-    /// Volume, m³; that of a space is its share of the zone by floor area, as in the engine.
+    /// Volume, m³; a space's is its share of the zone by floor area, as in the engine.
     volume: f64,
     /// People at design occupancy.
     people: f64,

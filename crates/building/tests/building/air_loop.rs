@@ -12,6 +12,8 @@ const WINTER: u32 = 1;
 const SUMMER: u32 = 7;
 /// Steps a command is held before its effect is read.
 const HOLD: usize = 3;
+/// Steps of a day.
+const DAY: usize = 288;
 
 /// The folder of the engine.
 fn engine() -> PathBuf {
@@ -31,6 +33,18 @@ struct Command {
 
 const MILD: Command =
     Command { supply_temperature: 18.0, outdoor_air: 0.05, openings: [0.3; 5], heating_setpoint: 20.0 };
+
+/// A day under `command(step)`; `look` sees the end of every step with the command that it ran under.
+struct Trial<'a> {
+    command: fn(usize) -> Command,
+    look: Box<dyn FnMut(&Reader, usize, Command) + 'a>,
+}
+
+impl<'a> Trial<'a> {
+    fn new(command: fn(usize) -> Command, look: impl FnMut(&Reader, usize, Command) + 'a) -> Self {
+        Self { command, look: Box::new(look) }
+    }
+}
 
 struct Office {
     library: Library,
@@ -67,15 +81,10 @@ impl Office {
         self.loops.iter().flat_map(|air_loop| &air_loop.terminals)
     }
 
-    /// Two days from the 10th of a month under `command(step)`; `look` sees the end of every step with the
-    /// command that it ran under. Returns how many severe messages there were.
-    fn play(
-        &self,
-        month: u32,
-        mut command: impl FnMut(usize) -> Command,
-        mut look: impl FnMut(&Reader, usize, Command),
-    ) -> usize {
-        let period = RunPeriod::new(Date::new(month, 10).unwrap(), Date::new(month, 11).unwrap()).unwrap();
+    /// Days from the 10th of a month, one for each trial. Asserts that there are no severe messages.
+    fn play(&self, month: u32, trials: &mut [Trial<'_>]) {
+        let last = 9 + trials.len() as u32;
+        let period = RunPeriod::new(Date::new(month, 10).unwrap(), Date::new(month, last).unwrap()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let input = folder.path().join("model.epJSON");
         std::fs::write(&input, self.building.model_for(period, 12).to_epjson()).unwrap();
@@ -87,13 +96,16 @@ impl Office {
         let (mut step, mut now) = (0, MILD);
         while let Some(event) = simulation.advance().unwrap() {
             if event == Event::Step {
-                look(&Reader(&simulation), step, now);
+                (trials[step / DAY].look)(&Reader(&simulation), step % DAY, now);
                 step += 1;
             }
-            now = if event == Event::WarmupStep { MILD } else { command(step) };
+            now = match trials.get(step / DAY) {
+                Some(trial) if event != Event::WarmupStep => (trial.command)(step % DAY),
+                _ => MILD,
+            };
             self.act(&mut simulation, now);
         }
-        simulation.message_count(Level::Severe)
+        assert_eq!((step, simulation.message_count(Level::Severe)), (DAY * trials.len(), 0));
     }
 
     fn variables(&self) -> Vec<EngineVariable> {
@@ -146,84 +158,72 @@ fn scattered_openings(seed: usize) -> [f64; 5] {
     std::array::from_fn(|i| if scatter(seed + 7 * i) < 0.2 { 0.0 } else { scatter(seed + 11 * i + 3) })
 }
 
-#[test]
-fn a_damper_sets_its_fraction_of_the_terminal_and_open_dampers_share_the_fan() {
-    let office = Office::new();
+/// A damper sets its fraction of the terminal, and open dampers share the fan.
+fn dampers(office: &Office) -> Trial<'_> {
+    let command = |step: usize| match step % 8 {
+        0 => Command { openings: [1.0; 5], ..MILD },
+        1 => Command { openings: [0.0; 5], ..MILD },
+        _ => Command { openings: scattered_openings(step), ..MILD },
+    };
     let (mut limited, mut closed) = (0, 0);
-    for month in [WINTER, SUMMER] {
-        let command = |step| match step % 8 {
-            0 => Command { openings: [1.0; 5], ..MILD },
-            1 => Command { openings: [0.0; 5], ..MILD },
-            _ => Command { openings: scattered_openings(step), ..MILD },
-        };
-        office.play(month, command, |reader, _, command| {
-            for air_loop in &office.loops {
-                let wish = |(t, opening): (&Terminal, f64)| opening * t.damper.effect_scale;
-                let wishes: Vec<f64> = air_loop.terminals.iter().zip(command.openings).map(wish).collect();
-                let share = (air_loop.fan_flow / wishes.iter().sum::<f64>()).min(1.0);
-                limited += usize::from(share < 1.0);
-                for (terminal, wish) in air_loop.terminals.iter().zip(wishes) {
-                    let flow = reader.read(&terminal.damper.effect);
-                    let off = (flow - wish * share).abs();
-                    assert!(off <= 0.01 * wish * share, "{}: {flow}, not {wish} x {share}", terminal.zone);
-                    closed += usize::from(wish == 0.0);
-                }
+    Trial::new(command, move |reader, step, command| {
+        for air_loop in &office.loops {
+            let wish = |(t, opening): (&Terminal, f64)| opening * t.damper.effect_scale;
+            let wishes: Vec<f64> = air_loop.terminals.iter().zip(command.openings).map(wish).collect();
+            let share = (air_loop.fan_flow / wishes.iter().sum::<f64>()).min(1.0);
+            limited += usize::from(share < 1.0);
+            for (terminal, wish) in air_loop.terminals.iter().zip(wishes) {
+                let flow = reader.read(&terminal.damper.effect);
+                let off = (flow - wish * share).abs();
+                assert!(off <= 0.01 * wish * share, "{}: {flow}, not {wish} x {share}", terminal.zone);
+                closed += usize::from(wish == 0.0);
             }
-        });
-    }
-    assert!(limited > 100 && closed > 100, "{limited} limited, {closed} closed");
+        }
+        assert!(step < DAY - 1 || limited > 50 && closed > 100, "{limited} limited, {closed} closed");
+    })
 }
 
-#[test]
-fn supply_temperature_and_outdoor_air_follow_their_commands() {
-    let office = Office::new();
-    let flows = [0.05, 0.3, 0.6];
-    let shares = [0.0, 0.1, 0.5, 1.0];
-    // Much hot outdoor air is beyond the cooling coil at the lowest temperatures.
-    for (month, lowest) in [(WINTER, 10.0), (SUMMER, 14.0)] {
-        let temperatures = [lowest, 40.0, 16.0, 20.0, 15.0, 30.0];
-        let command = |step: usize| {
-            let cell = step / HOLD;
-            Command {
-                supply_temperature: temperatures[cell % 6],
-                openings: [flows[cell / 6 % 3]; 5],
-                outdoor_air: shares[cell / 18 % 4],
-                heating_setpoint: 10.0,
-            }
-        };
-        office.play(month, command, |reader, step, command| {
-            for air_loop in &office.loops {
-                let wish = (command.outdoor_air * air_loop.fan_flow).min(reader.supply_flow(air_loop));
-                let flow = reader.read(&air_loop.outdoor_air.effect);
-                assert!((flow - wish).abs() <= 0.02 * wish, "{}: {flow}, not {wish}", air_loop.name);
-                let supply = reader.read(&air_loop.supply_temperature.effect);
-                let off = (supply - command.supply_temperature).abs();
-                if step % HOLD == HOLD - 1 {
-                    let wish = command.supply_temperature;
-                    assert!(
-                        off < 0.2,
-                        "{} in month {month}, step {step}: {supply}, not {wish}",
-                        air_loop.name
-                    );
-                }
-            }
-        });
+/// The command of step `step` of a day with supply temperatures from `lowest` to 40 °C, flows and shares of outdoor air.
+fn supply_command(lowest: f64, step: usize) -> Command {
+    let cell = step / HOLD;
+    Command {
+        supply_temperature: [lowest, 40.0, 16.0, 20.0, 15.0, 30.0][cell % 6],
+        openings: [[0.05, 0.3, 0.6][cell / 6 % 3]; 5],
+        outdoor_air: [0.0, 0.1, 0.5, 1.0][cell / 18 % 4],
+        heating_setpoint: 10.0,
     }
 }
 
-#[test]
-fn reheat_holds_the_setpoint_and_is_off_below_the_zone() {
-    let office = Office::new();
-    let setpoints = [10.0, 22.0, 10.0];
-    let six_hours = 72;
+/// Supply temperature and outdoor air follow their commands.
+fn supply(office: &Office, command: fn(usize) -> Command) -> Trial<'_> {
+    Trial::new(command, |reader, step, command| {
+        for air_loop in &office.loops {
+            let wish = (command.outdoor_air * air_loop.fan_flow).min(reader.supply_flow(air_loop));
+            let flow = reader.read(&air_loop.outdoor_air.effect);
+            assert!((flow - wish).abs() <= 0.02 * wish, "{}: {flow}, not {wish}", air_loop.name);
+            let (supply, wish) =
+                (reader.read(&air_loop.supply_temperature.effect), command.supply_temperature);
+            let settled = step % HOLD == HOLD - 1;
+            assert!(
+                !settled || (supply - wish).abs() < 0.2,
+                "{}, step {step}: {supply}, not {wish}",
+                air_loop.name
+            );
+        }
+    })
+}
+
+/// Reheat holds the setpoint of each six hours, and is off below the zone.
+fn reheat(office: &Office) -> Trial<'_> {
+    const SIX_HOURS: usize = 72;
     let command = |step: usize| Command {
-        heating_setpoint: setpoints[step / six_hours % 3],
+        heating_setpoint: [10.0, 22.0, 10.0, 10.0][step / SIX_HOURS],
         openings: [0.5; 5],
         ..MILD
     };
     let mut cold = 0;
-    office.play(WINTER, command, |reader, step, command| {
-        if step % six_hours != six_hours - 1 {
+    Trial::new(command, move |reader, step, command| {
+        if step % SIX_HOURS != SIX_HOURS - 1 {
             return;
         }
         for terminal in office.terminals() {
@@ -234,34 +234,44 @@ fn reheat_holds_the_setpoint_and_is_off_below_the_zone() {
                 wish => assert!(zone > wish - 0.1, "{}: {zone} under {wish}", terminal.zone),
             }
         }
-    });
-    assert!(cold >= 10, "without reheat zones fall: only {cold} did");
+        assert!(step < DAY - 1 || cold >= 10, "without reheat zones fall: only {cold} did");
+    })
+}
+
+/// Random actions leave all zones within 5 to 60 °C.
+fn random(office: &Office) -> Trial<'_> {
+    let command = |step| Command {
+        supply_temperature: 10.0 + 45.0 * scatter(step),
+        outdoor_air: scatter(step + 1),
+        openings: scattered_openings(step),
+        heating_setpoint: 10.0 + 20.0 * scatter(step + 2),
+    };
+    Trial::new(command, |reader, _, _| {
+        for terminal in office.terminals() {
+            let zone = reader.read(&temperature(&terminal.zone));
+            assert!((5.0..60.0).contains(&zone), "{}: {zone}", terminal.zone);
+        }
+    })
 }
 
 #[test]
-fn random_actions_cause_no_severe_errors() {
-    play_at_random(&Office::new());
+fn dampers_supply_air_outdoor_air_and_reheat_follow_their_commands_in_winter() {
+    let office = Office::new();
+    let command = |step| supply_command(10.0, step);
+    let mut trials = [dampers(&office), supply(&office, command), reheat(&office), random(&office)];
+    office.play(WINTER, &mut trials);
+}
+
+#[test]
+fn dampers_supply_air_and_outdoor_air_follow_their_commands_in_summer() {
+    let office = Office::new();
+    // Much hot outdoor air is beyond the cooling coil at the lowest temperatures.
+    let command = |step| supply_command(14.0, step);
+    office.play(SUMMER, &mut [dampers(&office), supply(&office, command), random(&office)]);
 }
 
 #[test]
 fn an_office_with_other_names_and_fans_is_controllable() {
-    play_at_random(&Office::of("RefBldgMediumOfficeNew2004_Chicago.idf"));
-}
-
-fn play_at_random(office: &Office) {
-    for month in [WINTER, SUMMER] {
-        let command = |step| Command {
-            supply_temperature: 10.0 + 45.0 * scatter(step),
-            outdoor_air: scatter(step + 1),
-            openings: scattered_openings(step),
-            heating_setpoint: 10.0 + 20.0 * scatter(step + 2),
-        };
-        let severe = office.play(month, command, |reader, _, _| {
-            for terminal in office.terminals() {
-                let zone = reader.read(&temperature(&terminal.zone));
-                assert!((5.0..60.0).contains(&zone), "{}: {zone}", terminal.zone);
-            }
-        });
-        assert_eq!(severe, 0);
-    }
+    let office = Office::of("RefBldgMediumOfficeNew2004_Chicago.idf");
+    office.play(WINTER, &mut [random(&office)]);
 }

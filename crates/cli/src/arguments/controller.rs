@@ -73,7 +73,7 @@ impl FromStr for Choice {
 }
 
 impl ControllerArguments {
-    /// Returns the task of an episode, if none is given: an agent's own; otherwise that of the other commands.
+    /// Returns the task of an episode, if none is given: an agent's own; otherwise the other commands' default.
     ///
     /// # Errors
     /// The reason why the agent cannot be read.

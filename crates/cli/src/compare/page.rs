@@ -57,18 +57,26 @@ pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
         "band": first.described.task_definition.comfort_band,
         "faulty_sensors": first.has_faulty_sensors(),
         "runs": runs.iter().map(|run| json!({"name": run.name, "folder": run.folder})).collect::<Vec<_>>(),
-        "metrics": relevant(runs).map(|(metric, values)| json!({
-            "label": metric.display.label,
-            "decimals": metric.display.decimals,
-            "higher_is_better": metric.display.higher_is_better,
-            "values": values,
-        })).collect::<Vec<_>>(),
+        "metrics": metrics(runs),
         "zones": zones.collect::<Vec<_>>(),
         "power": fuels.iter().map(|(name, runs)| json!({"name": name, "runs": runs})).collect::<Vec<Value>>(),
         "outdoor": axis.series("outdoor air".into(), runs.len(), &first.outdoor),
         "worst": runs.iter().map(worst_hours::of).collect::<Vec<_>>(),
     });
     Ok(file.write_all(fill(PAGE, &data).as_bytes())?)
+}
+
+/// Returns the relevant metrics with the values of all runs.
+fn metrics(runs: &[Recorded]) -> Vec<Value> {
+    let rows = relevant(runs).map(|(metric, values)| {
+        json!({
+            "label": metric.display.label,
+            "decimals": metric.display.decimals,
+            "higher_is_better": metric.display.higher_is_better,
+            "values": values,
+        })
+    });
+    rows.collect()
 }
 
 #[cfg(test)]

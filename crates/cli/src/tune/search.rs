@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
 use b2b_building::{Class, RunPeriod};
@@ -11,6 +10,7 @@ use b2b_control::tune::{self, Plan, TrainingBuildings};
 use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 
 use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
@@ -85,28 +85,16 @@ pub fn search(arguments: &Arguments) -> Result<()> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let each = arguments.evaluations as usize * arguments.searched().count();
     let bar = counter(classes.len() * each, "evaluations", arguments.json);
-    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
     let found = Mutex::new(Vec::new());
-    let work = || -> Result<()> {
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let (Some(class), false) = (classes.get(number), failed.load(Ordering::Relaxed)) else {
-                return Ok(());
-            };
-            let result = arguments.tune_class(&catalog, *class, &folder, &bar);
-            let (comfort, energy) = result.inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
-            let mut found = found.lock().expect("no thread panics while it writes results");
-            found.push(Found { number, comfort, energy });
-            found.sort_by_key(|found| found.number);
-            arguments.write(&found)?;
-        }
+    let search = |(number, class): (usize, &Class)| -> Result<()> {
+        let (comfort, energy) = arguments.tune_class(&catalog, *class, &folder, &bar)?;
+        let mut found = found.lock().expect("no thread panics while it writes results");
+        found.push(Found { number, comfort, energy });
+        found.sort_by_key(|found| found.number);
+        arguments.write(&found)
     };
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..arguments.jobs.count()?).map(|_| scope.spawn(work)).collect();
-        let ended = threads.into_iter().map(|thread| thread.join().expect("a thread of the search panicked"));
-        // All threads are joined before the first error is returned.
-        ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
-    })?;
+    let classes = classes.par_iter().with_max_len(1).enumerate();
+    arguments.jobs.thread_pool()?.install(|| classes.try_for_each(search))?;
     bar.finish_and_clear();
     let found = found.into_inner().expect("all threads have ended");
     let results = arguments.selected(&found);

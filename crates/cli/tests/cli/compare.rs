@@ -111,18 +111,19 @@ fn runs_of_one_controller_are_named_after_seeds_or_folders() {
 fn runs_that_do_not_belong_together_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let rejected = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
-    record(folder.path(), "a", DAYS);
-    record(folder.path(), "days", "--period 01-01..01-01");
-    record(folder.path(), "place", &format!("{DAYS} --place Miami"));
-    record(folder.path(), "task", &format!("{DAYS} --task occupancy"));
-    record(folder.path(), "slow", &format!("{DAYS} --steps-per-hour 6"));
+    const DAY: &str = "--period 01-01..01-01 --steps-per-hour 4";
+    record(folder.path(), "a", DAY);
+    record(folder.path(), "days", "--period 01-02..01-02 --steps-per-hour 4");
+    record(folder.path(), "place", &format!("{DAY} --place Miami"));
+    record(folder.path(), "task", &format!("{DAY} --task occupancy"));
+    record(folder.path(), "fast", "--period 01-01..01-01 --steps-per-hour 6");
     rejected("compare", &["RUN", "required"]);
     rejected("compare a", &["a is one run", "at least two"]);
     rejected("compare a none", &["no run at none", "b2b run"]);
-    rejected("compare a days", &["run period", "01-01..01-02 in a", "01-01..01-01 in days"]);
+    rejected("compare a days", &["run period", "01-01..01-01 in a", "01-02..01-02 in days"]);
     rejected("compare a place", &["place", "Denver in a", "Miami in place"]);
     rejected("compare a task", &["task", "operate in a", "occupancy in task"]);
-    rejected("compare a slow", &["steps per hour", "12 in a", "6 in slow"]);
+    rejected("compare a fast", &["steps per hour", "4 in a", "6 in fast"]);
     rejected("compare a days --name one", &["--name has 1 names for 2 runs"]);
     // Folders that are not runs, and files that do not belong to each other.
     std::fs::create_dir(folder.path().join("empty")).unwrap();

@@ -14,7 +14,7 @@ fn a_killed_evaluation_resumes_and_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let evaluate = |out: &str| {
         format!(
-            "evaluate {HOUSES} --policy random --task constant --period 01-10..01-12 07-10..07-12 --jobs 1 --out {out}"
+            "evaluate {HOUSES} --policy random --task constant --period 01-10..01-10 07-10..07-10 --jobs 1 --out {out}"
         )
     };
     let summary = json(folder.path(), &evaluate("whole"));

@@ -102,7 +102,7 @@ impl Progress for Count {
 #[test]
 fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
     let case = Case::new();
-    let episodes = episodes(&HOUSES, &["constant", "occupancy+energy0.5"], "01-10..01-11");
+    let episodes = episodes(&HOUSES, &["constant", "occupancy+energy0.5"], "01-10..01-10");
     let first = case.run("first", &BuiltIn::random(), &episodes, &());
     assert!(first.rows.iter().all(|row| row.score().is_some_and(|score| score > 1.0)), "{first:?}");
     assert_eq!(table(&case.run("second", &BuiltIn::random(), &episodes, &())), table(&first));

@@ -84,9 +84,15 @@ impl Judged {
     }
 }
 
+/// One test, because a test is a process and would make the result again.
 #[test]
-fn what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is_unverified() {
+fn a_result_is_checked_by_what_it_says_of_itself_and_by_a_sample() {
     let judged = Judged::new();
+    what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is_unverified(&judged);
+    a_sample_is_redrawn_unless_its_seed_is_given_and_is_never_empty(&judged);
+}
+
+fn what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is_unverified(judged: &Judged) {
     assert_eq!(judged.described(|_| {}, 0), "");
     let said = judged.described(|result| result["seeds"]["test"] = json!([0, 7]), 0);
     assert!(said.contains("episodes: the stated seeds are"), "{said}");
@@ -242,9 +248,7 @@ fn a_result_of_a_machine_that_rounds_differently_agrees_within_the_tolerance() {
     assert!(both_outputs(&output).contains(words), "{}", both_outputs(&output));
 }
 
-#[test]
-fn a_sample_is_redrawn_unless_its_seed_is_given_and_is_never_empty() {
-    let judged = Judged::new();
+fn a_sample_is_redrawn_unless_its_seed_is_given_and_is_never_empty(judged: &Judged) {
     let seed = |arguments: &str| {
         let output =
             b2b(judged.folder.path(), &format!("benchmark verify result --episodes 1 --json {arguments}"));

@@ -34,7 +34,15 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a - b).abs() <= tolerance, "{what}: {a} is not {b}");
 }
 
+/// One test, because a test is a process and would morph all stations again.
 #[test]
+fn the_weather_of_every_station_is_its_normals_and_physical() {
+    every_morphed_month_matches_the_normals_of_its_station();
+    heating_degree_days_follow_from_the_normals();
+    humidity_is_physical_and_sunlight_adds_up();
+    the_header_says_that_the_file_is_morphed();
+}
+
 fn every_morphed_month_matches_the_normals_of_its_station() {
     for (station, text) in MORPHED.iter() {
         assert_eq!(Record::of(text, Path::new(station.name)).unwrap().hours().len(), HOURS);
@@ -55,7 +63,6 @@ fn every_morphed_month_matches_the_normals_of_its_station() {
 }
 
 /// From October to April no day reaches 18 °C, so that the months' means give the degree-days.
-#[test]
 fn heating_degree_days_follow_from_the_normals() {
     const COLD: [usize; 5] = [0, 1, 2, 10, 11];
     for (station, text) in MORPHED.iter() {
@@ -71,7 +78,6 @@ fn heating_degree_days_follow_from_the_normals() {
     }
 }
 
-#[test]
 fn humidity_is_physical_and_sunlight_adds_up() {
     for (station, text) in MORPHED.iter() {
         let place = sun::Place { latitude: station.latitude, longitude: station.longitude, time_zone: -5.0 };
@@ -117,7 +123,6 @@ fn morphing_to_the_same_station_changes_little() {
     }
 }
 
-#[test]
 fn the_header_says_that_the_file_is_morphed() {
     let base = base();
     let station = Station::find("CAN_QC_BAGOTVILLE-A_7060400_CWEC").unwrap();

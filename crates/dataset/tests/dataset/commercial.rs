@@ -191,7 +191,21 @@ fn within_a_percent(got: f64, expected: f64, label: &str) {
     assert!((got / expected - 1.0).abs() < 0.01, "{label}: {got} instead of {expected}");
 }
 
+/// One test, because a test is a process and would generate all models again.
 #[test]
+fn generated_models_have_the_properties_of_their_parameters() {
+    windows_have_the_u_factor_and_gain_of_the_parameters_and_skylights_keep_their_own();
+    walls_and_roofs_have_the_u_of_the_parameters();
+    windows_take_their_share_of_the_walls();
+    nothing_in_a_wall_overlaps_and_nothing_leaves_it();
+    floor_area_and_orientation_follow_the_parameters();
+    leakage_scales_in_every_zone_and_doors_only_with_the_floor();
+    loads_per_floor_area_are_preserved();
+    exhaust_air_warms_outdoor_air_where_the_code_requires_it();
+    the_same_parameters_give_the_same_bytes();
+    the_error_for_a_parameter_out_of_bounds_has_its_name();
+}
+
 fn windows_have_the_u_factor_and_gain_of_the_parameters_and_skylights_keep_their_own() {
     each(|label, model, base, parameters, _| {
         let glazing = |document: &Document, fenestration: &Value| -> Value {
@@ -213,7 +227,6 @@ fn windows_have_the_u_factor_and_gain_of_the_parameters_and_skylights_keep_their
     });
 }
 
-#[test]
 fn walls_and_roofs_have_the_u_of_the_parameters() {
     each(|label, model, _, parameters, code| {
         for (u, code) in [parameters.wall_u, parameters.roof_u].iter().zip(code) {
@@ -237,7 +250,6 @@ fn walls_and_roofs_have_the_u_of_the_parameters() {
     });
 }
 
-#[test]
 fn windows_take_their_share_of_the_walls() {
     each(|label, model, _, parameters, _| {
         let in_walls = model.glass().into_iter().filter(|(_, kind)| kind == "Wall");
@@ -246,7 +258,6 @@ fn windows_take_their_share_of_the_walls() {
     });
 }
 
-#[test]
 fn nothing_in_a_wall_overlaps_and_nothing_leaves_it() {
     each(|label, model, _, _, _| {
         for (name, wall) in model.surfaces().into_iter().filter(|(_, v)| v["surface_type"] == "Wall") {
@@ -282,7 +293,6 @@ fn extent(corners: &[Point]) -> [f64; 6] {
     extent
 }
 
-#[test]
 fn floor_area_and_orientation_follow_the_parameters() {
     each(|label, model, base, parameters, _| {
         let ratio = parameters.x_scale * parameters.y_scale;
@@ -292,7 +302,6 @@ fn floor_area_and_orientation_follow_the_parameters() {
     });
 }
 
-#[test]
 fn leakage_scales_in_every_zone_and_doors_only_with_the_floor() {
     each(|label, model, base, parameters, _| {
         let floor = parameters.x_scale * parameters.y_scale;
@@ -318,7 +327,6 @@ fn leakage_scales_in_every_zone_and_doors_only_with_the_floor() {
     });
 }
 
-#[test]
 fn loads_per_floor_area_are_preserved() {
     each(|label, model, base, _, _| {
         for class in ["ElectricEquipment", "GasEquipment", "Exterior:Lights"] {
@@ -332,7 +340,6 @@ fn loads_per_floor_area_are_preserved() {
 }
 
 /// Checks the path from the controlled outdoor air node through the wheel to the mixer, and back from the mixer.
-#[test]
 fn exhaust_air_warms_outdoor_air_where_the_code_requires_it() {
     each(|label, model, _, _, _| {
         let wheels = model.objects("HeatExchanger:AirToAir:SensibleAndLatent");
@@ -358,7 +365,6 @@ fn exhaust_air_warms_outdoor_air_where_the_code_requires_it() {
     });
 }
 
-#[test]
 fn the_same_parameters_give_the_same_bytes() {
     let place = Place::find("Miami").unwrap();
     let site = site(place);
@@ -371,7 +377,6 @@ fn the_same_parameters_give_the_same_bytes() {
     }
 }
 
-#[test]
 fn the_error_for_a_parameter_out_of_bounds_has_its_name() {
     let place = Place::find("Miami").unwrap();
     let (building_type, base) = &bases()[0];

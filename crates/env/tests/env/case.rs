@@ -147,14 +147,19 @@ impl Dice {
 
 /// An episode under random actions, observed step by step.
 pub fn random_episode(env: &mut Env, seed: u64) -> Trajectory {
+    random_episode_from(env, seed).1
+}
+
+/// Like [`random_episode`], with the observation before the first step.
+pub fn random_episode_from(env: &mut Env, seed: u64) -> (Vec<f64>, Trajectory) {
     let mut dice = Dice::new(env.action_space(), seed);
     let mut trajectory = Trajectory::for_episode(env.spaces());
-    env.reset().unwrap();
+    let first = env.reset().unwrap().to_vec();
     loop {
         let step = env.step(dice.roll()).unwrap();
         trajectory.push(&step);
         if step.truncated {
-            return trajectory;
+            return (first, trajectory);
         }
     }
 }

@@ -92,26 +92,25 @@ fn the_environment_sees_the_actuators_of_a_new_kind_and_its_zones_follow_them() 
         .collect();
     assert_eq!(new.len(), 35);
     assert!(case.building.uncontrolled.iter().all(|each| !each.object.class.contains("PackagedTerminal")));
+    let mut env = case.env("01-08..01-08");
+    let mut action: Vec<f64> = case.building.actuators().map(|a| 0.5 * (a.low + a.high)).collect();
+    assert_eq!(env.action_space().len(), action.len());
+    for (system, layout) in &new {
+        assert_eq!(env.action_space().names()[layout.actions.start], system.actuators()[0].name);
+    }
+    env.reset().unwrap();
+    // Half a day at a setpoint.
     let mean_at = |setpoint: f64| {
-        let mut env = case.env("01-08..01-08");
-        let mut action: Vec<f64> = case.building.actuators().map(|a| 0.5 * (a.low + a.high)).collect();
-        assert_eq!(env.action_space().len(), action.len());
-        for (system, layout) in &new {
-            assert_eq!(env.action_space().names()[layout.actions.start], system.actuators()[0].name);
-            action[layout.actions.start] = setpoint;
-        }
-        env.reset().unwrap();
-        let mut last = env.step(&action).unwrap().observation.to_vec();
-        for _ in 1..144 {
-            last = env.step(&action).unwrap().observation.to_vec();
-        }
-        assert_eq!(env.message_count(Level::Severe), 0);
+        new.iter().for_each(|(_, layout)| action[layout.actions.start] = setpoint);
+        (1..144).for_each(|_| _ = env.step(&action).unwrap());
+        let last = env.step(&action).unwrap().observation;
         new.iter().map(|(_, layout)| last[layout.zones[0].index]).sum::<f64>() / new.len() as f64
     };
     let [cool, warm] = [17.0, 22.0].map(mean_at);
     // Guests and equipment may warm a room further: the example cannot cool.
     assert!((21.5..23.5).contains(&warm), "{warm}");
     assert!(warm - cool > 1.0, "{cool} and {warm}");
+    assert_eq!(env.message_count(Level::Severe), 0);
 }
 
 #[test]

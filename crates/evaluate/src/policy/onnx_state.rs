@@ -17,7 +17,7 @@ impl OnnxState {
     /// Returns the states of a model: its inputs after the observation, in order.
     ///
     /// # Errors
-    /// Why the inputs and outputs of the model are not those of a policy.
+    /// Why a policy cannot have the inputs and outputs of the model.
     pub(super) fn all(model: &Model) -> Result<Vec<Self>, String> {
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs == 0 || outputs < inputs {

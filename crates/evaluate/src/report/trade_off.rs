@@ -60,7 +60,7 @@ const OPERATION_RELATIVE: Form = Form {
     baseline: Some(([1.0, 0.0], FREE_DISCOMFORT)),
 };
 
-/// Returns a chart for the episodes of tracking and one for those of operation, as far as there are any, one point per
+/// Returns a chart for episodes of tracking and one for episodes of operation, as far as there are any, one point per
 /// episode. Without a known baseline, a chart has units.
 pub fn trade_offs(series: &[Series<'_>], height: u32, wide: bool) -> Vec<Chart> {
     let chart = |relative: &Form, absolute: &Form, operated: bool| {

@@ -21,8 +21,11 @@ use b2b_workers::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOpt
 use rustix::process::{Pid, Signal, kill_process};
 
 const ENVIRONMENTS: usize = 3;
+const STEPS_PER_HOUR: u32 = 4;
 /// Steps of an episode of one day.
-const DAY: usize = 288;
+const DAY: usize = 96;
+/// Steps of a rollout: the episode ends within the third.
+const STEPS: usize = 34;
 const SEED: u64 = 7;
 const DIRECT: Interface = Interface {
     observation: ObservationOptions { form: ObservationForm::Raw, attributes: false, forecast: 0 },
@@ -54,7 +57,7 @@ fn environments(interface: Interface) -> VecEnv {
         let episode = EpisodeConfig {
             weather: found.weather.clone(),
             period: "01-10..01-10".parse().unwrap(),
-            steps_per_hour: 12,
+            steps_per_hour: STEPS_PER_HOUR,
             task: match interface.acting {
                 Acting::Supervisory { .. } => "operate".parse().unwrap(),
                 _ => Task::default(),
@@ -130,9 +133,9 @@ fn rollouts(
 
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
-    // With 100 steps, the episode ends within the third rollout; with 96 steps, on its last step.
+    // With 32 steps, the episode ends on the last step of the third rollout.
     for (interface, correlation, steps) in
-        [(DIRECT, 0.0, 100), (DIRECT, 0.4, 96), (RESIDUAL, 0.4, 100), (GRAPH, 0.4, 100)]
+        [(DIRECT, 0.0, STEPS), (DIRECT, 0.4, 32), (RESIDUAL, 0.4, STEPS), (GRAPH, 0.4, STEPS)]
     {
         let ours = rollouts(&mut fragments(interface, correlation), interface, 1..=4, steps);
         let theirs = rollouts(&mut lockstep(interface, correlation), interface, 1..=4, steps);
@@ -147,7 +150,7 @@ fn fragments_and_lockstep_collect_the_same_bits() {
 }
 
 #[test]
-fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_twelve() {
+fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_its_steps() {
     let collect = |discount: f32| {
         let mut collector = fragments(SUPERVISORY, 0.0).with_discount(discount);
         let quiet = actor(collector.widths(), SUPERVISORY, 1);
@@ -166,7 +169,7 @@ fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_twelve()
     let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
     let (weather, task) = (found.weather.clone(), "operate".parse().unwrap());
     let period = "01-10..01-10".parse().unwrap();
-    let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
+    let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task };
     let building = Arc::new(found.prepare(catalog.library()).unwrap());
     let mut env = Env::new(catalog.library().clone(), building, episode).unwrap();
     let mut guideline = Guideline36::new(env.spaces(), &Guideline36Parameters::default());
@@ -174,7 +177,7 @@ fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_twelve()
     env.reset().unwrap();
     for hour in 0..24 {
         let mut rewards = Vec::new();
-        for _ in 0..12 {
+        for _ in 0..STEPS_PER_HOUR {
             guideline.act(env.observation(), &mut action);
             rewards.push(0.3 * env.step(&action).unwrap().reward.total() as f32);
         }
@@ -208,10 +211,10 @@ fn assert_scenes(rollout: &Rollout, interface: Interface) {
 fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
     const COST: f32 = 0.7;
     for by_zone in [false, true] {
-        let free = rollouts(&mut fragments_with(DIRECT, by_zone, 0.0, 0.0), DIRECT, 1..=4, 100);
+        let free = rollouts(&mut fragments_with(DIRECT, by_zone, 0.0, 0.0), DIRECT, 1..=4, STEPS);
         let mut collector = fragments_with(DIRECT, by_zone, 0.0, COST);
         let Widths { action, parts, .. } = collector.widths();
-        let costly = rollouts(&mut collector, DIRECT, 1..=4, 100);
+        let costly = rollouts(&mut collector, DIRECT, 1..=4, STEPS);
         let mut costs = Vec::new();
         let mut expected = Vec::new();
         for (free, costly) in free.iter().zip(&costly) {
@@ -220,9 +223,10 @@ fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
             let rows = |rewards: &[f32]| {
                 rewards.chunks_exact(parts).map(|row| row.iter().sum()).collect::<Vec<f32>>()
             };
-            let (before, after) = (rows(&free.rewards[..100 * parts]), rows(&costly.rewards[..100 * parts]));
+            let (before, after) =
+                (rows(&free.rewards[..STEPS * parts]), rows(&costly.rewards[..STEPS * parts]));
             costs.extend(before.iter().zip(after).map(|(before, after)| before - after));
-            expected.extend(free.actions[..100 * action].iter().map(|value| value.clamp(-1.0, 1.0)));
+            expected.extend(free.actions[..STEPS * action].iter().map(|value| value.clamp(-1.0, 1.0)));
         }
         assert!(costs[0] == 0.0 && costs[DAY] == 0.0, "the first action of an episode moves nothing");
         for step in (1..costs.len()).filter(|step| *step != DAY) {
@@ -234,13 +238,13 @@ fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
         // A restored collection charges the first step like an uninterrupted one.
         let state = {
             let mut first = fragments_with(DIRECT, by_zone, 0.0, COST);
-            rollouts(&mut first, DIRECT, 1..=1, 100);
+            rollouts(&mut first, DIRECT, 1..=1, STEPS);
             first.state()
         };
         let mut restored = fragments_with(DIRECT, by_zone, 0.0, COST);
         let any = actor(restored.widths(), DIRECT, 0);
         restored.restore(&state, &any).unwrap();
-        assert!(rollouts(&mut restored, DIRECT, 2..=2, 100)[0] == costly[1]);
+        assert!(rollouts(&mut restored, DIRECT, 2..=2, STEPS)[0] == costly[1]);
     }
 }
 
@@ -248,11 +252,11 @@ fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
 fn a_restored_collection_continues_with_the_same_bits() {
     for interface in [DIRECT, RESIDUAL, GRAPH] {
         let mut whole = fragments(interface, 0.4);
-        rollouts(&mut whole, interface, 1..=2, 100);
+        rollouts(&mut whole, interface, 1..=2, STEPS);
         let first = whole.state();
-        let mut expected = rollouts(&mut whole, interface, 3..=4, 100);
+        let mut expected = rollouts(&mut whole, interface, 3..=4, STEPS);
         let second = whole.state();
-        expected.extend(rollouts(&mut whole, interface, 5..=6, 100));
+        expected.extend(rollouts(&mut whole, interface, 5..=6, STEPS));
         // The first state is in the first episodes, the second in the next.
         for (state, from) in [(first, 3), (second, 5)] {
             let state = State::from_bytes(&state.to_bytes()).unwrap();
@@ -260,7 +264,7 @@ fn a_restored_collection_continues_with_the_same_bits() {
             let any = actor(restored.widths(), interface, 0);
             restored.restore(&state, &any).unwrap();
             assert!(restored.state() == state, "the state is kept");
-            let continued = rollouts(&mut restored, interface, from..=6, 100);
+            let continued = rollouts(&mut restored, interface, from..=6, STEPS);
             assert!(
                 continued == expected[from as usize - 3..],
                 "continued at rollout {from} with {interface:?}"
@@ -273,16 +277,16 @@ fn a_restored_collection_continues_with_the_same_bits() {
 fn an_episode_that_is_lost_in_a_replay_costs_no_other() {
     let mut whole = fragments(DIRECT, 0.4);
     // More steps than are replayed at a time would need an episode of several days; the first chunk is enough to be lost in.
-    rollouts(&mut whole, DIRECT, 1..=1, 100);
+    rollouts(&mut whole, DIRECT, 1..=1, STEPS);
     let mut state = whole.state();
     let width = whole.widths().action;
-    state.put_f32("actions.1", &vec![f32::NAN; 100 * width]);
+    state.put_f32("actions.1", &vec![f32::NAN; STEPS * width]);
     let mut restored = fragments(DIRECT, 0.4);
     let any = actor(restored.widths(), DIRECT, 0);
     restored.restore(&state, &any).unwrap();
     assert_eq!(restored.lost(), 1);
-    let expected = rollouts(&mut whole, DIRECT, 2..=2, 100).remove(0);
-    let rollout = rollouts(&mut restored, DIRECT, 2..=2, 100).remove(0);
+    let expected = rollouts(&mut whole, DIRECT, 2..=2, STEPS).remove(0);
+    let rollout = rollouts(&mut restored, DIRECT, 2..=2, STEPS).remove(0);
     assert_one_episode_is_another(&rollout, &expected, whole.widths());
 }
 
@@ -290,12 +294,12 @@ fn an_episode_that_is_lost_in_a_replay_costs_no_other() {
 fn mirrored_noise_is_opposite_in_the_environments_of_a_pair() {
     let mut collector = fragments(DIRECT, 0.4).with_mirrored_noise();
     let widths = collector.widths();
-    let all = rollouts(&mut collector, DIRECT, 1..=3, 100);
+    let all = rollouts(&mut collector, DIRECT, 1..=3, STEPS);
     // Three environments: a pair in the same episode, and one alone.
-    assert!(all.iter().all(|rollout| rollout.pairs == [100]));
+    assert!(all.iter().all(|rollout| rollout.pairs == [STEPS]));
     let first = &all[0];
     let row = |values: &[f32], environment: usize, width: usize| {
-        values[environment * 100 * width..][..width].to_vec()
+        values[environment * STEPS * width..][..width].to_vec()
     };
     let [one, other, alone] = [0, 1, 2].map(|environment| row(&first.actions, environment, widths.action));
     let actor = actor(widths, DIRECT, 1);
@@ -307,7 +311,7 @@ fn mirrored_noise_is_opposite_in_the_environments_of_a_pair() {
     assert_ne!(one, alone);
     // A pair is no longer a pair once one of its episodes is lost.
     let process = collector.environments().process(1).unwrap();
-    assert!(with_a_kill(&mut collector, process).pairs[0] < 100);
+    assert!(with_a_kill(&mut collector, process).pairs[0] < STEPS);
 }
 
 fn signal(process: u32, signal: Signal) {
@@ -322,7 +326,7 @@ fn with_a_kill(collector: &mut dyn Collector, process: u32) -> Rollout {
         std::thread::sleep(Duration::from_millis(100));
         signal(process, Signal::KILL);
     });
-    let rollout = rollouts(collector, DIRECT, 2..=2, 100).remove(0);
+    let rollout = rollouts(collector, DIRECT, 2..=2, STEPS).remove(0);
     killer.join().unwrap();
     rollout
 }
@@ -330,10 +334,10 @@ fn with_a_kill(collector: &mut dyn Collector, process: u32) -> Rollout {
 /// Asserts that a rollout has another episode of the second environment, and is otherwise as expected.
 fn assert_one_episode_is_another(rollout: &Rollout, expected: &Rollout, widths: Widths) {
     let of = |rollout: &Rollout, environment: usize| {
-        let row = 100 * widths.observation;
+        let row = STEPS * widths.observation;
         rollout.observations[environment * row..][..row].to_vec()
     };
-    assert_eq!((rollout.environments, rollout.steps), (ENVIRONMENTS, 100));
+    assert_eq!((rollout.environments, rollout.steps), (ENVIRONMENTS, STEPS));
     for environment in 0..ENVIRONMENTS {
         assert_eq!(of(rollout, environment) == of(expected, environment), environment != 1);
     }
@@ -343,18 +347,18 @@ fn assert_one_episode_is_another(rollout: &Rollout, expected: &Rollout, widths: 
 fn a_worker_killed_in_a_rollout_costs_its_episode_alone() {
     let mut whole = fragments(DIRECT, 0.0);
     let widths = whole.widths();
-    let expected = rollouts(&mut whole, DIRECT, 1..=2, 100).remove(1);
+    let expected = rollouts(&mut whole, DIRECT, 1..=2, STEPS).remove(1);
 
     let mut collector = fragments(DIRECT, 0.0);
-    rollouts(&mut collector, DIRECT, 1..=1, 100);
+    rollouts(&mut collector, DIRECT, 1..=1, STEPS);
     let process = collector.environments().process(1).unwrap();
     assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
     assert_eq!(collector.lost(), 1);
-    rollouts(&mut collector, DIRECT, 3..=4, 100);
+    rollouts(&mut collector, DIRECT, 3..=4, STEPS);
     assert_eq!((collector.lost(), collector.ended()), (1, ENVIRONMENTS as u64));
 
     let mut collector = lockstep(DIRECT, 0.0);
-    rollouts(&mut collector, DIRECT, 1..=1, 100);
+    rollouts(&mut collector, DIRECT, 1..=1, STEPS);
     let process = collector.environments().process(1).unwrap();
     assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
     assert_eq!(collector.lost(), 1);

@@ -8,7 +8,7 @@ use crate::case::Case;
 use crate::workers::{DAY, dice, options, setting, started, steps, whole};
 
 fn copies_continue_bit_for_bit(building_type: BuildingType) {
-    let period = "01-10..01-12";
+    let period = "01-10..01-11";
     let case = Case::at_home(building_type);
     let mut env = case.env(period);
     let mut same = dice(env.action_space());
@@ -18,7 +18,7 @@ fn copies_continue_bit_for_bit(building_type: BuildingType) {
     let workers = Workers::new(options(&case)).unwrap();
     let mut episode = started(&workers, &setting(&case, period));
     let mut first = dice(env.action_space());
-    let mut trace = steps(&mut episode, &mut first, 400);
+    let mut trace = steps(&mut episode, &mut first, 200);
     let snapshot = episode.snapshot().unwrap();
     assert_eq!(snapshot.observation(), episode.observation());
     trace.extend(steps(&mut episode, &mut first, usize::MAX));
@@ -27,16 +27,16 @@ fn copies_continue_bit_for_bit(building_type: BuildingType) {
 
     let rest = || {
         let mut dice = dice(env.action_space());
-        (0..400).for_each(|_| _ = dice.roll());
+        (0..200).for_each(|_| _ = dice.roll());
         dice
     };
     for mut copy in snapshot.branch(2).unwrap() {
         let trace = steps(&mut copy, &mut rest(), usize::MAX);
-        assert!(trace == expected[400 * row..], "an episode that continues from a snapshot differs");
+        assert!(trace == expected[200 * row..], "an episode that continues from a snapshot differs");
     }
     episode.restore(&snapshot).unwrap();
     let trace = steps(&mut episode, &mut rest(), usize::MAX);
-    assert!(trace == expected[400 * row..], "a restored episode differs");
+    assert!(trace == expected[200 * row..], "a restored episode differs");
 }
 
 #[test]

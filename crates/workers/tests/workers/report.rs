@@ -21,12 +21,12 @@ impl b2b_env::Controller for Random {
 fn a_worker_that_finishes_its_run_reports_the_same_as_the_engine_in_process() {
     for building_type in [BuildingType::RestaurantFastFood, BuildingType::Warehouse] {
         let case = Case::at_home(building_type);
-        let mut env = case.env("01-10..01-11");
+        let mut env = case.env("01-10..01-10");
         let expected = random_episode(&mut env, 1);
 
         let workers = Workers::new(options(&case)).unwrap();
         let finish = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
-        let mut episode = workers.episode(&setting(&case, "01-10..01-11")).unwrap().with_options(finish);
+        let mut episode = workers.episode(&setting(&case, "01-10..01-10")).unwrap().with_options(finish);
         for _ in 0..2 {
             let mut trajectory = Trajectory::for_episode(episode.spaces());
             let mut controller = Random(crate::workers::dice(env.action_space()));

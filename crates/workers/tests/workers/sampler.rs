@@ -20,7 +20,7 @@ fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
         population,
         control: Control::default(),
         period: DAY.parse().unwrap(),
-        steps_per_hour: 12,
+        steps_per_hour: 4,
         task: b2b_env::Task::default(),
     };
     let sampler = Windows { of: sampler, days: (1, 1), starts: 1 };
@@ -28,8 +28,8 @@ fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
     let mut vec = VecEnv::new(2, Box::new(sampler), options).unwrap();
     vec.reset(seed).unwrap();
     let mut seen = Vec::new();
-    for step in 0..=288 {
-        if step % 288 == 0 {
+    for step in 0..=96 {
+        if step % 96 == 0 {
             for environment in 0..2 {
                 assert_eq!(vec.lost(environment), None);
                 let spaces = vec.spaces(environment).unwrap();
@@ -37,7 +37,7 @@ fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
                 seen.push((spaces.building.name.clone(), row.iter().map(|value| value.to_bits()).collect()));
             }
         }
-        if step < 288 {
+        if step < 96 {
             vec.step(&[0.1, 25.0, 0.1, 25.0]).unwrap();
         }
     }
