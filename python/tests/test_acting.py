@@ -23,7 +23,7 @@ def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
     plain = b2b.make_env("OfficeSmall-0042", **DAY)
     plain.reset(seed=0)
     guideline = b2b.rollout(plain, b2b.Guideline36Controller(plain))
-    assert total == pytest.approx(guideline.metrics["episode_return"], rel=1e-9)
+    assert total == pytest.approx(guideline.episode_return, rel=1e-9)
     colder = np.zeros(env.action_space.shape)
     colder[env.metadata["action_names"].index("heating setpoint shift")] = -1.0
     env.reset(seed=0)
