@@ -10,10 +10,11 @@ use serde_json::json;
 
 use crate::band::{self, Year};
 use crate::hvac::{
-    self, Actuator, Discovery, EngineVariable, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported,
+    self, Actuator, Discovery, EngineVariable, KINDS, Kind, Switch, System, SystemLayout, Uncontrolled,
+    Unsupported,
 };
 use crate::hvac_energy::{self, Carrier, HvacMeter, hvac_meters};
-use crate::import::Notes;
+use crate::import::{Notes, switched_off};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -144,9 +145,14 @@ impl PreparedBuilding {
         kinds: &[Kind],
         unsupported: Unsupported,
     ) -> Result<Self> {
-        let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let Year { zones: years, holidays } = year(name, &model, library)?;
+        let (air_density, mut notes) = size(name, &mut model, weather, library)?;
+        let switches = match unsupported {
+            Unsupported::LeftAlone => hvac::switches_of_all(&model)?,
+            Unsupported::Refused => Vec::new(),
+        };
+        let Year { zones: years, holidays, off } = year(name, &model, &switches, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
+        notes.switched_off = switched_off(&switches, &off, &discovery);
         Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
@@ -163,7 +169,7 @@ impl PreparedBuilding {
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let Year { zones: years, holidays } = year(name, &model, library)?;
+        let Year { zones: years, holidays, .. } = year(name, &model, &[], library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
@@ -256,8 +262,8 @@ impl PreparedBuilding {
     /// Adds the notes of its import.
     #[must_use]
     pub fn with_notes(self, notes: Notes) -> Self {
-        let left_autosized = self.notes.left_autosized;
-        Self { notes: Notes { left_autosized, ..notes }, ..self }
+        let Notes { left_autosized, switched_off, .. } = self.notes;
+        Self { notes: Notes { left_autosized, switched_off, ..notes }, ..self }
     }
 
     /// Returns the model for a run period with this number of zone time steps per hour.
@@ -393,10 +399,11 @@ fn for_episodes(model: &mut Model) {
 }
 
 /// Returns the year of a sized model.
-fn year(name: &str, model: &Model, library: &Library) -> Result<Year> {
+fn year(name: &str, model: &Model, switches: &[Switch], library: &Library) -> Result<Year> {
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
-    let year = band::year(name, model, &names, library);
+    let switches: Vec<&str> = switches.iter().map(|switch| switch.schedule.as_str()).collect();
+    let year = band::year(name, model, &names, &switches, library);
     year.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 

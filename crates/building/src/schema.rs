@@ -13,6 +13,8 @@ pub struct Schema {
     classes: HashMap<String, Class>,
     /// Groups that have members.
     groups: HashSet<String>,
+    /// Words that begin with `@` in the library, in upper case: among them every function of EMS programs.
+    functions: HashSet<String>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,7 +60,7 @@ impl Schema {
         let at = bytes.windows(KEY.len()).position(|window| window == KEY)?;
         // The byte before the first key is the size of the map.
         let value: Value = ciborium::from_reader(&bytes[at.checked_sub(1)?..]).ok()?;
-        Self::in_value(&value)
+        Some(Self { functions: functions_in(bytes), ..Self::in_value(&value)? })
     }
 
     fn in_value(value: &Value) -> Option<Self> {
@@ -69,7 +71,7 @@ impl Schema {
             class.groups.iter().chain(class.fields.values().flat_map(|field| &field.groups))
         });
         let groups = groups.cloned().collect();
-        Some(Self { classes, groups })
+        Some(Self { classes, groups, functions: HashSet::new() })
     }
 
     /// Returns a schema that is written as JSON.
@@ -94,11 +96,31 @@ impl Schema {
         self.classes.get(&class.to_lowercase()).map_or(&[], |class| &class.groups)
     }
 
+    /// Returns whether EMS programs may call a function, which is named without `@` and in any case. Unknown functions are
+    /// known if the library was not searched for them.
+    pub fn has_function(&self, function: &str) -> bool {
+        self.functions.is_empty() || self.functions.contains(&function.to_uppercase())
+    }
+
     /// Returns whether a group of references has members among names of objects or values of fields. Others are lists of
     /// classes or of the engine's outputs.
     pub fn has_group(&self, group: &str) -> bool {
         self.groups.contains(group)
     }
+}
+
+/// Returns the words of upper-case letters and digits that follow `@` in the bytes of a library.
+fn functions_in(bytes: &[u8]) -> HashSet<String> {
+    let is_of_word = |byte: &u8| byte.is_ascii_uppercase() || byte.is_ascii_digit();
+    let mut words = HashSet::new();
+    for rest in bytes.split(|byte| *byte == b'@') {
+        let word: String =
+            rest.iter().take_while(|byte| is_of_word(byte)).map(|byte| char::from(*byte)).collect();
+        if word.len() > 1 {
+            words.insert(word);
+        }
+    }
+    words
 }
 
 impl Class {
@@ -160,6 +182,15 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn functions_are_the_words_that_follow_an_at_sign() {
+        let schema =
+            Schema { functions: functions_in(b"\0@SIN\0@CURVEVALUE\0@A@Hace\0"), ..Schema::default() };
+        assert!(schema.has_function("CurveValue") && schema.has_function("sin"));
+        assert!(!schema.has_function("Hace") && !schema.has_function("ExtCtrlObs"));
+        assert!(Schema::default().has_function("anything"));
+    }
 
     #[test]
     fn a_field_has_its_groups_and_limits_also_in_a_list() {

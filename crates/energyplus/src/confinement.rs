@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 
 use crate::install::cache_dir;
 
+/// The device that programs write to when their output is discarded.
+const NULL_DEVICE: &str = "/dev/null";
+
 thread_local! {
     static CONFINED: Cell<bool> = const { Cell::new(false) };
 }
@@ -70,17 +73,36 @@ pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -
     std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
 }
 
-fn confine_to(folder: Option<&Path>) -> Confinement {
-    let (temporary, devices) = (std::env::temp_dir(), PathBuf::from("/dev/null"));
-    let parent = temporary.parent().map(Path::to_owned);
-    let folders = cache_dir().ok().into_iter().chain(folder.map(Path::to_owned));
-    restrict([temporary, devices].into_iter().chain(folders), parent)
+/// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns its
+/// result.
+pub(crate) fn confined_to_program<T: Send>(
+    folder: &Path,
+    programs: &[PathBuf],
+    function: impl FnOnce() -> T + Send,
+) -> T {
+    let confined = || {
+        let writable = [folder.to_owned(), PathBuf::from(NULL_DEVICE)];
+        restrict(writable.into_iter(), None, programs);
+        function()
+    };
+    std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
 }
 
-/// Allows writing in some folders, and removing empty folders in another, because a worker whose owner is gone removes
-/// its own temporary folder.
+fn confine_to(folder: Option<&Path>) -> Confinement {
+    let (temporary, devices) = (std::env::temp_dir(), PathBuf::from(NULL_DEVICE));
+    let parent = temporary.parent().map(Path::to_owned);
+    let folders = cache_dir().ok().into_iter().chain(folder.map(Path::to_owned));
+    restrict([temporary, devices].into_iter().chain(folders), parent, &[])
+}
+
+/// Allows writing in some folders, removing empty folders in another, because a worker whose owner is gone removes its own
+/// temporary folder, and running some programs.
 #[cfg(target_os = "linux")]
-fn restrict(writable: impl Iterator<Item = PathBuf>, emptied: Option<PathBuf>) -> Confinement {
+fn restrict(
+    writable: impl Iterator<Item = PathBuf>,
+    emptied: Option<PathBuf>,
+    programs: &[PathBuf],
+) -> Confinement {
     use landlock::{
         ABI, Access, AccessFs, AccessNet, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
         RulesetStatus, path_beneath_rules,
@@ -92,7 +114,8 @@ fn restrict(writable: impl Iterator<Item = PathBuf>, emptied: Option<PathBuf>) -
             .handle_access(AccessNet::from_all(ABI::V4))?
             .create()?
             .add_rules(path_beneath_rules(writable, writing))?
-            .add_rules(path_beneath_rules(emptied, AccessFs::RemoveDir))?;
+            .add_rules(path_beneath_rules(emptied, AccessFs::RemoveDir))?
+            .add_rules(path_beneath_rules(programs, AccessFs::Execute))?;
         Ok(ruleset.restrict_self()?.ruleset)
     };
     match restrict() {
@@ -103,7 +126,7 @@ fn restrict(writable: impl Iterator<Item = PathBuf>, emptied: Option<PathBuf>) -
 }
 
 #[cfg(not(target_os = "linux"))]
-fn restrict(_: impl Iterator<Item = PathBuf>, _: Option<PathBuf>) -> Confinement {
+fn restrict(_: impl Iterator<Item = PathBuf>, _: Option<PathBuf>, _: &[PathBuf]) -> Confinement {
     Confinement::None
 }
 
@@ -127,7 +150,8 @@ mod tests {
         let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let confined = std::thread::spawn(move || {
-            let confinement = restrict(std::iter::once(inside.clone()), inside.parent().map(Path::to_owned));
+            let confinement =
+                restrict(std::iter::once(inside.clone()), inside.parent().map(Path::to_owned), &[]);
             if confinement == Confinement::None {
                 return confinement;
             }

@@ -40,6 +40,7 @@ mod host;
 pub mod install;
 mod library;
 mod message;
+mod program;
 mod simulation;
 #[cfg(target_os = "linux")]
 pub mod snapshot;
@@ -50,4 +51,5 @@ pub use event::Event;
 pub use host::Host;
 pub use library::{Exclusive, Library, exclusive};
 pub use message::{Level, Message, Messages};
+pub use program::run_program;
 pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

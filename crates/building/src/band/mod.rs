@@ -153,14 +153,22 @@ pub(crate) struct Year {
     pub(crate) zones: Vec<ZoneYear>,
     /// Days of the year, from 1 and in order, that the model declares special, such as holidays.
     pub(crate) holidays: Vec<u32>,
+    /// The share of the year in which each of the switches is off.
+    pub(crate) off: Vec<f64>,
 }
 
-/// Returns the year of zones according to the schedules of a model. The setpoints of a house are drawn from surveys, by
-/// the name of the building.
+/// Returns the year of zones and of switches, which are names of schedules, according to the schedules of a model. The
+/// setpoints of a house are drawn from surveys, by the name of the building.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
-pub(crate) fn year(building: &str, model: &Model, zones: &[&str], library: &Library) -> Result<Year> {
+pub(crate) fn year(
+    building: &str,
+    model: &Model,
+    zones: &[&str],
+    switches: &[&str],
+    library: &Library,
+) -> Result<Year> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
     let people = crate::people::groups(model)?;
     let of_zone = |zone: &&str| -> Vec<&PeopleGroup> {
@@ -169,6 +177,7 @@ pub(crate) fn year(building: &str, model: &Model, zones: &[&str], library: &Libr
     let present: Vec<_> = zones.iter().map(of_zone).collect();
     let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
     names.extend(present.iter().flatten().map(|group| group.schedule.as_str()));
+    names.extend(switches);
     let sampled = schedules::Sampled::of(model, &names, library)?;
     let least = zones.iter().map(|zone| least_in_use(model, &people, zone)).collect::<Result<Vec<_>>>()?;
     let years = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
@@ -182,7 +191,8 @@ pub(crate) fn year(building: &str, model: &Model, zones: &[&str], library: &Libr
         })
     });
     let zones = household::furnish(building, years.collect());
-    Ok(Year { zones, holidays: sampled.into_holidays() })
+    let off = switches.iter().map(|name| sampled.of_schedule(name).share_off()).collect();
+    Ok(Year { zones, off, holidays: sampled.into_holidays() })
 }
 
 #[cfg(test)]

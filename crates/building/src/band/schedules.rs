@@ -78,6 +78,12 @@ impl Values<'_> {
     pub(super) fn at(self, index: usize) -> f64 {
         self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
+
+    /// Returns the share of the year in which it is zero.
+    pub(super) fn share_off(self) -> f64 {
+        let off = self.0.iter().filter(|value| **value == 0.0).count();
+        off as f64 / self.0.len().max(1) as f64
+    }
 }
 
 /// The value of a schedule that never changes.

@@ -31,6 +31,7 @@ use objects::{availability, schedules, setpoint_managers};
 pub(crate) use objects::{distribution, energy_management};
 pub use sequence::Sequence;
 pub use setpoints::{SetpointZone, separate};
+pub(crate) use setpoints::{Switch, switches_of_all};
 pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
 pub use unitary::{HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};

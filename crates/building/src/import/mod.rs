@@ -15,6 +15,7 @@
 pub mod calendar;
 mod exchange;
 pub mod external;
+mod functions;
 mod notes;
 mod references;
 mod setpoint_nodes;
@@ -26,7 +27,8 @@ use std::path::Path;
 
 use b2b_base::scratch::temporary_folder;
 use b2b_energyplus::Library;
-pub use notes::Notes;
+pub(crate) use notes::switched_off;
+pub use notes::{Notes, SwitchedOff};
 use versions::document::Document;
 use versions::{Found, idf};
 
@@ -177,6 +179,7 @@ fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>>
     }
     problems.extend(references::dangling(model, schema));
     problems.extend(setpoint_nodes::without_setpoint(model));
+    problems.extend(functions::unknown(model, schema));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 

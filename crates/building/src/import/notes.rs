@@ -1,8 +1,15 @@
 //! Notes on an imported model: what its author should know about how it was read.
 
+use std::collections::HashSet;
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::versions::Conversion;
+use crate::hvac::{Discovery, Switch};
+
+/// The share of a year that is most of it.
+const MOSTLY: f64 = 0.9;
 
 /// What was found and changed when a model was read and sized.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -13,8 +20,67 @@ pub struct Notes {
     pub design_days: Option<String>,
     /// Autosized fields that the engine does not size and that were left to it.
     pub left_autosized: Vec<String>,
+    /// Schedules of the model that switch off equipment, whatever the setpoints of its zones.
+    #[serde(default)]
+    pub switched_off: Vec<SwitchedOff>,
     /// What may not be as the author expects.
     pub warnings: Vec<String>,
+}
+
+/// A schedule that switches off equipment of zones that are controlled through their setpoints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SwitchedOff {
+    /// The schedule.
+    pub schedule: String,
+    /// The share of the year in which it is zero.
+    pub share: f64,
+    /// The equipment, each `class name`.
+    pub equipment: Vec<String>,
+    /// The zones.
+    pub zones: Vec<String>,
+}
+
+impl fmt::Display for SwitchedOff {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { schedule, share, equipment, zones } = self;
+        let first = equipment.first().map_or("", String::as_str);
+        let others = match equipment.len() {
+            0 | 1 => String::new(),
+            count => format!(" and {} others", count - 1),
+        };
+        write!(
+            f,
+            "schedule `{schedule}`, {:.0} % of the year: {first}{others} (zones: {})",
+            100.0 * share,
+            zones.len()
+        )
+    }
+}
+
+/// Returns the schedules that switch off equipment of zones that a discovery controls through their setpoints. `off` has the
+/// share of the year of each switch.
+pub(crate) fn switched_off(switches: &[Switch], off: &[f64], found: &Discovery) -> Vec<SwitchedOff> {
+    let controlled: HashSet<String> =
+        found.setpoint_zones().into_iter().map(|zone| zone.to_lowercase()).collect();
+    let mut all: Vec<SwitchedOff> = Vec::new();
+    let is_off =
+        |(switch, share): &(&Switch, &f64)| **share > 0.0 && controlled.contains(&switch.zone.to_lowercase());
+    for (Switch { zone, object, schedule }, share) in switches.iter().zip(off).filter(is_off) {
+        let name = format!("{} `{}`", object.class, object.name);
+        let known = all.iter().position(|each| each.schedule.eq_ignore_ascii_case(schedule));
+        let known = known.unwrap_or_else(|| {
+            let (equipment, zones) = (Vec::new(), Vec::new());
+            all.push(SwitchedOff { schedule: schedule.clone(), share: *share, equipment, zones });
+            all.len() - 1
+        });
+        let SwitchedOff { equipment, zones, .. } = &mut all[known];
+        for (list, item) in [(equipment, name), (zones, zone.clone())] {
+            if !list.contains(&item) {
+                list.push(item);
+            }
+        }
+    }
+    all
 }
 
 impl Notes {
@@ -31,8 +97,58 @@ impl Notes {
         self.warnings.iter().cloned().chain(summary)
     }
 
+    /// Returns whether a schedule of the model switches off equipment of a zone for most of the year.
+    pub fn is_mostly_off(&self, zone: &str) -> bool {
+        let mostly = self.switched_off.iter().filter(|off| off.share >= MOSTLY);
+        mostly.flat_map(|off| &off.zones).any(|other| other.eq_ignore_ascii_case(zone))
+    }
+
     /// Returns whether there is nothing to say.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use serde_json::json;
+
+    use super::*;
+    use crate::Model;
+    use crate::hvac::{KINDS, Unsupported, discover, switches_of_all};
+
+    /// Ideal loads whose heating is switched off by one schedule, and whose cooling is not by another.
+    #[test]
+    fn schedules_that_switch_off_equipment_are_told_with_their_share_of_the_year() {
+        let mut model = Model::from_epjson(
+            &json!({
+                "Zone": {"Z": {}},
+                "ZoneControl:Thermostat": {"T": {
+                    "zone_or_zonelist_name": "Z", "control_type_schedule_name": "Dual",
+                    "control_1_object_type": "ThermostatSetpoint:DualSetpoint", "control_1_name": "S"}},
+                "ZoneHVAC:EquipmentConnections": {"C": {
+                    "zone_name": "Z", "zone_conditioning_equipment_list_name": "L"}},
+                "ZoneHVAC:EquipmentList": {"L": {"equipment": [{
+                    "zone_equipment_object_type": "ZoneHVAC:IdealLoadsAirSystem", "zone_equipment_name": "Ideal"}]}},
+                "ZoneHVAC:IdealLoadsAirSystem": {"Ideal": {
+                    "heating_availability_schedule_name": "Season", "cooling_availability_schedule_name": "Always"}},
+            })
+            .to_string(),
+            Path::new("zone.epJSON"),
+        )
+        .unwrap();
+        let switches = switches_of_all(&model).unwrap();
+        let off: Vec<f64> =
+            switches.iter().map(|switch| if switch.schedule == "Season" { 0.95 } else { 0.0 }).collect();
+        assert_eq!(off.len(), 2);
+        let found = discover(&mut model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap();
+        let switched_off = switched_off(&switches, &off, &found);
+        let [only] = &switched_off[..] else { panic!("{switched_off:?}") };
+        let said = only.to_string();
+        assert!(said.contains("`Season`, 95 %") && said.contains("IdealLoadsAirSystem `Ideal`"), "{said}");
+        let notes = Notes { switched_off, ..Notes::default() };
+        assert!(notes.is_mostly_off("z") && !notes.is_mostly_off("Y"));
     }
 }

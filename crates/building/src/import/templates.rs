@@ -1,11 +1,11 @@
 //! Templates, which programs of EnergyPlus replace by objects before the engine reads a model.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use b2b_base::scratch::temporary_folder;
-use b2b_energyplus::Library;
 use b2b_energyplus::install::ENGINE_VERSION;
+use b2b_energyplus::{Library, run_program};
 
 use super::versions::document::{Body, Document};
 use super::versions::idf;
@@ -15,6 +15,8 @@ use crate::model::begins;
 const HVAC: &str = "HVACTemplate:";
 /// The program that expands them.
 const PROGRAM: &str = if cfg!(windows) { "ExpandObjects.exe" } else { "ExpandObjects" };
+/// Its time limit: it takes seconds for large models.
+const LIMIT: Duration = Duration::from_secs(60);
 /// The list of classes that it reads.
 const DICTIONARY: &str = "Energy+.idd";
 /// The class of its messages.
@@ -76,12 +78,10 @@ fn run(folder: &Path, text: &str) -> Result<String, String> {
     let said = |error: std::io::Error| error.to_string();
     std::fs::write(at("in.idf"), text).map_err(said)?;
     std::fs::copy(folder.join(DICTIONARY), at(DICTIONARY)).map_err(said)?;
-    let mut command = Command::new(folder.join(PROGRAM));
-    command.current_dir(work.path()).stdin(Stdio::null());
-    let output = command.output().map_err(said)?;
+    let (_, output) = run_program(&folder.join(PROGRAM), work.path(), LIMIT).map_err(said)?;
     std::fs::read(at("expanded.idf")).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(
         |_| {
-            let errors = std::fs::read(at("expandedidf.err")).unwrap_or(output.stdout);
+            let errors = std::fs::read(at("expandedidf.err")).unwrap_or(output.into_bytes());
             format!("it wrote no expanded.idf. {}", String::from_utf8_lossy(&errors).trim())
         },
     )
@@ -120,9 +120,12 @@ mod tests {
 
     #[test]
     fn templates_are_replaced_by_the_output_of_the_program() {
-        let document =
-            expanded("sed s/HVACTemplate:Thermostat/ThermostatSetpoint:DualSetpoint/ in.idf > expanded.idf");
-        assert_eq!(document.unwrap().of("ThermostatSetpoint:DualSetpoint").count(), 1);
+        let document = expanded(
+            "{ read -r a; read -r b; } < in.idf; echo \"$a$b ThermostatSetpoint:DualSetpoint,All;\" > expanded.idf",
+        );
+        let document = document.unwrap();
+        assert_eq!(document.of("ThermostatSetpoint:DualSetpoint").count(), 1);
+        assert_eq!(document.of("Version").count(), 1);
     }
 
     #[test]

@@ -93,6 +93,10 @@ fn notes_text(notes: &Notes) -> Option<String> {
         lines.push("autosized, without a size from the engine, and left to it:".to_owned());
         lines.extend(notes.left_autosized.iter().map(|field| format!("  {field}")));
     }
+    if !notes.switched_off.is_empty() {
+        lines.push("switched off by schedules of the model, whatever the setpoints:".to_owned());
+        lines.extend(notes.switched_off.iter().map(|off| format!("  {off}")));
+    }
     lines.extend(notes.warnings.iter().map(|warning| format!("warning: {warning}")));
     Some(format!("How the model was read\n  {}", lines.join("\n  ")))
 }

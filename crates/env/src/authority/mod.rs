@@ -36,6 +36,7 @@
 //!   zones of the loop, within their design flow, and less was commanded.
 //! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
 //! - **cooling setpoint**: the zone is below it without any cooling, or is cooled and never comes within 0.5 K of it.
+//! - **setpoints of a thermostat**: a schedule of the model switches the equipment off for at least 90 % of the year.
 
 mod bench;
 mod heat;

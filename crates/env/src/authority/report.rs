@@ -120,6 +120,8 @@ pub enum Limit {
     Cooler,
     /// Zone below the cooling setpoint without cooling.
     CoolZone,
+    /// Nothing happens, and a schedule of the model switches the equipment off for at least 90 % of the year.
+    SwitchedOff,
 }
 
 /// Returns whether a quantity is a flow, which can be zero.

@@ -33,7 +33,14 @@ impl Bench<'_> {
             let after = self.settle(&thermostats, STEPS)?;
             for (number, row) in tested {
                 let free = 0.5 * (before[number].0 + after[number].0);
-                rows.push(Row { verdict: judge(&row, free), ..row });
+                let zone = &self.building.zones[thermostats[number].1].name;
+                let verdict = match judge(&row, free) {
+                    Verdict::Fails if self.building.notes.is_mostly_off(zone) => {
+                        Verdict::AtCapacity(Limit::SwitchedOff)
+                    }
+                    other => other,
+                };
+                rows.push(Row { verdict, ..row });
             }
             before = after;
         }
@@ -99,7 +106,7 @@ impl Bench<'_> {
 }
 
 /// A setpoint must move its zone towards it, relative to the temperature without any call, unless the zone is beyond it
-/// anyway and gets nothing. A zone that never comes near its setpoint while it moves has equipment at capacity.
+/// anyway, or at it, and gets nothing. A zone that never comes near its setpoint while it moves has equipment at capacity.
 fn judge(row: &Row, free: f64) -> Verdict {
     let (sign, [short, idle]) = match row.quantity {
         Quantity::CoolingSetpoint => (-1.0, [Limit::Cooler, Limit::CoolZone]),
@@ -113,7 +120,7 @@ fn judge(row: &Row, free: f64) -> Verdict {
     match works {
         true if missing.abs() <= AT_SETPOINT => Verdict::Follows,
         true => Verdict::AtCapacity(short),
-        false if missing <= 0.0 => Verdict::AtCapacity(idle),
+        false if missing <= AT_SETPOINT => Verdict::AtCapacity(idle),
         false => Verdict::Fails,
     }
 }
@@ -147,6 +154,8 @@ mod tests {
         assert_eq!(heating(25.0, 500.0), Verdict::AtCapacity(Limit::Heater));
         assert_eq!(heating(20.0, 500.0), Verdict::AtCapacity(Limit::Heater));
         assert_eq!(heating(31.0, 0.0), Verdict::Follows, "it was 20 °C without the setpoint");
+        let at_setpoint = judge(&row(Quantity::HeatingSetpoint, 30.0, 30.0 - 1e-9, 0.0), 31.0);
+        assert_eq!(at_setpoint, Verdict::AtCapacity(Limit::WarmZone), "it is there without heat");
         assert_eq!(heating(20.0, 0.0), Verdict::Fails, "nothing happens below the setpoint");
         let cooling = |free, mean, cold| judge(&row(Quantity::CoolingSetpoint, 15.0, mean, cold), free);
         assert_eq!(cooling(22.0, 15.1, 500.0), Verdict::Follows);

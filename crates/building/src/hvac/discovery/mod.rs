@@ -116,6 +116,12 @@ impl Discovery {
         groups.iter().map(|(class, reason, count)| format!("{count} × {class}: {reason}")).collect()
     }
 
+    /// Returns the zones that are controlled through their setpoints.
+    pub(crate) fn setpoint_zones(&self) -> Vec<&str> {
+        let of_setpoints = |system: &&dyn System| system.kind() == Kind::of::<SetpointZone>();
+        self.systems.iter().map(|system| &**system).filter(of_setpoints).flat_map(System::zones).collect()
+    }
+
     fn system_of(&self, zone: &str) -> Option<&dyn System> {
         let serves = |system: &&dyn System| system.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
         self.systems.iter().map(|system| &**system).find(serves)

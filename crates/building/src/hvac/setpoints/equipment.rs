@@ -101,7 +101,7 @@ fn has_cooler(model: &Model, mut components: Vec<Reference>) -> bool {
 }
 
 /// The objects that an object names, as `…_object_type` with `…_name`.
-fn consists_of(fields: &Fields) -> Vec<Reference> {
+pub(super) fn consists_of(fields: &Fields) -> Vec<Reference> {
     let parts = fields.keys().filter_map(|key| key.strip_suffix("_object_type"));
     let reference = |part: &str| {
         let field = |suffix: &str| text(fields, &format!("{part}_{suffix}")).map(str::to_owned);

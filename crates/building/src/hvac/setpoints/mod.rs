@@ -7,6 +7,7 @@
 //! at least [`LEAST_GAP`] above the heating setpoint: see [`separate`].
 
 mod equipment;
+mod switches;
 
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,7 @@ use super::thermostat::{OUT_OF_REACH, own_thermostat, remove_comfort_control};
 use crate::model::text;
 use crate::morphology::NodeType;
 use crate::{Conditioning, Model, Result};
+pub(crate) use switches::{Switch, switches_of_all};
 
 /// Bounds of the heating setpoint, °C.
 pub const HEATING: [f64; 2] = [10.0, 30.0];

@@ -53,6 +53,16 @@ fn what_has_no_counterpart_is_listed_with_its_value() {
 }
 
 #[test]
+fn refrigerant_flow_by_schedule_follows_the_load_and_is_told() {
+    let blanks = ",".repeat(33);
+    let (document, report) =
+        idf("24.2", &format!("AirConditioner:VariableRefrigerantFlow,Outdoor{blanks},Scheduled,Modes;"));
+    let unit = values(&document, "AirConditioner:VariableRefrigerantFlow")[0];
+    assert_eq!(unit[34..], ["LoadPriority", "Modes"]);
+    assert!(report.changed.iter().any(|change| change.what.contains("`Scheduled` is now `LoadPriority`")));
+}
+
+#[test]
 fn an_epjson_is_converted_by_the_names_of_its_fields() {
     let (model, report) = epjson(
         "9.5",

@@ -1,0 +1,55 @@
+//! Schedules that switch off the equipment of zones, whatever their setpoints.
+
+use std::collections::HashSet;
+
+use super::equipment::{conditioning, consists_of};
+use crate::hvac::air_loop_graph::supply_components;
+use crate::hvac::capacity::air_loop_of;
+use crate::hvac::references::Reference;
+use crate::{Model, Result};
+
+/// End of the names of the fields, such as `heating_availability_schedule_name`.
+const SWITCH: &str = "availability_schedule_name";
+
+/// An object of a zone's equipment, and a schedule that switches it off where it is zero.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Switch {
+    /// The zone.
+    pub(crate) zone: String,
+    /// The equipment, one of its parts, or a component of the zone's air loop.
+    pub(crate) object: Reference,
+    /// The schedule.
+    pub(crate) schedule: String,
+}
+
+/// Returns the switches of the equipment that heats or cools the zones of a model.
+///
+/// # Errors
+/// [`crate::Error::MissingObject`] for a dangling reference.
+pub(crate) fn switches_of_all(model: &Model) -> Result<Vec<Switch>> {
+    let zones = model.names("Zone");
+    let each = zones.iter().map(|zone| switches(model, zone)).collect::<Result<Vec<_>>>()?;
+    Ok(each.into_iter().flatten().collect())
+}
+
+/// Returns the switches of the equipment of a zone, with the air handler of its loop.
+fn switches(model: &Model, zone: &str) -> Result<Vec<Switch>> {
+    let mut objects = conditioning(model, zone)?;
+    if let Some(air_loop) = air_loop_of(model, zone)? {
+        objects.extend(supply_components(model, &air_loop).unwrap_or_default());
+    }
+    let (mut seen, mut found) = (HashSet::new(), Vec::new());
+    while let Some(object) = objects.pop() {
+        let Some(fields) = model.get(&object.class, &object.name) else { continue };
+        if !seen.insert((object.class.to_lowercase(), object.name.to_lowercase())) {
+            continue;
+        }
+        let schedules = fields.iter().filter(|(field, _)| field.ends_with(SWITCH));
+        for schedule in schedules.filter_map(|(_, value)| value.as_str()).filter(|name| !name.is_empty()) {
+            let (zone, object) = (zone.to_owned(), object.clone());
+            found.push(Switch { zone, object, schedule: schedule.to_owned() });
+        }
+        objects.extend(consists_of(fields));
+    }
+    Ok(found)
+}
