@@ -229,7 +229,9 @@ def import_building(
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
     if (weather is None) == (place is None):
-        raise SettingError("a model needs the weather of one place; pass an EPW file as weather, or place=, such as Chicago")
+        raise SettingError(
+            "a model needs the weather of one place; pass an EPW file as weather, or place=, such as Chicago"
+        )
     return find_building(
         os.fspath(path),
         place,
