@@ -210,13 +210,15 @@ def find_building(
 
 def import_building(
     model: PathLike,
-    weather: PathLike,
+    weather: PathLike | None = None,
     *,
+    place: str | None = None,
     allow_external: bool = False,
     control: str = "actuators",
     keep_design_days: bool = False,
 ) -> Building:
-    """Imports an EnergyPlus model (IDF or epJSON, version 8.8 to 25.2) with a weather file (EPW).
+    """Imports an EnergyPlus model (IDF or epJSON, version 8.8 to 25.2) with a weather file (EPW), or the weather of a
+    known place (:func:`list_places`).
 
     Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
     thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,
@@ -226,10 +228,14 @@ def import_building(
     path = Path(model).resolve()
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
+    if (weather is None) == (place is None):
+        raise SettingError(
+            "a model needs the weather of one place; pass an EPW file as weather, or place=, such as Chicago"
+        )
     return find_building(
         os.fspath(path),
-        None,
-        Path(weather).resolve(),
+        place,
+        None if weather is None else Path(weather).resolve(),
         allow_external=allow_external,
         control=control,
         keep_design_days=keep_design_days,

@@ -127,6 +127,9 @@ def _is_plain(acting: str | None, observation: str | None) -> bool:
 
 def _env_id(building: str) -> tuple[str, dict[str, str]]:
     """Returns the id of a building type or of a dataset building's type, and the argument for the latter."""
+    if not isinstance(building, str):
+        remedy = "pass a name such as OfficeSmall-0042, a Building as building=, or several to make_vec as buildings="
+        raise SettingError(f"the building is {building!r}; {remedy}")
     for name in list_building_types():
         if name.lower() == building.lower():
             return f"b2b/{name}-v1", {}

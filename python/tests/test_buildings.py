@@ -71,6 +71,8 @@ def test_an_imported_model_is_an_environment(make):
     assert env.observation_space.contains(observation) and env.action_space.shape[0] >= 4
     with pytest.raises(errors.BuildingError, match="nowhere.idf"):
         b2b.import_building("nowhere.idf", building.weather)
+    with pytest.raises(errors.SettingError, match="EPW file as weather, or place="):
+        b2b.import_building(package / "model/ASHRAE901_RestaurantFastFood_STD2019_Denver.idf")
 
 
 def test_an_edited_model_is_written_and_imported(tmp_path):

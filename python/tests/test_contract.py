@@ -306,6 +306,7 @@ def test_a_frame_has_the_power_of_the_steps_between_two_calls(make):
     "arguments, error, words",
     [
         ({"building_type": "OficeSmall"}, errors.BuildingError, "OfficeSmall"),
+        ({"building_type": 3}, errors.SettingError, "the building is 3; pass a name"),
         ({"building_type": "OfficeSmall", "building_id": "OfficeSmall-2000"}, errors.BuildingError, "1000"),
         ({"building_type": "OfficeSmall", "place": "Dever"}, errors.BuildingError, "Denver"),
         ({"building_type": "OfficeSmall", "index": 900}, errors.SettingError, "0 to 899"),

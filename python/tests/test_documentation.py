@@ -26,10 +26,13 @@ SHORTER = {
 }
 
 
+#: A block of Python, without the tags of a cell.
+BLOCK = re.compile(r"```(?:python|\{code-cell\}[^\n]*(?:\n:tags:[^\n]*)?)\n(.*?)```", re.S)
+
+
 def blocks(page: Path) -> str:
     """Returns the Python of a page."""
-    found = re.findall(r"```(?:python|\{code-cell\}[^\n]*)\n(.*?)```", page.read_text(), re.S)
-    code = "\n".join(found)
+    code = "\n".join(BLOCK.findall(page.read_text()))
     for long, short in SHORTER.items():
         code = code.replace(long, short)
     return code
@@ -72,15 +75,20 @@ def page(name: str):
 
 @pytest.mark.parametrize("name", [page(name) for name in PAGES])
 def test_the_code_of_a_page_runs(name, tmp_path):
-    code = blocks(DOCS / f"{name}.md")
+    page = DOCS / f"{name}.md"
+    code = blocks(page)
     assert code
-    assert PAGES[name] in run(code, tmp_path)
+    printed = run(code, tmp_path)
+    assert PAGES[name] in printed
+    whole = all(long not in page.read_text() for long in SHORTER)
+    if name.startswith("tutorials/") and whole:
+        assert "".join(re.findall(r"```text\n(.*?)```", page.read_text(), re.S)) == printed
 
 
 def test_blocks_of_python_are_python():
     pages = [ROOT / "README.md", *DOCS.rglob("*.md")]
     for page in pages:
-        for block in re.findall(r"```(?:python|\{code-cell\}[^\n]*)\n(.*?)```", page.read_text(), re.S):
+        for block in BLOCK.findall(page.read_text()):
             compile(block, str(page), "exec")
 
 

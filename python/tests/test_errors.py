@@ -24,7 +24,7 @@ def test_a_hint_names_packages_that_a_registry_has(extra, monkeypatch):
 @pytest.mark.parametrize("page", sorted((ROOT / "docs/tutorials").glob("*.md")), ids=lambda page: page.stem)
 def test_a_tutorial_says_what_it_needs(page):
     text = page.read_text()
-    # Outputs are made when the site is built, and are not in the file.
+    # Plots are made when the site is built, and are not in the file.
     assert "`docs/build.sh` builds the pages" in text
     for package in ("matplotlib", "stable_baselines3"):
         if f"import {package}" in text:

@@ -30,7 +30,7 @@ Examples:
   b2b edit office.idf --x-scale 1.2 --y-scale 0.9 --north-axis 45 --out stretched.epJSON"
 )]
 pub struct Arguments {
-    /// Model file (.idf or .epJSON, EnergyPlus 25.2 or 25.1)
+    /// Model file (.idf or .epJSON, EnergyPlus 8.8 to 25.2)
     #[arg(value_name = "MODEL")]
     model: PathBuf,
     /// File to write

@@ -1,10 +1,11 @@
-//! `b2b list`: building types and places.
+//! `b2b list`: building types, places and tariffs.
 
 use anyhow::Result;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::PLACES;
 use b2b_dataset::BuildingName;
 use b2b_env::Task;
+use b2b_env::tariff::Tariff;
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
@@ -12,16 +13,17 @@ use crate::prepare::Prepared;
 use crate::stdout;
 use crate::table::Table;
 
-/// List building types or places
+/// List building types, places or tariffs
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b list
   b2b list --sizes         with the sizes of observation and action
-  b2b list places --json")]
+  b2b list places --json
+  b2b list tariffs         for --task operate+TARIFF")]
 pub struct Arguments {
     /// Items to list
-    #[arg(value_enum, value_name = "types|places", hide_possible_values = true, default_value_t = Subject::Types)]
+    #[arg(value_enum, value_name = "types|places|tariffs", hide_possible_values = true, default_value_t = Subject::Types)]
     subject: Subject,
     /// Include the number of zones and the sizes of observation and action (takes about a second per type)
     #[arg(long)]
@@ -41,6 +43,8 @@ enum Subject {
     Types,
     /// Places with weather files
     Places,
+    /// Tariffs for tasks
+    Tariffs,
 }
 
 /// The size of the environment of a type.
@@ -55,6 +59,7 @@ pub fn list(arguments: &Arguments) -> Result<()> {
     match (arguments.subject, arguments.json) {
         (Subject::Places, true) => stdout::print_json(&places_json()),
         (Subject::Places, false) => stdout::print(&places_text()),
+        (Subject::Tariffs, json) => tariffs(json),
         (Subject::Types, _) => types(arguments),
     }
 }
@@ -135,4 +140,20 @@ fn places_json() -> Value {
         })
     };
     PLACES.iter().map(place).collect()
+}
+
+fn tariffs(json: bool) -> Result<()> {
+    let tariffs = Tariff::names().map(Tariff::named).collect::<Result<Vec<_>, _>>()?;
+    if json {
+        let tariff = |tariff: &Tariff| {
+            let Tariff { name, title, place, currency, .. } = tariff;
+            json!({"tariff": name, "title": title, "place": place, "currency": currency})
+        };
+        return stdout::print_json(&tariffs.iter().map(tariff).collect::<Value>());
+    }
+    let mut table = Table::new(["tariff", "currency", "place", "title"]);
+    for Tariff { name, currency, place, title, .. } in tariffs {
+        table.row([name, currency, place, title]);
+    }
+    stdout::print(&table.text())
 }

@@ -1,14 +1,43 @@
 //! Suggestions for misspelled words.
 
 use clap::CommandFactory as _;
+use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
 use crate::Cli;
 
+/// Adds what to do to an error about the arguments.
+pub fn add(usage: Error) -> Error {
+    match usage.kind() {
+        ErrorKind::InvalidSubcommand => add_command(usage),
+        ErrorKind::ValueValidation | ErrorKind::UnknownArgument => add_comparison(usage),
+        _ => usage,
+    }
+}
+
+/// Adds how to compare controllers if the name of another controller is taken for a building, as in `--policy hold off`.
+fn add_comparison(mut usage: Error) -> Error {
+    let given =
+        [ContextKind::InvalidValue, ContextKind::InvalidArg].into_iter().find_map(|kind| usage.get(kind));
+    let names: Vec<&str> = match given {
+        Some(ContextValue::String(value)) => vec![value],
+        Some(ContextValue::Strings(values)) => values.iter().map(String::as_str).collect(),
+        _ => return usage,
+    };
+    if let Some(kind) = names.into_iter().find_map(b2b_control::kind) {
+        let tip = format!(
+            "`{}` is a controller, and a command runs one; give each its own --out, then use `b2b compare` or `b2b evaluate compare`",
+            kind.name()
+        );
+        usage.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![StyledStr::from(tip)]));
+    }
+    usage
+}
+
 /// Adds the most similar command to an error about an unknown one, because clap does not recognize swapped letters, as
 /// in `rnu`.
-pub fn add(mut usage: Error) -> Error {
-    if usage.kind() != ErrorKind::InvalidSubcommand || usage.get(ContextKind::SuggestedSubcommand).is_some() {
+fn add_command(mut usage: Error) -> Error {
+    if usage.get(ContextKind::SuggestedSubcommand).is_some() {
         return usage;
     }
     let Some(ContextValue::String(given)) = usage.get(ContextKind::InvalidSubcommand) else { return usage };

@@ -54,7 +54,8 @@ pub enum Error {
     },
     /// An unknown policy.
     #[error(
-        "unknown policy `{text}`; expected {}, the folder of an agent or an ONNX file (.onnx)",
+        "unknown policy `{text}`{}; expected {}, the folder of an agent or an ONNX file (.onnx)",
+        remedy(text),
         b2b_control::KINDS.map(b2b_control::Kind::name).join(", ")
     )]
     UnknownPolicy {
@@ -183,4 +184,18 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Returns a function that adds the path to a system error.
 pub(crate) fn at(path: &Path) -> impl Fn(std::io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }
+}
+
+/// Returns what to do about an unknown policy, behind a comma: compare policies if several are named, use the nearest
+/// name if one is similar; otherwise empty.
+fn remedy(policy: &str) -> String {
+    let known = || b2b_control::KINDS.into_iter().map(b2b_control::Kind::name);
+    let mut words = policy.split([' ', ',']).filter(|word| !word.is_empty());
+    if words.clone().count() > 1 && words.all(|word| known().any(|name| name == word)) {
+        return ", an evaluation has one policy: evaluate each in its own folder, then `b2b evaluate compare`".into();
+    }
+    match b2b_base::suggestion::nearest(policy, known()).as_str() {
+        "" => String::new(),
+        near => format!(", did you mean {near}?"),
+    }
 }

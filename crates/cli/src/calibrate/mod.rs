@@ -35,7 +35,7 @@ Examples:
   b2b calibrate OfficeSmall-0042 --energy metered.csv --out calibrated.epJSON"
 )]
 pub struct Arguments {
-    /// Model file (.idf or .epJSON, EnergyPlus 25.2 or 25.1), or a building of the dataset
+    /// Model file (.idf or .epJSON, EnergyPlus 8.8 to 25.2), or a building of the dataset
     #[arg(value_name = "MODEL")]
     model: BuildingName,
     #[command(flatten)]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use b2b_base::seal;
 use b2b_building::{Controls, RunPeriod};
 use b2b_env::{HeatingOnlyZones, Task};
 use serde::Deserialize;
@@ -166,6 +167,12 @@ impl Described {
     fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read(path)
             .with_context(|| format!("cannot read {}, which `b2b run` writes", path.display()))?;
+        if seal::is_intact(&text, Summary::SEAL) == Some(false) {
+            bail!(
+                "{} was changed: it does not have the hash that it states; run the episode again",
+                path.display()
+            );
+        }
         serde_json::from_slice(&text)
             .with_context(|| format!("{} is not a summary written by `b2b run`", path.display()))
     }

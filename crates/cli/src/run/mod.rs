@@ -6,6 +6,7 @@ mod picture;
 pub mod summary;
 pub mod trajectory_file;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
@@ -203,7 +204,8 @@ impl Author {
             trajectory_file::write(file, spaces, trajectory, decisions, summary.identity())
         })?;
         folder.write(picture::NAME, |file| picture::write(file, spaces, rollout, baseline, &summary))?;
-        folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
+        let json = summary.json()?;
+        folder.write(Summary::NAME, |file| Ok(file.write_all(&json)?))?;
         Ok(summary)
     }
 }

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use b2b_base::digest::sha256;
+use b2b_base::seal;
 use b2b_building::Carrier;
 use b2b_control::Versions;
 use b2b_env::{BillPart, EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, Term, ZoneMetrics};
@@ -74,6 +76,8 @@ pub struct Summary {
     pub steps_per_s: f64,
     /// The controlled zones.
     pub zones: Vec<ZoneSummary>,
+    /// SHA-256 of the file with zeros in place of this.
+    pub summary_sha256: String,
 }
 
 /// Properties of a run that are not part of the environment.
@@ -118,11 +122,13 @@ impl ZoneSummary {
 impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
+    /// The text before its own SHA-256.
+    pub const SEAL: &str = "\"summary_sha256\": \"";
 
     /// Summarizes a finished episode.
     pub fn of(spaces: &Spaces, rollout: &Rollout, info: RunInfo) -> Result<Self> {
         let (metrics, engine, episode) = (&rollout.metrics, &rollout.engine, &spaces.episode);
-        Ok(Self {
+        let mut summary = Self {
             building: spaces.building.name.clone(),
             info,
             versions: Versions::current(),
@@ -149,7 +155,15 @@ impl Summary {
             environment_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
             zones: zones(spaces, metrics),
-        })
+            summary_sha256: seal::open(),
+        };
+        summary.summary_sha256 = sha256(summary.json()?);
+        Ok(summary)
+    }
+
+    /// Returns the content of the file.
+    pub fn json(&self) -> Result<Vec<u8>> {
+        Ok(serde_json::to_vec_pretty(self)?)
     }
 
     /// Returns the identity that the trajectory file repeats.

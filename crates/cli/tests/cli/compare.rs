@@ -139,6 +139,11 @@ fn runs_that_do_not_belong_together_are_rejected() {
     std::fs::write(folder.path().join("bare/summary.json"), "{}").unwrap();
     rejected("compare a bare", &["bare/summary.json is not a summary"]);
     copy("summary.json", "a", "bare");
+    let summary = folder.path().join("bare/summary.json");
+    let told = std::fs::read_to_string(&summary).unwrap();
+    std::fs::write(&summary, told.replacen("\"return\": -", "\"return\": -1", 1)).unwrap();
+    rejected("compare a bare", &["bare/summary.json was changed", "run the episode again"]);
+    std::fs::write(&summary, told).unwrap();
     std::fs::write(folder.path().join("bare/trajectory.parquet"), "PAR1").unwrap();
     rejected("compare a bare", &["bare/trajectory.parquet is not a trajectory"]);
 }

@@ -26,6 +26,11 @@ fn no_command_runs_code_of_the_current_folder() {
         "weather w.epw",
         "evaluate OfficeSmall --policy reactive",
         "train OfficeSmall --steps 1",
+        "serve OfficeSmall",
+        "check OfficeSmall-0001",
+        "collect b2b/here-v0 OfficeSmall --period 01-09..01-09",
+        "baseline OfficeSmall --task constant --period winter",
+        "benchmark run dynamics-house --policy reactive --out b",
     ];
     // Each of them is another way to the packages.
     for arguments in installs {

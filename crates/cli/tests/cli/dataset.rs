@@ -242,6 +242,30 @@ fn the_ranges_in_the_documentation_match_the_dataset() {
 }
 
 #[test]
+fn the_shares_of_ducted_houses_in_the_documentation_match_the_dataset() {
+    let read = |path: &str| {
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)).unwrap()
+    };
+    let table = read("crates/dataset/data/v1.csv");
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let [kind, pump, heater] = ["type", "heat_pump_cop", "heater"]
+        .map(|name| header.iter().position(|column| *column == name).unwrap());
+    let houses: Vec<_> = lines.filter(|cells| cells[kind] == "SingleFamilyHouse").collect();
+    let page = read("docs/dataset.md");
+    for (name, has_pump) in [("heat pump", true), ("furnace with air conditioning", false)] {
+        let share = |of: &[&str]| {
+            let count =
+                |cells: &&Vec<&str>| cells[pump].is_empty() != has_pump && of.contains(&cells[heater]);
+            format!("{:.1} %", 100.0 * houses.iter().filter(count).count() as f64 / houses.len() as f64)
+        };
+        let [electric, fuel, sum] = [&["electric"][..], &["fuel"], &["electric", "fuel"]].map(share);
+        let row = format!("| {name} | {electric} | {fuel} | {sum} |");
+        assert!(page.contains(&row), "{row}");
+    }
+}
+
+#[test]
 fn invalid_arguments_are_rejected_with_the_valid_ones() {
     for (arguments, words) in [
         ("run OfficeSmall-1001", ["1001", "OfficeSmall-1000"]),

@@ -79,8 +79,14 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     std::fs::write(folder.path().join("no.onnx"), "this is no model").unwrap();
     refused("evaluate --policy no.onnx --out x", &["no.onnx is not a valid ONNX model"]);
     refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
-    refused("evaluate --policy reactiv --out x", &["`reactiv`", "planner", ".onnx"]);
-    refused("evaluate --policy random --task constnt --out x", &["constnt", "occupancy"]);
+    refused(
+        "evaluate --policy reactiv --out x",
+        &["`reactiv`, did you mean `reactive`?", "planner", ".onnx"],
+    );
+    refused("evaluate --policy hold,off --out x", &["an evaluation has one policy", "b2b evaluate compare"]);
+    refused("evaluate --policy hold off --out x", &["`off` is a controller", "b2b evaluate compare"]);
+    refused("run OfficeSmall --controller own hold", &["`hold` is a controller", "b2b compare"]);
+    refused("evaluate --policy random --task constnt --out x", &["constnt", "occupancy", "operate+tou"]);
     refused("evaluate --policy random --task constant+energyNaN --out x", &["energyNaN", "energy0.5"]);
     refused("evaluate --policy random --task constant+energyinf --out x", &["energyinf", "energy0.5"]);
     refused("evaluate OfficeSmal-1 --policy random --out x", &["OfficeSmal"]);

@@ -115,11 +115,13 @@ fn areas_by_surface(traces: &Value) -> HashMap<String, f64> {
 }
 
 #[test]
-fn list_names_every_type_and_every_place() {
+fn list_names_every_type_place_and_tariff() {
     let sandbox = Sandbox::new();
     let types = sandbox.json("list");
     assert_eq!(types.as_array().unwrap().len(), 6);
     assert!(types.as_array().unwrap().iter().any(|each| each["type"] == "OfficeMedium"));
     let places = sandbox.json("list places");
     assert!(places.as_array().unwrap().iter().any(|each| each["place"] == "Montréal"));
+    let tariffs = sandbox.json("list tariffs");
+    assert!(tariffs.as_array().unwrap().iter().any(|each| each["tariff"] == "pge-b10"));
 }

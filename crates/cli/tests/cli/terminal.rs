@@ -56,6 +56,7 @@ fn tables_fit_80_columns() {
         "list",
         "list --sizes",
         "list places",
+        "list tariffs",
         "show OfficeSmall --all",
         "show SingleFamilyHouse-0042",
         #[cfg(target_os = "linux")]
