@@ -34,10 +34,13 @@ struct Command {
 const MILD: Command =
     Command { supply_temperature: 18.0, outdoor_air: 0.05, openings: [0.3; 5], heating_setpoint: 20.0 };
 
-/// A day under `command(step)`; `look` sees the end of every step with the command that it ran under.
+/// What sees the end of every step with the command that it ran under.
+type Look<'a> = Box<dyn FnMut(&Reader, usize, Command) + 'a>;
+
+/// A day under `command(step)`.
 struct Trial<'a> {
     command: fn(usize) -> Command,
-    look: Box<dyn FnMut(&Reader, usize, Command) + 'a>,
+    look: Look<'a>,
 }
 
 impl<'a> Trial<'a> {
