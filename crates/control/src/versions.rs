@@ -21,8 +21,8 @@ pub struct Versions {
     /// Hash of the reactive controllers' parameters; empty in files of older versions.
     #[serde(default)]
     pub controllers: String,
-    /// Revision of the sequences of `guideline36` ([`REVISION`]); 0 in files of older versions.
-    #[serde(default)]
+    /// Revision of the sequences of `guideline36` ([`REVISION`]); 0 in files of older versions, which do not state it.
+    #[serde(default, skip_serializing_if = "is_unknown")]
     pub guideline36: u32,
 }
 
@@ -64,6 +64,10 @@ impl std::fmt::Display for Versions {
              guideline36 revision {guideline36}"
         )
     }
+}
+
+fn is_unknown(revision: &u32) -> bool {
+    *revision == 0
 }
 
 /// Returns one hash of the parameters of all reactive controllers.

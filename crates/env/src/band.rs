@@ -4,6 +4,7 @@ use b2b_building::{Conditioning, Date, PreparedBuilding, Span, ZoneYear};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
+use crate::presence::Presence;
 use crate::setpoints::Setpoints;
 use crate::{Error, Result};
 
@@ -85,6 +86,8 @@ pub struct NextPair {
 #[derive(Clone, Debug)]
 pub struct Bands {
     band: Band,
+    /// Whether people come and go by their schedules.
+    scheduled: bool,
     zones: Vec<ZoneBands>,
 }
 
@@ -136,25 +139,25 @@ impl Days {
 
 impl Bands {
     /// Returns the bands of a building; `None` if the task has targets instead.
-    pub fn new(setpoints: &Setpoints, building: &PreparedBuilding) -> Option<Self> {
+    pub fn new(setpoints: &Setpoints, presence: Presence, building: &PreparedBuilding) -> Option<Self> {
         let Setpoints::Band { band } = setpoints else { return None };
         let zones = building.zones.iter().enumerate();
         let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, zone)| {
             let cooled = zone.conditioning == Conditioning::HeatingAndCooling;
             ZoneBands { year: building.years.get(index).cloned().unwrap_or_default(), cooled }
         });
-        Some(Self { band: band.clone(), zones: zones.collect() })
+        Some(Self { band: band.clone(), scheduled: presence.is_scheduled(), zones: zones.collect() })
     }
 
-    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for a zone whose schedules are not known:
-    /// in an observation they are seen a step late.
+    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and for
+    /// random presence: an observation has the people of the step before.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let zone = &self.zones[zone];
         match &self.band {
             Band::Own if zone.year.is_empty() => zone.pair(UNASKED),
             Band::Own => zone.of_span(&zone.year.at(day_of_year, hour)),
             Band::Presence { occupied, unoccupied } => {
-                let known = !zone.year.is_empty();
+                let known = self.scheduled && !zone.year.is_empty();
                 let people = if known { zone.year.at(day_of_year, hour).people } else { people };
                 zone.pair(if people { *occupied } else { *unoccupied })
             }
@@ -245,7 +248,7 @@ mod tests {
     fn office(band: Band) -> Bands {
         let year = ZoneYear::default();
         let zone = |cooled| ZoneBands { year: year.clone(), cooled };
-        Bands { band, zones: vec![zone(true), zone(false)] }
+        Bands { band, scheduled: true, zones: vec![zone(true), zone(false)] }
     }
 
     fn weekdays() -> Band {
@@ -272,13 +275,15 @@ mod tests {
             serde_json::from_str(&format!(r#"{{"profiles":[[{spans}]],"days":[0]}}"#)).unwrap();
         let band = Band::Presence { occupied: [21.0, 24.0], unoccupied: [15.6, 28.0] };
         let zones = [year, ZoneYear::default()].map(|year| ZoneBands { year, cooled: true });
-        let bands = Bands { band, zones: zones.into() };
+        let mut bands = Bands { band, scheduled: true, zones: zones.into() };
         let heating = |zone, hour, people| bands.at(zone, 1, hour, people).heating;
         assert_eq!(
             [heating(0, 5.9, true), heating(0, 6.0, false), heating(0, 18.0, true)],
             [15.6, 21.0, 15.6]
         );
         assert_eq!([heating(1, 12.0, false), heating(1, 0.0, true)], [15.6, 21.0]);
+        bands.scheduled = false;
+        assert_eq!(bands.at(0, 1, 12.0, false).heating, 15.6, "random presence");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::Result;
 use crate::band::{Band, Bands, NextPair, Pair};
 use crate::calendar::{Moment, Season, Seasons};
 use crate::limits::within;
+use crate::presence::Presence;
 use crate::random::stream;
 
 /// Target temperatures, °C (paper, section on tasks).
@@ -236,9 +237,15 @@ struct Plan {
 
 impl Targets {
     /// Creates the targets of the controlled zones of a building at a site with these seasons.
-    pub(crate) fn of(setpoints: &Setpoints, building: &PreparedBuilding, seasons: Seasons) -> Self {
+    pub(crate) fn of(
+        setpoints: &Setpoints,
+        presence: Presence,
+        building: &PreparedBuilding,
+        seasons: Seasons,
+    ) -> Self {
         let zones = building.controlled_zones().count();
-        let targets = Self::with_bands(setpoints, Bands::new(setpoints, building), building.class, zones);
+        let bands = Bands::new(setpoints, presence, building);
+        let targets = Self::with_bands(setpoints, bands, building.class, zones);
         Self { seasons, ..targets }
     }
 

@@ -56,7 +56,8 @@ impl AgentObservation {
 
     /// Creates an observation of these slots, without a forecast; with `previews`, of changes of bands ahead too.
     pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces, previews: bool) -> Self {
-        let bands = Bands::new(&spaces.episode.task.setpoints, &spaces.building).filter(|_| previews);
+        let task = &spaces.episode.task;
+        let bands = Bands::new(&task.setpoints, task.presence, &spaces.building).filter(|_| previews);
         Self {
             features,
             memory: Memory::new(spaces),

@@ -128,7 +128,7 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
-            targets: Targets::of(&task.setpoints, &spaces.building, seasons),
+            targets: Targets::of(&task.setpoints, task.presence, &spaces.building, seasons),
             seasons,
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),

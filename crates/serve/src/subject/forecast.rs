@@ -78,7 +78,7 @@ impl Forecasts {
         let by_hour = |factor: &b2b_env::Hourly| std::array::from_fn(|hour| factor.at(hour as f64));
         Ok(Self {
             points: points(spaces),
-            bands: Bands::new(&task.setpoints, &spaces.building).ok_or_else(no_bands)?,
+            bands: Bands::new(&task.setpoints, task.presence, &spaces.building).ok_or_else(no_bands)?,
             profile: task.emission_profile.as_ref().map(|profile| profile.emissions()).transpose()?,
             factors: [by_hour(&task.emissions.electricity), by_hour(&task.emissions.gas)],
             dry_bulbs,
