@@ -25,6 +25,13 @@ def _spaces(pilot: _core.Pilot) -> tuple[Box, Box]:
     return Box(-np.inf, np.inf, (slots,), np.float32), Box(-1.0, 1.0, (actions,), np.float32)
 
 
+def _named(metadata: dict[str, Any], pilot: _core.Pilot) -> dict[str, Any]:
+    """Returns the metadata of a building with the names of the pilot, whose values have no unit."""
+    for side, names in [("observation", pilot.observation_names()), ("action", pilot.action_names())]:
+        metadata = {**metadata, f"{side}_names": names, f"{side}_units": ["1"] * len(names)}
+    return metadata
+
+
 class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
     """A building for an agent with an *acting*; ``make_env(acting=...)`` makes one.
 
@@ -40,8 +47,7 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         self._building = core
         self._pilot = _core.Pilot(core.layout.spaces, observation, acting)
         self.observation_space, self.action_space = _spaces(self._pilot)
-        names = {"observation_names": self._pilot.observation_names(), "action_names": self._pilot.action_names()}
-        self.metadata = {**env.metadata, **names}
+        self.metadata = _named(env.metadata, self._pilot)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         _, info = self.env.reset(seed=seed, options=options)
@@ -82,11 +88,7 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         self.single_observation_space, self.single_action_space = _spaces(self._pilots[0])
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
         self.action_space = batch_space(self.single_action_space, env.num_envs)
-        names = {
-            "observation_names": self._pilots[0].observation_names(),
-            "action_names": self._pilots[0].action_names(),
-        }
-        self.metadata = {**env.metadata, **names}
+        self.metadata = _named(env.metadata, self._pilots[0])
 
     def _pilot(self, index: int) -> _core.Pilot:
         return _core.Pilot(self.env.layout_of(index).spaces, *self._names)

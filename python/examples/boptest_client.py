@@ -1,14 +1,15 @@
 """A controller against BOPTEST's calls, in the sequence of its own examples.
 
-Start `b2b serve OfficeSmall` first; this script takes its URL and, optionally, the hours to run. The same sequence
-runs against BOPTEST: only the URL, the test case and the names of points differ.
+Start `b2b serve BUILDING` first; this script takes its URL and, optionally, the hours to run. The same sequence runs
+against BOPTEST: only the URL, the test case and the names of points differ.
 """
 
 import json
 import sys
+import urllib.error
 import urllib.request
 
-TEST_CASE = "OfficeSmall"
+FLOW, TEMPERATURE = "_supply_air_flow_u", "_air_temperature_y"  # ends of the names of points
 WARMER = 294.15  # K
 
 
@@ -17,8 +18,11 @@ def request(method, path, body=None):
     data = None if body is None else json.dumps(body).encode()
     headers = {"Content-Type": "application/json"}
     sent = urllib.request.Request(f"{url}/{path}", data=data, headers=headers, method=method)
-    with urllib.request.urlopen(sent, timeout=600) as answer:
-        text = answer.read().decode()
+    try:
+        with urllib.request.urlopen(sent, timeout=600) as answer:
+            text = answer.read().decode()
+    except urllib.error.HTTPError as error:
+        sys.exit(f"{method} {path}: {error.read().decode()}")
     return text if text == "OK" else json.loads(text)
 
 
@@ -31,12 +35,13 @@ url = sys.argv[1].rstrip("/") if len(sys.argv) > 1 else "http://127.0.0.1:8000"
 hours = int(sys.argv[2]) if len(sys.argv) > 2 else 48
 
 print("version:", request("GET", "version")["payload"]["version"])
-testid = request("POST", f"testcases/{TEST_CASE}/select")["testid"]
+test_case = request("GET", "testcases")[0]["testcaseid"]
+testid = request("POST", f"testcases/{test_case}/select")["testid"]
 try:
     print("name:", call("GET", "name")["name"])
     inputs, measurements = call("GET", "inputs"), call("GET", "measurements")
-    flows = [name for name in inputs if name.endswith("supply_air_flow_u")]
-    temperatures = [name for name in measurements if "_ZN" in name and name.endswith("_air_temperature_y")]
+    zones = [name.removesuffix(FLOW) for name in inputs if name.endswith(FLOW)]
+    zones = [zone for zone in zones if zone + TEMPERATURE in measurements]
 
     # Seven days of warm-up, then two weeks; the measurements are from the beginning.
     measured = call("PUT", "scenario", {"time_period": "peak_heat_day", "electricity_price": "dynamic"})["time_period"]
@@ -45,14 +50,15 @@ try:
 
     while measured and measured["time"] < start + 3600 * hours:
         ahead = call("PUT", "forecast", {"point_names": ["TDryBul"], "horizon": 21600, "interval": 3600})
-        # Before a cold morning, more air; otherwise the baseline controller decides.
+        # Before it gets colder, more air to cool zones; otherwise the baseline controller decides.
         u = {}
         if min(ahead["TDryBul"]) < measured["outdoor_air_temperature_y"] - 1:
-            for name in flows:
-                u[name] = inputs[name]["Maximum"]
-                u[name.replace("_u", "_activate")] = int(measured[temperatures[0]] < WARMER)
+            for zone in zones:
+                u[zone + FLOW] = inputs[zone + FLOW]["Maximum"]
+                u[zone + FLOW.replace("_u", "_activate")] = int(measured[zone + TEMPERATURE] < WARMER)
         measured = call("POST", "advance", u)
 
+    temperatures = [zone + TEMPERATURE for zone in zones]
     results = call("PUT", "results", {"point_names": temperatures, "start_time": start, "final_time": 1e9})
     print("time of the last result:", results["time"][-1] - start, "s")
     for name in temperatures:

@@ -14,6 +14,8 @@ def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
     assert observation.shape == env.observation_space.shape and observation.dtype == np.float32
     assert len(env.metadata["observation_names"]) == observation.size
     assert "heating setpoint shift" in env.metadata["action_names"]
+    assert env.metadata["action_units"] == ["1"] * env.action_space.shape[0]
+    assert env.metadata["observation_units"] == ["1"] * observation.size
     total, hours, truncated = 0.0, 0, False
     while not truncated:
         observation, reward, terminated, truncated, _ = env.step(np.zeros(env.action_space.shape))

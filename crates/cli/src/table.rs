@@ -4,6 +4,14 @@ use serde_json::{Value, json};
 
 use crate::wrap;
 
+/// Returns how many decimals show at least two digits of a value, between `least` and 6: what a building uses on a mild
+/// day is not 0.
+pub fn decimals(value: f64, least: usize) -> usize {
+    let needed = if value == 0.0 { 0.0 } else { 1.0 - value.abs().log10().floor() };
+    // The conversion saturates, and NaN is 0.
+    (needed as usize).clamp(least, 6)
+}
+
 /// Rows under a header. Columns of numbers are right-aligned.
 pub struct Table {
     rows: Vec<Vec<String>>,
@@ -135,6 +143,15 @@ fn is_number(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_values_have_two_digits() {
+        for (value, least, expected) in
+            [(0.686, 3, 3), (0.000_24, 3, 5), (6.25, 2, 2), (0.0, 2, 2), (1e-12, 2, 6), (f64::NAN, 2, 2)]
+        {
+            assert_eq!(decimals(value, least), expected, "{value}");
+        }
+    }
 
     #[test]
     fn numbers_are_right_aligned_and_words_left_aligned() {

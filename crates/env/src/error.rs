@@ -140,10 +140,10 @@ pub enum Error {
     },
     /// Text that is not a valid task.
     #[error(
-        "unknown task `{text}`{why}; expected operate, optionally followed by a tariff, for example operate+tou; constant, \
-         occupancy or random, optionally followed by +deadband or +pmv, by a resource with a weight W ({}), for example \
-         occupancy+energy0.5, by +free-ventilation, by +presenceH with a time H in hours, and by faults such as +noise0.2; or \
-         the path of a JSON file",
+        "unknown task `{text}`{why}; expected operate, optionally followed by a tariff of `b2b list tariffs`, for example \
+         operate+tou; constant, occupancy or random, optionally followed by +deadband or +pmv, by a resource with a weight W \
+         ({}), for example occupancy+energy0.5, by +free-ventilation, by +presenceH with a time H in hours, and by faults such \
+         as +noise0.2; or the path of a JSON file",
         Resource::spelled()
     )]
     UnknownTask {

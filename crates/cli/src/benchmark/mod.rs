@@ -25,10 +25,10 @@ const EXAMPLES: &str = "\
 Examples:
   b2b benchmark list
   b2b benchmark show dynamics-house
-  b2b benchmark run dynamics-house --policy reactive --out results/reactive
-  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --out results/ppo
-  b2b benchmark verify results/ppo
-  b2b benchmark report results/* --out leaderboard.html";
+  b2b benchmark run dynamics-house --policy reactive --out entries/reactive
+  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --out entries/ppo
+  b2b benchmark verify entries/ppo
+  b2b benchmark report entries/* --out leaderboard.html";
 
 #[derive(clap::Subcommand)]
 enum Command {

@@ -20,7 +20,7 @@ use crate::stdout;
     verbatim_doc_comment,
     after_help = "\
 Examples:
-  b2b benchmark report results/* --out leaderboard.html"
+  b2b benchmark report entries/* --out leaderboard.html"
 )]
 pub struct Arguments {
     /// Result folders

@@ -62,10 +62,10 @@ pub struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  b2b benchmark run dynamics-house --policy reactive --out results/reactive
-  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --trained-steps 4000000 --out results/ppo
-  b2b benchmark run dynamics-house --policy ppo.onnx --adapted 2016=week/{building}.onnx --out results/tuned
-  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --upper-bound own/{building}.onnx --out results/bound
+  b2b benchmark run dynamics-house --policy reactive --out entries/reactive
+  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --trained-steps 4000000 --out entries/ppo
+  b2b benchmark run dynamics-house --policy ppo.onnx --adapted 2016=week/{building}.onnx --out entries/tuned
+  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --upper-bound own/{building}.onnx --out entries/bound
   b2b benchmark run cross-domain --train-type Warehouse RetailStandalone --test-type OfficeSmall --policy my.onnx --out x
   b2b benchmark run dynamics-house --period 01-10..01-11 --policy random --out try        a modified problem
 

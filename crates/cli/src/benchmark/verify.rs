@@ -25,8 +25,8 @@ use crate::{program, stdout};
     verbatim_doc_comment,
     after_help = "\
 Examples:
-  b2b benchmark verify results/ppo
-  b2b benchmark verify results/ppo --episodes 20 --sample-seed 7"
+  b2b benchmark verify entries/ppo
+  b2b benchmark verify entries/ppo --episodes 20 --sample-seed 7"
 )]
 pub struct Arguments {
     /// Result folder

@@ -2,18 +2,20 @@
 /* Zones that have a panel of their own from the beginning: those with the most discomfort. */
 const ZONE_PANELS = 6;
 const zonePanels = [];
-const cost = (v, d) => [fixed(v, d), data.operation.currency].filter(Boolean).join(" ");
+/* At least two digits: what a building uses on a mild day is not 0. */
+const twoDigits = (v, d) => fixed(v, v ? Math.min(6, Math.max(d, 1 - Math.floor(Math.log10(Math.abs(v))))) : d);
+const cost = (v, d) => [twoDigits(v, d), data.operation.currency].filter(Boolean).join(" ");
 
 function operationTiles(s) {
   tile("cost", cost(s.cost_tot, 3) + "/m²");
-  tile("HVAC energy", fixed(s.ener_tot, 2) + " kWh/m²");
+  tile("HVAC energy", twoDigits(s.ener_tot, 2) + " kWh/m²");
   tile("thermal discomfort, per zone", fixed(s.tdis_tot, 1) + " K·h");
   tile("peak electric demand, 15 min", fixed((s.pele_tot || 0) * 1000, 1) + " W/m²");
   const shares = [s.occupied_too_cold_share, s.occupied_too_warm_share];
   if (shares[0] !== null) tile("occupied hours too cold, too warm", shares.map(v => fixed(100 * v, 1)).join(", ") + " %");
   const used = [["heating", "heating_wh_m2"], ["cooling", "cooling_wh_m2"], ["fans", "fans_wh_m2"]];
-  tile("heating, cooling, fans", used.map(([, name]) => fixed(s[name] / 1000, 2)).join(", ") + " kWh/m²");
-  tile("emissions", fixed(s.emis_tot, 2) + " kg CO₂/m²");
+  tile("heating, cooling, fans", used.map(([, name]) => twoDigits(s[name] / 1000, 2)).join(", ") + " kWh/m²");
+  tile("emissions", twoDigits(s.emis_tot, 2) + " kg CO₂/m²");
   tile("actuator travel, full strokes", s.travel.length ? fixed(s.daily_travel, 1) + " /day" : "–");
   tile("engine messages", `${s.engine_warnings} warnings, ${s.engine_severes} severe`);
   spreadTiles();

@@ -3,29 +3,32 @@
 use b2b_env::BillPart;
 
 use super::summary::Summary;
-use crate::table::Table;
+use crate::table::{Table, decimals};
 
 impl Summary {
     /// Returns the results of an episode of operation.
     pub(super) fn operation_metrics(&self) -> Vec<(&'static str, String)> {
         let metrics = &self.metrics;
-        let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let digits = |value: Option<f64>, least: usize| {
+            let value = value.unwrap_or(f64::NAN);
+            format!("{value:.*}", decimals(value, least))
+        };
         let currency = match &self.currency {
             Some(currency) => format!("{currency}/m²"),
             None => "per m² at the task's prices".to_owned(),
         };
         let [temperature, cost] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
         vec![
-            ("cost", format!("{:.3} {currency}", of(metrics.cost_tot))),
-            ("HVAC energy", format!("{:.2} kWh/m²", of(metrics.ener_tot))),
+            ("cost", format!("{} {currency}", digits(metrics.cost_tot, 3))),
+            ("HVAC energy", format!("{} kWh/m²", digits(metrics.ener_tot, 2))),
             ("HVAC energy by end use", self.end_uses_text()),
-            ("thermal discomfort", format!("{:.1} K·h per zone", of(metrics.tdis_tot))),
+            ("thermal discomfort", format!("{:.1} K·h per zone", metrics.tdis_tot.unwrap_or(f64::NAN))),
             (
                 "peak electric demand, 15 min",
                 format!("{:.1} W/m²", 1000.0 * metrics.pele_tot.unwrap_or_default()),
             ),
             ("too cold, too warm while occupied", self.occupied_text()),
-            ("emissions", format!("{:.2} kg CO₂/m²", of(metrics.emis_tot))),
+            ("emissions", format!("{} kg CO₂/m²", digits(metrics.emis_tot, 2))),
             (
                 "return",
                 format!("{:.1}  (discomfort {temperature:.1}, cost {cost:.1})", metrics.episode_return),

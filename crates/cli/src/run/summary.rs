@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::trajectory_file::Identity;
 use crate::rollout::Rollout;
-use crate::table::Table;
+use crate::table::{Table, decimals};
 
 /// The content of `summary.json`, which `--json` prints too. Means over zones include only zones with both heating and
 /// cooling.
@@ -273,11 +273,13 @@ impl Summary {
         }
     }
 
-    /// Returns HVAC energy by end use.
+    /// Returns HVAC energy by end use, without traces.
     pub(super) fn end_uses_text(&self) -> String {
-        let used = Term::END_USES.into_iter().filter_map(|term| {
-            let energy = format!("{:.2}", self.metrics.terms.get(term)? / 1000.0);
-            (energy != "0.00").then(|| format!("{} {energy}", term.entry().name.replace('_', " ")))
+        let of = |term| self.metrics.terms.get(term).unwrap_or_default() / 1000.0;
+        let trace = 0.005 * Term::END_USES.into_iter().map(of).sum::<f64>().min(1.0);
+        let used = Term::END_USES.into_iter().filter(|term| of(*term) > trace).map(|term| {
+            let (energy, name) = (of(term), term.entry().name.replace('_', " "));
+            format!("{name} {energy:.*}", decimals(energy, 2))
         });
         let used: Vec<_> = used.collect();
         if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }
@@ -307,7 +309,8 @@ impl Summary {
             0 => both,
             heated => {
                 let below = self.metrics.rms_heating_only;
-                format!("{both}; {heated} zones without cooling: {below:.2} K below target")
+                let zones = if heated == 1 { "zone" } else { "zones" };
+                format!("{both}; {heated} {zones} without cooling: {below:.2} K below target")
             }
         }
     }

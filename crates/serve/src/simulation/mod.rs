@@ -150,10 +150,13 @@ impl Simulation {
         let measurements = self.begin(Span { start, warm_up, end: YEAR })?;
         self.scenario.time_period = None;
         let began = self.clock.seconds(self.clock.steps(start));
-        let message = match began == start {
+        let mut message = match began == start {
             true => format!("the test begins at {began} s"),
             false => format!("the test begins at {began} s, the control step before {start} s"),
         };
+        if warm_up > start {
+            message += &format!("; `warmup_period` is {warm_up}, but the warm-up begins on 1 January");
+        }
         Ok(Answer::new(message, measurements))
     }
 
@@ -227,6 +230,12 @@ impl Simulation {
             // A value that is not activated has no effect, but an invalid value is still refused.
             let value =
                 arguments.get(&input.value).map(|_| arguments.number(&input.value, &remedy)).transpose()?;
+            if value.is_some() && arguments.get(&input.activation).is_none() {
+                notes.push(format!(
+                    "WARNING: `{}` has no effect unless `{}` is 1",
+                    input.value, input.activation
+                ));
+            }
             overrides.push(match (is_active, value) {
                 (false, _) => None,
                 (true, Some(value)) => {

@@ -56,6 +56,9 @@ fn invalid_requests_are_refused_and_the_server_keeps_running() {
     ] {
         assert_refused(&client, "POST", "advance", &body, &words);
     }
+    let advanced = client.envelope("POST", "advance", &format!(r#"{{"{input}": 1}}"#));
+    let said = advanced["message"].as_str().unwrap();
+    assert!(said.contains(&format!("`{input}` has no effect unless `{activation}` is 1")), "{said}");
     for (call, body, words) in [
         (
             "forecast",
