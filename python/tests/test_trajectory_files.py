@@ -13,7 +13,7 @@ import pytest
 from building2building import errors
 
 DAY = "01-09..01-09"
-TIMES = {"cpu_s", "environment_cpu_s", "steps_per_s", "files"}
+TIMES = {"cpu_s", "environment_cpu_s", "steps_per_s", "files", "summary_sha256"}
 
 
 def command(*arguments) -> str:
