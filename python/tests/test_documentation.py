@@ -115,10 +115,10 @@ def test_the_files_of_a_run_are_as_described(tmp_path):
     assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary") | metrics | {"currency"}
     text = (DOCS / "formats.md").read_text()
     footer = (tmp_path / "run/trajectory.parquet").read_bytes()
-    # Arrow encodes the metadata of its schema, which begins with four bytes of ones.
-    schema = re.search(rb"/////[A-Za-z0-9+/]{1000,}=*", footer)
+    # Arrow encodes the metadata of its schema. The byte before it, of its length, may look like a part of it.
+    schema = re.search(rb"[A-Za-z0-9+/]{1000,}=*", footer)
     assert schema
-    footer += base64.b64decode(schema[0])
+    footer += base64.b64decode(schema[0][len(schema[0]) % 4 :])
     columns = [
         "step",
         "month",
