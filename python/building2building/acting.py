@@ -81,17 +81,19 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         if env.autoreset_mode != AutoresetMode.SAME_STEP:
             raise SettingError("acting resets with the last step of a decision; pass autoreset_mode='SameStep'")
         self._names = observation, acting
+        first = _core.Pilot(env.layout_of(0).spaces, *self._names)
+        self.single_observation_space, self.single_action_space = _spaces(first)
         self._pilots = [self._pilot(index) for index in range(env.num_envs)]
-        spaces = {(len(each.observation_names()), len(each.action_names())) for each in self._pilots}
-        if len(spaces) > 1:
-            raise SettingError("the buildings differ in observations or actions; choose buildings of one type")
-        self.single_observation_space, self.single_action_space = _spaces(self._pilots[0])
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
         self.action_space = batch_space(self.single_action_space, env.num_envs)
-        self.metadata = _named(env.metadata, self._pilots[0])
+        self.metadata = _named(env.metadata, first)
 
     def _pilot(self, index: int) -> _core.Pilot:
-        return _core.Pilot(self.env.layout_of(index).spaces, *self._names)
+        """Returns the pilot of an environment's building; raises if its spaces are not the batch's."""
+        pilot = _core.Pilot(self.env.layout_of(index).spaces, *self._names)
+        if _spaces(pilot) != (self.single_observation_space, self.single_action_space):
+            raise SettingError("the buildings differ in observations or actions; choose buildings of one type")
+        return pilot
 
     def reset(
         self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None

@@ -18,6 +18,7 @@ need("stable_baselines3", "train")
 from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
+from .acting import ActingVectorEnv  # noqa: E402
 from .physical_actions import warn_of_learner  # noqa: E402
 from .registration import make_vec  # noqa: E402
 from .scaling import Scale  # noqa: E402
@@ -123,6 +124,8 @@ def make_sb3_vec(
 
     Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as from
     :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`.
+
+    With ``acting``, observations are scaled already, and ``normalize`` has no effect.
     """
     if isinstance(building_type, BuildingVectorEnv):
         return SB3VecEnv(building_type, normalize)
@@ -146,6 +149,8 @@ def export_onnx(model: Any, path: str | os.PathLike[str]) -> None:
     envs = model.get_env()
     if not isinstance(envs, SB3VecEnv):
         raise SettingError("the model was not trained on environments of make_sb3_vec, so its normalization is unknown")
+    if isinstance(envs.envs, ActingVectorEnv):
+        raise SettingError("the model supervises or corrects a controller (acting=); ONNX files set actuators")
     if not envs.envs.rescale_action:
         raise SettingError("the model's actions are in physical units; make the environments with rescale_action=True")
     slots = envs.envs.single_observation_space.shape[0]

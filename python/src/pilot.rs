@@ -1,6 +1,6 @@
 //! The interface of agents for learning libraries: their observation, and the meaning of their actions.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use b2b_agent::{Interface, ObservationForm, Pilot as Own};
 use numpy::PyArray1;
@@ -32,7 +32,7 @@ impl Pilot {
         let interface = Interface { observation: form.into(), acting, nodes: None };
         let own = Own::new(interface, inner).map_err(of_agent)?;
         let hold = acting.hold(inner.episode.steps_per_hour);
-        Ok(Self { own: Mutex::new(own), slots: Arc::clone(inner).observation.len(), hold })
+        Ok(Self { own: Mutex::new(own), slots: inner.observation.len(), hold })
     }
 
     /// Number of steps for which a decision is held.

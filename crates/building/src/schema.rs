@@ -96,8 +96,8 @@ impl Schema {
         self.classes.get(&class.to_lowercase()).map_or(&[], |class| &class.groups)
     }
 
-    /// Returns whether EMS programs may call a function, which is named without `@` and in any case. Unknown functions are
-    /// known if the library was not searched for them.
+    /// Returns whether EMS programs may call a function, which is named without `@` and in any case. True for
+    /// every function if the library was not searched.
     pub fn has_function(&self, function: &str) -> bool {
         self.functions.is_empty() || self.functions.contains(&function.to_uppercase())
     }

@@ -66,11 +66,7 @@ pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -
     if CONFINED.get() {
         return function();
     }
-    let confined = || {
-        confine_to(folder);
-        function()
-    };
-    std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
+    in_thread(|| confine_to(folder), function)
 }
 
 /// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns its
@@ -80,9 +76,17 @@ pub(crate) fn confined_to_program<T: Send>(
     programs: &[PathBuf],
     function: impl FnOnce() -> T + Send,
 ) -> T {
+    let writable = [folder.to_owned(), PathBuf::from(NULL_DEVICE)];
+    in_thread(|| restrict(writable.into_iter(), None, programs), function)
+}
+
+/// Runs a function in a thread of its own that is confined first.
+fn in_thread<T: Send>(
+    confine: impl FnOnce() -> Confinement + Send,
+    function: impl FnOnce() -> T + Send,
+) -> T {
     let confined = || {
-        let writable = [folder.to_owned(), PathBuf::from(NULL_DEVICE)];
-        restrict(writable.into_iter(), None, programs);
+        confine();
         function()
     };
     std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
