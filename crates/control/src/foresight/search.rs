@@ -33,6 +33,8 @@ const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
 const PRICES: [f64; 2] = [0.01, 10.0];
 /// Bisections of the logarithm of the price.
 const BISECTIONS: usize = 20;
+/// Discomfort above the baseline's that is none, K·h per zone.
+const SAME_DISCOMFORT: f64 = 0.05;
 /// Difference of a day's objective that is none, in days of the guideline's cost.
 const RESOLUTION: f64 = 2e-4;
 
@@ -110,8 +112,13 @@ pub(super) fn score(outcome: &Outcome, baseline: &Outcome) -> f64 {
     outcome.used() / baseline.used() + SCORE_PRICE * excess / days
 }
 
-/// Searches for a point with the lowest score. `parts` are sets of positions in a day, each of which is left out where it saves
-/// nothing. A baseline that uses nothing is the best there is.
+/// Returns whether an episode has no more discomfort than the baseline.
+fn holds(outcome: &Outcome, baseline: &Outcome) -> bool {
+    outcome.discomfort() <= baseline.discomfort() + SAME_DISCOMFORT
+}
+
+/// Searches for a point with the lowest score at no more discomfort than the baseline. `parts` are sets of positions in a day,
+/// each of which is left out where it saves nothing. A baseline that uses nothing is the best there is.
 ///
 /// # Errors
 /// The errors of `run`.
@@ -299,7 +306,8 @@ impl Search<'_> {
             }
         }
         let outcome = one(run, &sparse)?;
-        if score(&outcome, &self.baseline) < whole.2 + RESOLUTION * parts.len() as f64 {
+        let as_good = score(&outcome, &self.baseline) < whole.2 + RESOLUTION * parts.len() as f64;
+        if as_good && holds(&outcome, &self.baseline) {
             self.best.point = sparse;
             self.best.outcome = outcome;
         }
@@ -309,10 +317,10 @@ impl Search<'_> {
 }
 
 impl Best {
-    /// Keeps an episode if it is better.
+    /// Keeps an episode if it is better, at no more discomfort than the baseline.
     fn keep(&mut self, point: &Point, outcome: &Outcome, baseline: &Outcome) {
         let score = score(outcome, baseline);
-        if score < self.score {
+        if score < self.score && holds(outcome, baseline) {
             *self = Self { point: point.clone(), outcome: outcome.clone(), score };
         }
     }
@@ -343,7 +351,7 @@ mod tests {
     fn the_lowest_cost_at_the_discomfort_of_the_baseline_is_found() {
         let found = search(&BOUNDS, 14, &parts(), EFFORT, &mut toy).unwrap();
         assert!(
-            found.outcome.discomfort() < found.baseline.discomfort() + 0.3,
+            found.outcome.discomfort() <= found.baseline.discomfort() + SAME_DISCOMFORT,
             "{}",
             found.outcome.discomfort()
         );

@@ -50,7 +50,7 @@ use thermostat::Thermostat;
 
 /// Raised when a change of these sequences, or of the bands of operation tasks, changes trajectories. Baselines, evaluations,
 /// schedules of `foresight` and agents that supervise state the revision that they were made with.
-pub const REVISION: u32 = 4;
+pub const REVISION: u32 = 5;
 
 /// The guideline's sequences, one set per system of a building.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@
 //! derives its mode; [`Zone::control`] runs the loops that the mode allows.
 
 pub mod demand;
+mod hunting;
 pub(super) mod optimum_start;
 pub(super) mod requests;
 pub(super) mod zone_loops;

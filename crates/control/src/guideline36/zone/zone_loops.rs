@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::points::{Setpoints, Side};
+use super::hunting::Hunting;
 
 /// Time within which a zone must be on its way to reach its setpoint for the integral term to wait, h. After a change of the
 /// setpoint by kelvins, an integral term that grew for an hour would overshoot.
@@ -127,13 +128,15 @@ pub(in super::super) struct Outputs {
 pub(in super::super) struct ZoneLoops {
     /// Gains of heating and of cooling.
     gains: [LoopGains; 2],
+    hunting: Hunting,
     heating: Loop,
     cooling: Loop,
 }
 
 impl ZoneLoops {
     pub(in super::super) fn new(gains: [LoopGains; 2]) -> Self {
-        Self { gains, heating: Loop::new(Side::Heating), cooling: Loop::new(Side::Cooling) }
+        let [heating, cooling] = Side::BOTH.map(Loop::new);
+        Self { gains, hunting: Hunting::new(), heating, cooling }
     }
 
     /// Forgets the integral term of the heating loop.
@@ -150,7 +153,8 @@ impl ZoneLoops {
         reaches: [Reach; 2],
         hours: f64,
     ) -> Outputs {
-        let gains = self.gains;
+        let share = self.hunting.step(temperature);
+        let gains = self.gains.map(|gains| gains.at_most(share * gains.proportional));
         let side = |own: &mut Loop, reach: Reach| {
             let gains = gains[own.side as usize];
             let setpoint = setpoints.of(own.side);
@@ -246,6 +250,27 @@ mod tests {
             loops.step(15.0, BAND, [Reach::up_to(0.6), Reach::up_to(1.0)], STEP).heating == 0.6,
             "the limit holds"
         );
+    }
+
+    #[test]
+    fn a_heater_that_is_too_large_for_its_gain_stops_hunting() {
+        let mut room = Room::new(19.0);
+        room.soak(-15.0);
+        let mut loops = ZoneLoops::new([LoopGains { proportional: 2.0, integral_time: 900.0 }; 2]);
+        let mut swing = |steps: usize| {
+            let air: Vec<f64> = (0..steps)
+                .map(|_| {
+                    let outputs = loops.step(room.air, BAND, ON, STEP);
+                    room.step(-15.0, 20_000.0 * outputs.heating, STEP);
+                    room.air
+                })
+                .collect();
+            air.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+        };
+        assert!(swing(12) > 1.0, "it does not hunt, and this test shows nothing");
+        swing(60);
+        let still = swing(12);
+        assert!(still <= 0.25, "it still swings by {still} K");
     }
 
     #[test]
