@@ -2,7 +2,7 @@
 //!
 //! How far full heating takes a zone within a step depends on its capacity, its air and its walls, which no model states. A
 //! gain that is too large for it shows: heating or cooling and idling alternate, step by step. An engineer would turn the gain
-//! down until they do not, and so does this.
+//! down until they do not, and so does this: in occupied mode and in the others apart, whose flows differ.
 
 /// Least change of the temperature within a step that counts, K.
 const CHANGE: f64 = 0.2;
@@ -24,25 +24,32 @@ pub(super) struct Hunting {
     change: f64,
     /// The steps in which it reversed, a bit each, the last one lowest.
     reversals: u32,
-    share: f64,
+    /// Whether the mode was occupied.
+    occupied: bool,
+    /// Shares in other modes and in occupied mode.
+    shares: [f64; 2],
 }
 
 impl Hunting {
     pub(super) fn new() -> Self {
-        Self { last: f64::NAN, change: 0.0, reversals: 0, share: 1.0 }
+        Self { last: f64::NAN, change: 0.0, reversals: 0, occupied: false, shares: [1.0; 2] }
     }
 
     /// Returns the share of the gains that is stable, for the temperature (°C) of a step.
-    pub(super) fn step(&mut self, temperature: f64) -> f64 {
+    pub(super) fn step(&mut self, temperature: f64, occupied: bool) -> f64 {
+        if self.occupied != occupied {
+            (self.occupied, self.reversals) = (occupied, 0);
+        }
+        let share = &mut self.shares[usize::from(occupied)];
         let change = temperature - self.last;
         let reverses = change * self.change < 0.0 && change.abs().min(self.change.abs()) > CHANGE;
         self.reversals = (self.reversals << 1 | u32::from(reverses)) & ((1 << STEPS) - 1);
         if self.reversals.count_ones() == REVERSALS {
             self.reversals = 0;
-            self.share = (self.share * SHRINKING).max(LEAST);
+            *share = (*share * SHRINKING).max(LEAST);
         }
         (self.last, self.change) = (temperature, if change.is_finite() { change } else { 0.0 });
-        self.share
+        *share
     }
 }
 
@@ -52,7 +59,7 @@ mod tests {
 
     fn share_after(temperatures: &[f64]) -> f64 {
         let mut hunting = Hunting::new();
-        temperatures.iter().map(|temperature| hunting.step(*temperature)).last().unwrap()
+        temperatures.iter().map(|temperature| hunting.step(*temperature, true)).last().unwrap()
     }
 
     #[test]
@@ -65,5 +72,14 @@ mod tests {
         assert_eq!(share_after(&cycle(&[20.0, 20.1], 100)), 1.0, "too small");
         assert_eq!(share_after(&cycle(&[20.0, 21.0, 22.0, 23.0, 22.0, 21.0], 100)), 1.0, "too slow");
         assert_eq!(share_after(&cycle(&[20.0, 22.0], 1000)), LEAST);
+    }
+
+    #[test]
+    fn gains_of_a_mode_stay_when_another_hunts() {
+        let mut hunting = Hunting::new();
+        for step in 0..8 {
+            hunting.step(20.0 + f64::from(step % 2), false);
+        }
+        assert_eq!([hunting.step(20.0, true), hunting.step(20.0, false)], [1.0, SHRINKING]);
     }
 }

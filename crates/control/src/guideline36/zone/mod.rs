@@ -173,7 +173,7 @@ impl Zone {
             true => reaches[side],
             false => Reach { limit: 0.0, ..reaches[side] },
         });
-        self.outputs = self.loops.step(temperature, self.aims, reaches, hours);
+        self.outputs = self.loops.step(temperature, self.aims, reaches, mode == Mode::Occupied, hours);
         self.requests.step(temperature, self.setpoints.cooling, self.outputs.cooling, hours);
         self.outputs
     }

@@ -151,9 +151,10 @@ impl ZoneLoops {
         temperature: f64,
         setpoints: Setpoints,
         reaches: [Reach; 2],
+        occupied: bool,
         hours: f64,
     ) -> Outputs {
-        let share = self.hunting.step(temperature);
+        let share = self.hunting.step(temperature, occupied);
         let gains = self.gains.map(|gains| gains.at_most(share * gains.proportional));
         let side = |own: &mut Loop, reach: Reach| {
             let gains = gains[own.side as usize];
@@ -190,7 +191,7 @@ mod tests {
     #[test]
     fn a_step_of_5_minutes_adds_a_third_of_the_proportional_part_unless_the_zone_is_on_its_way() {
         let mut loops = ZoneLoops::new([LoopGains { proportional: 0.1, integral_time: 900.0 }; 2]);
-        let outputs = [20.0, 20.0, 20.5].map(|temperature| loops.step(temperature, BAND, ON, STEP));
+        let outputs = [20.0, 20.0, 20.5].map(|temperature| loops.step(temperature, BAND, ON, true, STEP));
         let third = 0.1 / 3.0;
         for (output, expected) in outputs.iter().zip([0.1 + third, 0.1 + 2.0 * third, 0.05 + 2.0 * third]) {
             assert!((output.heating - expected).abs() < 1e-12, "{outputs:?}");
@@ -202,22 +203,22 @@ mod tests {
     fn a_loop_is_off_between_the_setpoints_and_without_a_setpoint() {
         let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for temperature in [21.1, 22.5, 23.9] {
-            assert_eq!(loops.step(temperature, BAND, ON, STEP), Outputs::default());
+            assert_eq!(loops.step(temperature, BAND, ON, true, STEP), Outputs::default());
         }
         let heater = Setpoints { heating: 21.0, cooling: f64::INFINITY };
-        assert_eq!(loops.step(40.0, heater, ON, STEP), Outputs::default());
-        assert_eq!(loops.step(10.0, BAND, OFF, STEP), Outputs::default());
+        assert_eq!(loops.step(40.0, heater, ON, true, STEP), Outputs::default());
+        assert_eq!(loops.step(10.0, BAND, OFF, true, STEP), Outputs::default());
     }
 
     #[test]
     fn a_saturated_loop_leaves_saturation_as_soon_as_the_error_shrinks() {
         let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for _ in 0..1000 {
-            assert!(loops.step(12.0, BAND, ON, STEP).heating <= 1.0);
+            assert!(loops.step(12.0, BAND, ON, true, STEP).heating <= 1.0);
         }
-        let steps = (0..20).position(|_| loops.step(21.5, BAND, ON, STEP).heating < 0.9);
+        let steps = (0..20).position(|_| loops.step(21.5, BAND, ON, true, STEP).heating < 0.9);
         assert!(steps.is_some_and(|steps| steps <= 2), "{steps:?}");
-        assert!(loops.step(21.5, BAND, ON, STEP).heating < 0.9);
+        assert!(loops.step(21.5, BAND, ON, true, STEP).heating < 0.9);
     }
 
     #[test]
@@ -225,29 +226,33 @@ mod tests {
         let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         let reach = |idle| [Reach { idle, limit: 1.0 }, Reach::up_to(1.0)];
         for _ in 0..10 {
-            loops.step(20.5, BAND, reach(0.0), STEP);
+            loops.step(20.5, BAND, reach(0.0), true, STEP);
         }
-        let before = loops.step(21.0, BAND, reach(0.0), STEP).heating;
-        let open = loops.step(21.0, BAND, reach(-0.5), STEP).heating;
+        let before = loops.step(21.0, BAND, reach(0.0), true, STEP).heating;
+        let open = loops.step(21.0, BAND, reach(-0.5), true, STEP).heating;
         // From -0.5 to 1, the same capacity is a larger output.
         assert!((-0.5 + 1.5 * open - before).abs() < 1e-12, "{before} {open}");
-        assert_eq!(loops.step(15.0, BAND, reach(-0.5), STEP).heating, 1.0, "full capacity is an output of 1");
+        assert_eq!(
+            loops.step(15.0, BAND, reach(-0.5), true, STEP).heating,
+            1.0,
+            "full capacity is an output of 1"
+        );
     }
 
     #[test]
     fn a_loop_that_rests_for_an_hour_resumes_with_part_of_its_output() {
         let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
         for _ in 0..20 {
-            loops.step(20.5, BAND, ON, STEP);
+            loops.step(20.5, BAND, ON, true, STEP);
         }
-        let before = loops.step(21.0, BAND, ON, STEP).heating;
+        let before = loops.step(21.0, BAND, ON, true, STEP).heating;
         for _ in 0..12 {
-            assert_eq!(loops.step(20.0, BAND, OFF, STEP).heating, 0.0);
+            assert_eq!(loops.step(20.0, BAND, OFF, true, STEP).heating, 0.0);
         }
-        let after = loops.step(20.9999, BAND, ON, STEP).heating;
+        let after = loops.step(20.9999, BAND, ON, true, STEP).heating;
         assert!((0.3..0.5).contains(&(after / before)), "{before} {after}");
         assert!(
-            loops.step(15.0, BAND, [Reach::up_to(0.6), Reach::up_to(1.0)], STEP).heating == 0.6,
+            loops.step(15.0, BAND, [Reach::up_to(0.6), Reach::up_to(1.0)], true, STEP).heating == 0.6,
             "the limit holds"
         );
     }
@@ -260,7 +265,7 @@ mod tests {
         let mut swing = |steps: usize| {
             let air: Vec<f64> = (0..steps)
                 .map(|_| {
-                    let outputs = loops.step(room.air, BAND, ON, STEP);
+                    let outputs = loops.step(room.air, BAND, ON, true, STEP);
                     room.step(-15.0, 20_000.0 * outputs.heating, STEP);
                     room.air
                 })
@@ -281,7 +286,7 @@ mod tests {
             let mut loops = ZoneLoops::new([LoopGains::UNIT; 2]);
             let mut last: Vec<f64> = Vec::new();
             for step in 0..288 {
-                let outputs = loops.step(room.air, BAND, ON, STEP);
+                let outputs = loops.step(room.air, BAND, ON, true, STEP);
                 room.step(outdoor, 8000.0 * (outputs.heating - outputs.cooling), STEP);
                 if step >= 216 {
                     last.push(room.air);
