@@ -94,6 +94,7 @@ def test_both_sides_of_a_transfer_are_one_building_with_different_actuators(clos
         few.step(np.zeros(10))
 
 
+@pytest.mark.nightly
 def test_the_reactive_controllers_score_one_and_others_do_not():
     houses = {"test": ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"], **DAY}
     problem = DynamicsAdaptation(1, **houses)
