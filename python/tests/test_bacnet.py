@@ -177,6 +177,7 @@ class Client:
         return struct.unpack(">f", answer[answer.index(b"\x3e\x44") + 2 :][:4])[0]
 
 
+@pytest.mark.nightly
 def test_steps_run_once_however_often_their_request_is_sent():
     steps = 31 * 288
     with served(steps, "01-01..01-31") as plant:
@@ -210,6 +211,7 @@ def test_values_out_of_bounds_are_refused_and_end_nothing():
         assert client.read(VALUE, 2) < left
 
 
+@pytest.mark.nightly
 def test_nothing_but_outputs_and_requests_can_be_written(plant):
     client = Client(plant)
     before = [client.read(*each) for each in ((INPUT, 1), (VALUE, 2), (VALUE, 3), (VALUE, 4), (OUTPUT, 1))]

@@ -94,6 +94,7 @@ def test_both_sides_of_a_transfer_are_one_building_with_different_actuators(clos
         few.step(np.zeros(10))
 
 
+@pytest.mark.nightly
 def test_the_reactive_controllers_score_one_and_others_do_not():
     houses = {"test": ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"], **DAY}
     problem = DynamicsAdaptation(1, **houses)
@@ -129,6 +130,7 @@ def test_training_environments_have_one_shape(closing):
     assert given.observation_space.shape == (34,)
 
 
+@pytest.mark.nightly
 def test_the_documented_training_environments_step(closing):
     envs = closing(DynamicsAdaptation("house").make_train_vec(8))
     observations, infos = envs.reset(seed=0)
@@ -144,8 +146,11 @@ def test_the_documented_training_environments_step(closing):
         GoalAdaptation("setpoint-mode", **DAY),
         DynamicsAdaptation("house", attributes="given", **DAY),
         ActionSpaceTransfer("unitary", "more", **DAY),
-        CrossDomainGeneralization(
-            train_types=["SingleFamilyHouse", "Warehouse"], test_types=["RestaurantFastFood"], **DAY
+        pytest.param(
+            CrossDomainGeneralization(
+                train_types=["SingleFamilyHouse", "Warehouse"], test_types=["RestaurantFastFood"], **DAY
+            ),
+            marks=pytest.mark.nightly,
         ),
     ],
     ids=lambda problem: problem.name,
@@ -222,6 +227,7 @@ def test_measures_equal_numpy_s():
         assert abs(measured["test"]["interquartile_mean"][end] - np.quantile(drawn, share)) < 0.06 * width
 
 
+@pytest.mark.nightly
 def test_raw_observations_of_houses_have_their_own_width_or_the_paper_s():
     houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"]
     day = {"run_period": "01-01..01-01", "timesteps_per_hour": 1}

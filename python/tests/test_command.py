@@ -63,6 +63,7 @@ def test_a_run_of_the_command_is_the_rollout_of_the_package(tmp_path):
     assert (tmp_path / "run" / "trajectory.parquet").stat().st_size > 0
 
 
+@pytest.mark.nightly
 def test_the_command_starts_its_own_workers_and_children(tmp_path):
     arguments = ["--policy", "random", "--period", "01-01..01-01", "--jobs", "1", "--out", "results", "--json"]
     evaluated = command("evaluate", "OfficeSmall", *arguments, folder=tmp_path)

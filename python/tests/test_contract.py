@@ -13,20 +13,17 @@ import gymnasium
 import numpy as np
 import pytest
 from building2building import errors
+from building_types import every_type
 from gymnasium.utils.env_checker import check_env
 
 DAY = "01-01..01-01"
 
 
-#: Ids whose check takes the fewest seconds; the others are checked by the nightly command.
-QUICK = [("SingleFamilyHouse", "v0"), ("SingleFamilyHouse", "v1"), ("RestaurantFastFood", "v1"), ("OfficeSmall", "v1")]
-
-
 @pytest.mark.parametrize(
     "building_type, version, task",
     [
-        pytest.param(name, version, task, marks=() if (name, version) in QUICK else pytest.mark.nightly)
-        for name in b2b.list_building_types()
+        pytest.param(*each.values, version, task, marks=each.marks)
+        for each in every_type()
         for version, task in [("v0", "constant"), ("v1", "operate")]
     ],
 )

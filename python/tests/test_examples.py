@@ -57,6 +57,7 @@ def test_the_notebook_runs_and_plots():
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
 
 
+@pytest.mark.nightly
 def test_planning_on_snapshots_is_no_worse_than_not_planning():
     alone, planned = re.findall(r"-\d+\.\d+", run(EXAMPLES / "plan.py"))
     assert float(planned) > float(alone)

@@ -102,6 +102,7 @@ def test_invalid_options_are_errors(tmp_path):
             b2b.train(None if options.get("resume") else HOUSE, out=tmp_path / "run", **options)
 
 
+@pytest.mark.nightly
 def test_the_configuration_of_a_run_can_be_given_back(tmp_path, capsys):
     first = b2b.train(HOUSE, out=tmp_path / "first", steps=1.92e2, progress=True, **SMALL)
     shown = capsys.readouterr().err

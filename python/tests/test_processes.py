@@ -241,6 +241,7 @@ except KeyboardInterrupt:
     assert gone_within(5, process.pid)
 
 
+@pytest.mark.nightly
 def test_ctrl_c_stops_a_reset_and_the_next_one_works(tmp_path):
     # Every episode has another building, so that a reset includes its sizing and warm-up.
     process = interrupted(

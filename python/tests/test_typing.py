@@ -54,6 +54,7 @@ def mypy(tmp_path_factory):
     return check
 
 
+@pytest.mark.nightly
 def test_right_calls_pass_and_wrong_ones_are_named(mypy):
     assert "Success" in mypy(RIGHT)
     errors = mypy("import building2building as b2b\n" + "\n".join(WRONG)).splitlines()

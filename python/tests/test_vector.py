@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 from building2building import errors
+from building_types import every_type
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 DAY = {"run_period": "01-01..01-01", "timesteps_per_hour": 1, "task": "constant"}
@@ -37,7 +38,7 @@ def test_make_vec_returns_a_building_vector_environment():
     envs.close()
 
 
-@pytest.mark.parametrize("building_type", b2b.list_building_types())
+@pytest.mark.parametrize("building_type", every_type())
 def test_every_id_is_a_vector_environment_without_a_warning(building_type):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -151,6 +152,7 @@ def test_a_custom_reward_counts_in_every_step_that_runs(make_vec):
         assert rewards.count(0.0) == resets and rewards.count(7.0) == 26 - resets, mode
 
 
+@pytest.mark.nightly
 def test_a_reset_without_a_seed_continues_the_random_numbers_of_the_last_seed(make_vec):
     envs = make_vec("SingleFamilyHouse", 2, split="train", resample=True, rescale_action=True)
 
@@ -191,6 +193,7 @@ def test_invalid_actions_raise_before_any_environment_steps(make_vec):
     envs.step(envs.action_space.sample())
 
 
+@pytest.mark.nightly
 def test_infos_say_what_was_true_when_they_were_made(make_vec):
     houses = [f"SingleFamilyHouse-{number:04}" for number in range(1, 40)]
     envs = make_vec(None, 2, buildings=houses, resample=True, rescale_action=True, autoreset_mode="SameStep")
@@ -208,6 +211,7 @@ def test_infos_say_what_was_true_when_they_were_made(make_vec):
     assert unread["reward_terms"]["temperature"].shape == (2,)
 
 
+@pytest.mark.nightly
 def test_buildings_of_a_split_are_drawn_by_the_seed_in_few_processes(make_vec):
     envs = make_vec("SingleFamilyHouse", 2, split="train", resample=2, rescale_action=True)
     assert len(envs.buildings) == 900 and envs.single_observation_space.shape == (11,)
@@ -246,6 +250,7 @@ def test_weights_tasks_and_the_generator_are_drawn_from(make_vec):
         make_vec(None, 1, buildings=sources, rescale_action=True)
 
 
+@pytest.mark.nightly
 def test_observations_are_normalized_by_the_same_bounds_for_all_buildings(make_vec):
     options = {"resample": True, "rescale_action": True, "autoreset_mode": "SameStep"}
     raw, normalized = (make_vec("SingleFamilyHouse", 2, normalize=each, **options) for each in (False, True))
@@ -260,6 +265,7 @@ def test_observations_are_normalized_by_the_same_bounds_for_all_buildings(make_v
             np.testing.assert_array_equal(raw.scale(info["final_obs"][0]), other["final_obs"][0])
 
 
+@pytest.mark.nightly
 def test_a_place_means_the_same_in_every_house_by_role(make_vec):
     houses = [f"SingleFamilyHouse-{number:04}" for number in range(1, 21)]
     options = {"buildings": houses, "resample": True, "rescale_action": True, "run_period": "01-01..01-01"}

@@ -40,19 +40,18 @@ fn messages(env: &Env) -> usize {
 
 #[test]
 fn a_step_allocates_nothing() {
-    let case = Case::at_home(BuildingType::OfficeSmall);
+    let house = Case::at_home(BuildingType::SingleFamilyHouse);
     for task in [
-        "constant",
         "occupancy+energy0.5",
         "random+pmv+cost1",
         "occupancy+deadband+peak1",
         "occupancy+presence2",
-        "operate",
         "operate:21-24/15.6-28+pmv+tou+preview+co2",
     ] {
-        steps_allocate_nothing(&case, task);
+        steps_allocate_nothing(&house, task);
     }
-    steps_allocate_nothing(&Case::under_setpoints(BuildingType::OfficeSmall), "operate");
+    steps_allocate_nothing(&Case::at_home(BuildingType::OfficeSmall), "operate");
+    steps_allocate_nothing(&Case::under_setpoints(BuildingType::SingleFamilyHouse), "operate");
 }
 
 /// Measured from noon on, across a midnight, because the first steps fill the engine's buffers.

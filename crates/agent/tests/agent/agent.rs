@@ -18,7 +18,7 @@ pub fn env(building: &str, task: &str) -> Env {
     let found = catalog.find(&building.parse().unwrap(), &Placement::default(), &mut Quiet).unwrap();
     let weather = found.weather.clone();
     let building = Arc::new(found.prepare(catalog.library()).unwrap());
-    let (period, task) = ("01-10..01-11".parse().unwrap(), task.parse().unwrap());
+    let (period, task) = ("01-10..01-10".parse().unwrap(), task.parse().unwrap());
     Env::new(catalog.library().clone(), building, EpisodeConfig { weather, period, steps_per_hour: 12, task })
         .unwrap()
 }

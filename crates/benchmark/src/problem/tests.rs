@@ -35,10 +35,11 @@ fn operation_is_tested_in_five_periods_at_two_tariffs() {
 #[test]
 fn no_environment_is_on_both_sides() {
     for problem in Problem::all() {
-        let restriction = |side: &Side| side.restriction.map(|each| each.to_string());
         let environments = |side: &Side| {
-            let of =
-                |id: BuildingId| side.tasks.iter().map(move |task| (id, task.to_string(), restriction(side)));
+            let restriction = side.restriction.map(|each| each.to_string());
+            let tasks: Vec<_> =
+                side.tasks.iter().map(|task| (task.to_string(), restriction.clone())).collect();
+            let of = |id: BuildingId| tasks.iter().map(move |task| (id, task.clone()));
             side.buildings.ids().into_iter().flat_map(of).collect::<HashSet<_>>()
         };
         let (train, test) = (environments(&problem.train), environments(&problem.test));

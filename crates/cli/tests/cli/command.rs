@@ -253,7 +253,7 @@ fn an_impossible_output_folder_is_rejected_before_the_run() {
 fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     for signal in [Signal::INT, Signal::TERM] {
         let sandbox = Sandbox::new();
-        let mut command = sandbox.command(B2B, "run OfficeSmall --period full_year");
+        let mut command = sandbox.command(B2B, "run RestaurantFastFood --period full_year");
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let process = child.id();
         wait_until(|| runs_an_episode(process));

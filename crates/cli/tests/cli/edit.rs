@@ -31,13 +31,13 @@ fn after(report: &Value, change: &str) -> f64 {
     effect(report, change)["after"].as_f64().unwrap()
 }
 
-/// Runs a model and returns the gas of a January week, J.
+/// Runs a model and returns the gas of two days of January, J.
 fn gas(folder: &Path, model: &Path) -> f64 {
     let weather = engine().models.unwrap().parent().unwrap().join("weather");
     let weather = weather.join("USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let mut document: Value = serde_json::from_str(&std::fs::read_to_string(model).unwrap()).unwrap();
     document["RunPeriod"] = serde_json::json!({"January": {"begin_month": 1, "begin_day_of_month": 8,
-        "end_month": 1, "end_day_of_month": 14, "day_of_week_for_start_day": "Monday"}});
+        "end_month": 1, "end_day_of_month": 9, "day_of_week_for_start_day": "Monday"}});
     let control = document["SimulationControl"].as_object_mut().unwrap().values_mut().next().unwrap();
     control["run_simulation_for_weather_file_run_periods"] = "Yes".into();
     let file = folder.join("january.epJSON");

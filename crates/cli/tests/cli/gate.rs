@@ -21,3 +21,41 @@ fn the_tests_left_to_the_nightly_command_exist() {
         assert!(exists, "`{name}` of .config/nextest.toml is no test; remove the line or correct the name");
     }
 }
+
+/// Returns whether a comment has an example that cargo would compile.
+fn has_example(text: &str) -> bool {
+    let fence = |line: &str| {
+        let line = line.trim_start();
+        let comment = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"))?;
+        comment.trim_start().strip_prefix("```").map(str::to_owned)
+    };
+    // Every other fence closes a block.
+    let mut opening = text.lines().filter_map(fence).step_by(2);
+    opening.any(|tag| ["", "rust", "no_run", "should_panic"].contains(&tag.as_str()))
+        || text.contains("#[doc = include_str!")
+}
+
+fn sources(folder: &Path) -> Vec<String> {
+    let paths = read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths
+        .flat_map(|path| match path.is_dir() {
+            true => sources(&path),
+            false if path.extension().is_some_and(|ending| ending == "rs") => {
+                vec![read_to_string(path).unwrap()]
+            }
+            false => Vec::new(),
+        })
+        .collect()
+}
+
+#[test]
+fn examples_in_comments_are_looked_for_in_the_crates_that_have_some() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for each in read_dir(crates).unwrap().map(|each| each.unwrap().path()) {
+        if each.join("src/lib.rs").exists() {
+            let left_out = read_to_string(each.join("Cargo.toml")).unwrap().contains("doctest = false");
+            let has_some = sources(&each.join("src")).iter().any(|text| has_example(text));
+            assert_ne!(has_some, left_out, "`doctest = false` of {}", each.display());
+        }
+    }
+}

@@ -134,11 +134,9 @@ fn rollouts(
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
     // With 32 steps, the episode ends on the last step of the third rollout.
-    for (interface, correlation, steps) in
-        [(DIRECT, 0.0, STEPS), (DIRECT, 0.4, 32), (RESIDUAL, 0.4, STEPS), (GRAPH, 0.4, STEPS)]
-    {
-        let ours = rollouts(&mut fragments(interface, correlation), interface, 1..=4, steps);
-        let theirs = rollouts(&mut lockstep(interface, correlation), interface, 1..=4, steps);
+    for (interface, steps) in [(DIRECT, 32), (RESIDUAL, STEPS), (GRAPH, STEPS)] {
+        let ours = rollouts(&mut fragments(interface, 0.4), interface, 1..=4, steps);
+        let theirs = rollouts(&mut lockstep(interface, 0.4), interface, 1..=4, steps);
         let ends = |rollouts: &[Rollout]| rollouts.iter().map(|each| each.ends.len()).collect::<Vec<_>>();
         assert_eq!(ends(&ours), [0, 0, ENVIRONMENTS, 0]);
         assert_eq!(ours[2].ends[0].step, DAY - 2 * steps - 1);
@@ -250,7 +248,7 @@ fn a_full_stroke_of_all_actuators_has_the_configured_cost() {
 
 #[test]
 fn a_restored_collection_continues_with_the_same_bits() {
-    for interface in [DIRECT, RESIDUAL, GRAPH] {
+    for interface in [DIRECT, GRAPH] {
         let mut whole = fragments(interface, 0.4);
         rollouts(&mut whole, interface, 1..=2, STEPS);
         let first = whole.state();

