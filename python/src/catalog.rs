@@ -321,7 +321,7 @@ pub fn find_building(
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
     let control = read_control(control)?;
-    let placement = Placement { place, weather, allow_external, control, keep_design_days };
+    let placement = Placement { place, weather, allow_external, control, keep_design_days, transition: None };
     let is_file = matches!(name, BuildingName::Model(_));
     let known = locked(&KNOWN)
         .iter()

@@ -246,7 +246,14 @@ fn episode(key: EpisodeKey) -> PyResult<Episode> {
     Ok(Episode {
         subject: Subject {
             name,
-            placement: Placement { place, weather, allow_external, control, keep_design_days },
+            placement: Placement {
+                place,
+                weather,
+                allow_external,
+                control,
+                keep_design_days,
+                transition: None,
+            },
         },
         task: catalog::read_task(&task)?,
         period: period.parse().map_err(of_building)?,

@@ -1,7 +1,8 @@
 //! Building blocks for all crates: atomic file writes, folder locks, temporary folders that are removed with their
-//! owner, digests, random streams, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
+//! owner, digests, random streams, the calendar, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
 
 pub mod aside;
+pub mod calendar;
 pub mod digest;
 pub mod digest_list;
 pub mod folder_lock;

@@ -84,27 +84,35 @@ pub enum Error {
         known: String,
     },
     /// Text that is not a day of the year.
-    #[error(
-        "invalid date `{text}`; expected MM-DD without a year, for example 02-28 (there is no 29 February)"
-    )]
+    #[error("invalid date `{text}`; expected MM-DD without a year, for example 02-28")]
     Date {
         /// The text.
         text: String,
     },
     /// Text that is not a run period.
     #[error(
-        "invalid run period `{text}`{}; expected winter, summer, full_year or MM-DD..MM-DD, from the first day to the last, within a \
-         year",
+        "invalid run period `{text}`{}; expected winter, summer, full_year or MM-DD..MM-DD, from the first day to the last, which \
+         may be after New Year",
         near_period(text, &[])
     )]
     RunPeriod {
         /// The text.
         text: String,
     },
+    /// A period that the calendar of a building does not have.
+    #[error("{name} cannot run {period}: {why}")]
+    PeriodOfCalendar {
+        /// Name of the building.
+        name: String,
+        /// The period.
+        period: String,
+        /// The reason and the remedy.
+        why: &'static str,
+    },
     /// The text is neither a run period nor a named two-week period.
     #[error(
-        "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, within a \
-         year, or two weeks that the weather decides: {}",
+        "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, which \
+         may be after New Year, or two weeks that the weather decides: {}",
         near_period(text, &TWO_WEEKS), TWO_WEEKS.join(", ")
     )]
     Period {

@@ -47,7 +47,7 @@ impl Period {
         let hourly = Some(record.dry_bulbs()).filter(|_| record.is_whole_year());
         let first = hourly.and_then(|hourly| two_weeks.first_day(&hourly));
         let first = first.ok_or_else(|| Error::NotOneYear { weather: weather.to_owned() })?;
-        RunPeriod::new(Date::of_day(first), Date::of_day(first + TWO_WEEKS as u32 - 1))
+        Ok(RunPeriod::new(Date::of_day(first), Date::of_day(first + TWO_WEEKS as u32 - 1)))
     }
 }
 

@@ -1,7 +1,10 @@
 //! Preparation of a model for control.
 
+mod calendar;
+
 use std::path::Path;
 
+use b2b_base::calendar::Calendar;
 use b2b_base::digest::sha256;
 use b2b_climate::Site;
 use b2b_energyplus::Library;
@@ -48,11 +51,14 @@ pub struct PreparedBuilding {
     pub conditioned_floor_area: f64,
     /// The engine's meters of HVAC energy, electricity and natural gas first.
     pub meters: Vec<HvacMeter>,
-    /// The year of each zone according to its own schedules, in the order of the zones.
+    /// The calendar of a user's model; `None` for a generated building, which stays in its year of 365 days.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    calendar: Option<Calendar>,
+    /// The days of each zone according to its own schedules, in the order of the zones.
     #[serde(default)]
     pub years: Vec<ZoneYear>,
-    /// Days of the year, from 1 and in order, that the model declares special, such as holidays: its schedules do not follow
-    /// their day of the week.
+    /// Days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays: its
+    /// schedules do not follow their day of the week.
     #[serde(default)]
     pub holidays: Vec<u32>,
     /// Outdoor air that the model controls: of the systems of a building under its own controls, and of air loops whose zones
@@ -150,10 +156,11 @@ impl PreparedBuilding {
             Unsupported::LeftAlone => hvac::switches_of_all(&model)?,
             Unsupported::Refused => Vec::new(),
         };
-        let Year { zones: years, holidays, off } = year(name, &model, &switches, library)?;
+        let calendar = calendar::of(&model, weather, unsupported)?;
+        let Year { zones: years, holidays, off } = year(name, &model, &switches, calendar, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         notes.switched_off = switched_off(&switches, &off, &discovery);
-        Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else. `complete`
@@ -166,13 +173,15 @@ impl PreparedBuilding {
         mut model: Model,
         weather: &Path,
         library: &Library,
+        unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
         let (air_density, notes) = size(name, &mut model, weather, library)?;
-        let Year { zones: years, holidays, .. } = year(name, &model, &[], library)?;
+        let calendar = calendar::of(&model, weather, unsupported)?;
+        let Year { zones: years, holidays, .. } = year(name, &model, &[], calendar, library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
-        Ok(Self { years, holidays, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
@@ -230,6 +239,7 @@ impl PreparedBuilding {
             layouts,
             uncontrolled,
             meters,
+            calendar: None,
             years: Vec::new(),
             holidays: Vec::new(),
             own_ventilation,
@@ -272,7 +282,7 @@ impl PreparedBuilding {
         model.remove_class("Timestep");
         model.insert("Timestep", "Timestep 1", json!({"number_of_timesteps_per_hour": steps_per_hour}));
         model.remove_class("RunPeriod");
-        model.insert("RunPeriod", "Episode", period.to_epjson());
+        model.insert("RunPeriod", "Episode", self.in_its_calendar(period).to_epjson());
         model
     }
 
@@ -398,12 +408,18 @@ fn for_episodes(model: &mut Model) {
     run_weather_alone(model);
 }
 
-/// Returns the year of a sized model.
-fn year(name: &str, model: &Model, switches: &[Switch], library: &Library) -> Result<Year> {
+/// Returns the years of a sized model.
+fn year(
+    name: &str,
+    model: &Model,
+    switches: &[Switch],
+    calendar: Option<Calendar>,
+    library: &Library,
+) -> Result<Year> {
     let zones = zone::zones(model)?;
     let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
     let switches: Vec<&str> = switches.iter().map(|switch| switch.schedule.as_str()).collect();
-    let year = band::year(name, model, &names, &switches, library);
+    let year = band::year(name, model, &names, &switches, calendar, library);
     year.map_err(|error| error.on_model(name).while_doing(format!("reading the schedules of {name}")))
 }
 

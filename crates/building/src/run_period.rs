@@ -3,32 +3,35 @@
 use std::fmt;
 use std::str::FromStr;
 
+use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::{Error, Result};
 
-/// The calendar year of every episode: a common year, as in weather files, that starts on a Sunday.
-const YEAR: u32 = 2017;
-const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+/// The first of the years of which one has the days of an episode: 2017 has those of every generated building.
+const FIRST_YEAR: u32 = 2017;
 pub(crate) const WEEKDAYS: [&str; 7] =
     ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
 
-/// A day of the year.
+/// A date of every year, or 29 February.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Date {
     month: u32,
     day: u32,
 }
 
-/// The first and the last day of an episode, both inclusive, within one year.
+/// The first and the last day of an episode, both inclusive. It passes New Year if the last date is before the first.
 ///
-/// Serialized as text, for example `01-01..03-31`.
+/// It is in the calendar of generated buildings until it is given a building's own
+/// ([`PreparedBuilding::in_its_calendar`](crate::PreparedBuilding::in_its_calendar)). Serialized as text, for example
+/// `01-01..03-31`, without the calendar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct RunPeriod {
     first: Date,
     last: Date,
+    calendar: Calendar,
 }
 
 impl Date {
@@ -37,22 +40,21 @@ impl Date {
     /// # Errors
     /// [`Error::Date`] when the date does not exist.
     pub fn new(month: u32, day: u32) -> Result<Self> {
-        let days = (1..=12).contains(&month).then(|| MONTH_DAYS[month as usize - 1]);
-        match days {
-            Some(days) if (1..=days).contains(&day) => Ok(Self { month, day }),
-            _ => Err(Error::Date { text: format!("{month:02}-{day:02}") }),
-        }
+        let leap_year = Calendar::new(0, true);
+        let known = leap_year.day([month, day]).is_some();
+        known
+            .then_some(Self { month, day })
+            .ok_or_else(|| Error::Date { text: format!("{month:02}-{day:02}") })
     }
 
-    /// The date of a day of the year, 1 to 365.
-    pub fn of_day(mut day_of_year: u32) -> Self {
-        for (month, days) in (1..).zip(MONTH_DAYS) {
-            if day_of_year <= days {
-                return Self { month, day: day_of_year.max(1) };
-            }
-            day_of_year -= days;
-        }
-        Self { month: 12, day: 31 }
+    /// The date of a day of a year without 29 February, 1 to 365.
+    pub fn of_day(day_of_year: u32) -> Self {
+        Self::of(Calendar::default(), day_of_year.clamp(1, 365))
+    }
+
+    fn of(calendar: Calendar, day_of_year: u32) -> Self {
+        let [month, day] = calendar.date(day_of_year);
+        Self { month, day }
     }
 
     /// Month, 1 to 12.
@@ -65,21 +67,20 @@ impl Date {
         self.day
     }
 
-    /// Day of the year, 1 to 365.
+    /// Month and day of the month, from 1.
+    pub fn month_and_day(self) -> [u32; 2] {
+        [self.month, self.day]
+    }
+
+    /// Day of a year without 29 February, 1 to 365.
     pub fn day_of_year(self) -> u32 {
-        MONTH_DAYS[..self.month as usize - 1].iter().sum::<u32>() + self.day
+        self.in_calendar(Calendar::default())
     }
 
-    /// Returns the day of the week of 1 January of the year in which this date is on a given day of the week, 0 (Monday) to 6
-    /// (Sunday).
-    pub(crate) fn new_year_if_on(self, weekday: u32) -> u32 {
-        (weekday + 371 - (self.day_of_year() - 1)) % 7
-    }
-
-    /// Day of the week, 0 (Monday) to 6 (Sunday).
-    pub fn weekday(self) -> u32 {
-        // 1 January of the calendar year is a Sunday.
-        (self.day_of_year() - 1 + 6) % 7
+    /// Day of the year in a calendar. If it has no 29 February, that is as 28 February.
+    pub(crate) fn in_calendar(self, calendar: Calendar) -> u32 {
+        let date = self.month_and_day();
+        calendar.day(date).or_else(|| calendar.day([self.month, self.day - 1])).unwrap_or(1)
     }
 }
 
@@ -123,28 +124,37 @@ impl RunPeriod {
     /// 1 June to 31 August: 92 days.
     pub const SUMMER: Self = Self::between((6, 1), (8, 31));
 
+    const NAMED: [(&str, Self); 3] =
+        [("winter", Self::WINTER), ("summer", Self::SUMMER), ("full_year", Self::FULL_YEAR)];
+
     const fn between(first: (u32, u32), last: (u32, u32)) -> Self {
-        Self { first: Date { month: first.0, day: first.1 }, last: Date { month: last.0, day: last.1 } }
+        Self {
+            first: Date { month: first.0, day: first.1 },
+            last: Date { month: last.0, day: last.1 },
+            calendar: Calendar::new(6, false),
+        }
     }
 
-    /// A run period from a first to a last day, both inclusive.
-    ///
-    /// # Errors
-    /// [`Error::RunPeriod`] when it ends before it starts: an episode stays within one year.
-    pub fn new(first: Date, last: Date) -> Result<Self> {
-        if last < first {
-            return Err(Error::RunPeriod { text: format!("{first}..{last}") });
-        }
-        Ok(Self { first, last })
+    /// A run period from a first to a last day, both inclusive, which passes New Year if the last is before the first.
+    pub fn new(first: Date, last: Date) -> Self {
+        Self { first, last, calendar: Calendar::default() }.in_calendar(Calendar::default())
+    }
+
+    /// Returns the same dates in the year of a calendar and, if they pass New Year, in the following one.
+    #[must_use]
+    pub fn in_calendar(self, calendar: Calendar) -> Self {
+        let first = self.first.in_calendar(calendar);
+        let calendar = if self.passes_new_year() { calendar.passing_new_year(first) } else { calendar };
+        Self { calendar, ..self }
     }
 
     /// Returns the part of `days` days that begins `after` days after the first, cut at the end of the period.
     pub fn part(self, after: u32, days: u32) -> Self {
         let whole = self.days();
         let after = after.min(whole - 1);
-        let first = self.first.day_of_year() + after;
-        let last = first + days.clamp(1, whole - after) - 1;
-        Self { first: Date::of_day(first), last: Date::of_day(last) }
+        let last = after + days.clamp(1, whole - after) - 1;
+        let part = Self { first: self.date(after), last: self.date(last), ..self };
+        part.in_calendar(self.calendar.first_year())
     }
 
     /// First day.
@@ -157,22 +167,77 @@ impl RunPeriod {
         self.last
     }
 
-    /// Number of days.
-    pub fn days(self) -> u32 {
-        self.last.day_of_year() - self.first.day_of_year() + 1
+    /// Returns the calendar.
+    pub fn calendar(self) -> Calendar {
+        self.calendar
     }
 
-    /// The fields of the engine's `RunPeriod` object, with the weekday of the first day: the engine does not derive it from
-    /// the year.
+    /// Returns whether it passes New Year.
+    pub fn passes_new_year(self) -> bool {
+        self.last < self.first
+    }
+
+    /// Returns the day of the year that is a number of days after the first.
+    pub fn day_of_year(self, after: u32) -> u32 {
+        self.calendar.after(self.first.in_calendar(self.calendar), after)
+    }
+
+    /// Returns the date that is a number of days after the first.
+    pub fn date(self, after: u32) -> Date {
+        Date::of(self.calendar, self.day_of_year(after))
+    }
+
+    /// Returns the last day of the year.
+    pub fn last_day_of_year(self) -> u32 {
+        self.last.in_calendar(self.calendar)
+    }
+
+    /// Number of days.
+    pub fn days(self) -> u32 {
+        let [first, last] = [self.first, self.last].map(|date| date.in_calendar(self.calendar));
+        self.calendar.count(last) - first + 1
+    }
+
+    /// Returns whether a day is in both periods.
+    pub fn overlaps(self, other: Self) -> bool {
+        let is_within = |date: Date, period: Self| match period.passes_new_year() {
+            true => date >= period.first || date <= period.last,
+            false => (period.first..=period.last).contains(&date),
+        };
+        is_within(self.first, other) || is_within(other.first, self)
+    }
+
+    /// Returns the years, of the first and of the last day, in which the Gregorian calendar has these days.
+    ///
+    /// The engine takes the days of the week and 29 February from the number of the year. Its runs from after 29 February of a
+    /// leap year into the following year are a day short, so such a run begins in a common year.
+    pub fn years(self) -> [u32; 2] {
+        let (first, passes) = (self.first.month_and_day(), self.passes_new_year());
+        let in_first = self.calendar.is_leap() && (!passes || first <= [2, 29]);
+        let in_second = self.calendar.is_leap() && !in_first;
+        let weekday = self.calendar.weekday(self.first.in_calendar(self.calendar));
+        let has_days = |year: &u32| {
+            let calendar = Calendar::new(weekday_of_new_year(*year), is_leap_year(*year));
+            let begins = calendar.day(first).is_some_and(|day| calendar.weekday(day) == weekday);
+            begins && is_leap_year(*year) == in_first && (!passes || is_leap_year(year + 1) == in_second)
+        };
+        // The days of the week and the leap years recur every 28 years until 2100.
+        let year = (FIRST_YEAR..FIRST_YEAR + 28).find(has_days).unwrap_or(FIRST_YEAR);
+        [year, year + u32::from(passes)]
+    }
+
+    /// The fields of the engine's `RunPeriod` object.
     pub(crate) fn to_epjson(self) -> Value {
+        let [begin_year, end_year] = self.years();
+        let weekday = self.calendar.weekday(self.first.in_calendar(self.calendar));
         json!({
             "begin_month": self.first.month,
             "begin_day_of_month": self.first.day,
-            "begin_year": YEAR,
+            "begin_year": begin_year,
             "end_month": self.last.month,
             "end_day_of_month": self.last.day,
-            "end_year": YEAR,
-            "day_of_week_for_start_day": WEEKDAYS[self.first.weekday() as usize],
+            "end_year": end_year,
+            "day_of_week_for_start_day": WEEKDAYS[weekday as usize],
             "use_weather_file_holidays_and_special_days": "No",
             "use_weather_file_daylight_saving_period": "No",
             "apply_weekend_holiday_rule": "No",
@@ -184,11 +249,10 @@ impl RunPeriod {
 
 impl fmt::Display for RunPeriod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::FULL_YEAR => f.write_str("full_year"),
-            Self::WINTER => f.write_str("winter"),
-            Self::SUMMER => f.write_str("summer"),
-            Self { first, last } => write!(f, "{first}..{last}"),
+        let Self { first, last, .. } = *self;
+        match Self::NAMED.into_iter().find(|(_, named)| (named.first, named.last) == (first, last)) {
+            Some((name, _)) => f.write_str(name),
+            None => write!(f, "{first}..{last}"),
         }
     }
 }
@@ -198,16 +262,12 @@ impl FromStr for RunPeriod {
 
     /// Parses `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     fn from_str(text: &str) -> Result<Self> {
-        match text {
-            "winter" => Ok(Self::WINTER),
-            "summer" => Ok(Self::SUMMER),
-            "full_year" => Ok(Self::FULL_YEAR),
-            _ => {
-                let (first, last) =
-                    text.split_once("..").ok_or_else(|| Error::RunPeriod { text: text.to_owned() })?;
-                Self::new(first.parse()?, last.parse()?)
-            }
+        if let Some((_, named)) = Self::NAMED.into_iter().find(|(name, _)| *name == text) {
+            return Ok(named);
         }
+        let (first, last) =
+            text.split_once("..").ok_or_else(|| Error::RunPeriod { text: text.to_owned() })?;
+        Ok(Self::new(first.parse()?, last.parse()?))
     }
 }
 
@@ -223,9 +283,37 @@ mod tests {
     }
 
     #[test]
-    fn the_weekday_follows_the_date() {
-        assert_eq!(Date::new(1, 1).unwrap().weekday(), 6, "1 January 2017 was a Sunday");
-        assert_eq!(Date::new(6, 1).unwrap().weekday(), 3, "1 June 2017 was a Thursday");
+    fn a_period_that_passes_new_year_goes_on_in_the_following_year() {
+        let period: RunPeriod = "12-27..01-09".parse().unwrap();
+        assert_eq!((period.days(), period.to_string().as_str()), (14, "12-27..01-09"));
+        assert_eq!([0, 4, 5, 13].map(|after| period.day_of_year(after)), [361, 365, 1, 9]);
+        assert_eq!(period.calendar().weekday(1), 0, "1 January 2018 was a Monday");
+        assert_eq!((period.years(), period.part(4, 2).to_string().as_str()), ([2017, 2018], "12-31..01-01"));
+        let [january, december] = ["01-05..01-12", "12-01..12-26"].map(|text| text.parse().unwrap());
+        assert!(period.overlaps(january) && january.overlaps(period) && !period.overlaps(december));
+    }
+
+    #[test]
+    fn a_leap_year_has_29_february_and_a_run_of_the_engine_has_its_days() {
+        let leap = Calendar::new(2, true);
+        let of = |text: &str| text.parse::<RunPeriod>().unwrap().in_calendar(leap);
+        assert_eq!(
+            (of("full_year").days(), of("02-28..03-01").days(), of("02-29..02-29").days()),
+            (366, 3, 1)
+        );
+        assert_eq!(of("winter").date(59).to_string(), "02-29");
+        let years =
+            ["01-01..01-01", "02-15..01-09", "12-27..01-09", "12-01..03-15"].map(|text| of(text).years());
+        for ([year, next], first) in years.into_iter().zip([[1, 1], [2, 15], [12, 27], [12, 1]]) {
+            let calendar = Calendar::new(weekday_of_new_year(year), is_leap_year(year));
+            let day = leap.day(first).unwrap();
+            assert_eq!(calendar.weekday(calendar.day(first).unwrap()), leap.weekday(day), "{year}");
+            assert!(is_leap_year(year) != (is_leap_year(next) && next > year), "{year} {next}");
+        }
+        assert_eq!(
+            "01-01..01-01".parse::<RunPeriod>().unwrap().in_calendar(Calendar::new(3, false)).years(),
+            [2026; 2]
+        );
     }
 
     #[test]
@@ -244,7 +332,7 @@ mod tests {
 
     #[test]
     fn the_error_of_an_invalid_date_has_the_format() {
-        for text in ["spring", "02-30..03-01", "03-01..02-01", "0201..0301"] {
+        for text in ["spring", "02-30..03-01", "0201..0301"] {
             let error = text.parse::<RunPeriod>().unwrap_err().to_string();
             assert!(error.contains("MM-DD"), "{error}");
         }

@@ -83,7 +83,7 @@ impl Days {
     /// Returns the date after a number of steps.
     pub fn date(&self, steps: usize) -> Date {
         let day = (steps / self.steps_per_day) as u32;
-        Date::of_day((self.period.first().day_of_year() + day).min(self.period.last().day_of_year()))
+        self.period.date(day.min(self.period.days() - 1))
     }
 }
 

@@ -74,9 +74,10 @@ impl Prepared {
     pub fn check_start(&self) -> Result<()> {
         let file = EpwFile::open(&self.weather)?;
         let first = (1..=365)
-            .find(|day| file.record().is_ok_and(|record| record.first_missing(*day, *day).is_none()));
-        let first = Date::of_day(first.unwrap_or(1));
-        let (period, steps, task) = (RunPeriod::new(first, first)?, self.trial_steps()?, Task::default());
+            .map(Date::of_day)
+            .find(|date| file.record().is_ok_and(|record| record.has(date.month_and_day())));
+        let first = first.unwrap_or(Date::of_day(1));
+        let (period, steps, task) = (RunPeriod::new(first, first), self.trial_steps()?, Task::default());
         #[cfg(target_os = "linux")]
         {
             let workers = b2b_workers::Workers::new(self.worker_options())?;

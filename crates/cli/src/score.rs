@@ -248,15 +248,17 @@ impl Trajectory {
 
     /// Returns the steps per hour. Errors if the episode is not complete.
     fn steps_per_hour(&self, path: &Path) -> Result<u32> {
-        let hours = self.period.days() as usize * 24;
-        if self.steps == 0 || !self.steps.is_multiple_of(hours) {
+        // A trajectory does not say whether its year had a 29 February.
+        let hours = [0, 1].map(|leap_day| (self.period.days() as usize + leap_day) * 24);
+        let Some(hours) = hours.into_iter().find(|hours| self.steps > 0 && self.steps.is_multiple_of(*hours))
+        else {
             bail!(
                 "{} has {} steps, which is not a complete episode of {}",
                 path.display(),
                 self.steps,
                 self.period
             );
-        }
+        };
         Ok((self.steps / hours) as u32)
     }
 }

@@ -8,7 +8,6 @@ mod error;
 mod ground;
 mod location;
 mod mild_year;
-mod months;
 mod morph;
 pub mod region;
 mod site;

@@ -31,6 +31,8 @@ pub struct Site {
     pub cooling: DesignDay,
     /// Year of the rows, if they have one in common, as those of a measured year.
     pub year: Option<u32>,
+    /// Whether the file has a 29 February and its header says so, without which the engine leaves it out.
+    pub has_leap_day: bool,
     /// Whether the design days were computed from the hours of the file because its header has none.
     pub sized_by_hours: bool,
 }
@@ -80,6 +82,7 @@ impl Site {
                 .unwrap_or_else(estimated),
             monthly_dry_bulbs,
             year: record.year(),
+            has_leap_day: record.has_leap_day() && observes_leap_days(header),
             heating,
             cooling: DesignDay { optical_depths, ..cooling },
             sized_by_hours,
@@ -90,6 +93,12 @@ impl Site {
     pub fn pressure(&self) -> f64 {
         101_325.0 * libm::pow(1.0 - 2.25577e-05 * self.elevation, 5.2559)
     }
+}
+
+/// Returns whether a header says that its file has leap days.
+fn observes_leap_days(header: &Header) -> bool {
+    let line = header.line("HOLIDAYS/DAYLIGHT SAVINGS");
+    line.is_ok_and(|line| line.text(1).is_ok_and(|given| given.eq_ignore_ascii_case("yes")))
 }
 
 #[cfg(test)]
@@ -111,7 +120,7 @@ mod tests {
     /// The rows of a year with a dry bulb by month and hour.
     fn year(dry_bulb: impl Fn(u32, u32) -> i32) -> String {
         let mut text = String::new();
-        for (month, days) in (1..).zip(crate::months::MONTH_DAYS) {
+        for (month, days) in (1..).zip(b2b_base::calendar::MONTH_DAYS) {
             for (day, hour) in (1..=days).flat_map(|day| (1..=24).map(move |hour| (day, hour))) {
                 let (dry_bulb, rest) = (dry_bulb(month, hour - 1), ",1".repeat(28));
                 text += &format!("1999,{month},{day},{hour},60,flags,{dry_bulb}{rest}\n");

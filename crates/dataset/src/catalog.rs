@@ -40,6 +40,8 @@ pub struct Placement {
     pub control: Control,
     /// Whether a user's model keeps its design days instead of the weather file's.
     pub keep_design_days: bool,
+    /// Folder of EnergyPlus's Transition programs, which convert a user's old IDF instead of this project's rules.
+    pub transition: Option<PathBuf>,
 }
 
 /// Finds buildings; caches prototypes and sites.
@@ -204,10 +206,13 @@ impl Catalog {
 
     /// Returns a user's model with the design days of the weather, unless it keeps its own, and notes on it.
     fn own_model(&self, path: &Path, placement: &Placement, site: &Site) -> Result<(Model, Notes)> {
-        let Imported { mut model, mut notes } =
-            import::read_with_notes(path, &self.library, placement.allow_external)?;
+        let options = import::Options {
+            allow_external: placement.allow_external,
+            transition: placement.transition.as_deref(),
+        };
+        let Imported { mut model, mut notes } = import::read_with_notes(path, &self.library, options)?;
         design_days::of_imported(&mut model, site, placement.keep_design_days, &mut notes);
-        notes.warnings.extend(import::calendar::warnings(&model, site));
+        notes.calendar = import::calendar::note(&model, site);
         Ok((model, notes))
     }
 

@@ -74,7 +74,7 @@ impl Preparation {
         };
         let building = match self.controls {
             Controls::Setpoints => {
-                PreparedBuilding::under_setpoints(&name, model, weather, library, complete)
+                PreparedBuilding::under_setpoints(&name, model, weather, library, unsupported, complete)
             }
             Controls::Actuators => {
                 PreparedBuilding::with_kinds(&name, model, weather, library, &KINDS, unsupported)

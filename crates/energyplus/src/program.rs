@@ -14,27 +14,32 @@ const LOADERS: [&str; 2] = ["/lib64/ld-linux-x86-64.so.2", "/lib/ld-musl-x86_64.
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// Runs a program in a folder and returns its status and what it wrote to its standard output. Where the kernel can, the
+/// Runs a program with arguments in a folder and returns its status and what it wrote to its standard output. Where the kernel can, the
 /// program writes only in this folder, starts no other, and does not connect to a network.
 ///
 /// # Errors
 /// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; those of starting it.
-pub fn run_program(program: &Path, folder: &Path, limit: Duration) -> Result<(ExitStatus, String)> {
+pub fn run_program(
+    program: &Path,
+    arguments: &[&str],
+    folder: &Path,
+    limit: Duration,
+) -> Result<(ExitStatus, String)> {
     let mut runs = vec![program.to_owned()];
     runs.extend(script_program(program)?);
     runs.extend(LOADERS.map(PathBuf::from));
     let mut said = tempfile::tempfile_in(folder)?;
     let output = said.try_clone()?;
-    let status = confined_to_program(folder, &runs, || run(program, folder, output, limit))?;
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(output).stderr(Stdio::null());
+    let status = confined_to_program(folder, &runs, || run(command, limit))?;
     let mut text = Vec::new();
     std::io::Seek::rewind(&mut said)?;
     said.read_to_end(&mut text)?;
     Ok((status, String::from_utf8_lossy(&text).into_owned()))
 }
 
-fn run(program: &Path, folder: &Path, output: File, limit: Duration) -> Result<ExitStatus> {
-    let mut command = Command::new(program);
-    command.current_dir(folder).stdin(Stdio::null()).stdout(output).stderr(Stdio::null());
+fn run(mut command: Command, limit: Duration) -> Result<ExitStatus> {
     let mut child = command.spawn()?;
     let end = Instant::now() + limit;
     loop {
@@ -76,7 +81,7 @@ mod tests {
         std::fs::create_dir(&folder).unwrap();
         std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
-        let result = run_program(&program, &folder, limit);
+        let result = run_program(&program, &[], &folder, limit);
         (root, result)
     }
 

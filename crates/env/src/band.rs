@@ -1,11 +1,12 @@
 //! Comfort bands: a heating and a cooling setpoint for every controlled zone and time.
 
-use b2b_building::{Conditioning, Date, PreparedBuilding, Span, ZoneYear};
+use b2b_base::calendar::Calendar;
+use b2b_building::{Conditioning, Span, ZoneYear};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
-use crate::presence::Presence;
 use crate::setpoints::Setpoints;
+use crate::spaces::{EpisodeConfig, Spaces};
 use crate::{Error, Result};
 
 /// Least difference of a cooling and a heating setpoint, K (Guideline 36, 5.3.2).
@@ -88,6 +89,8 @@ pub struct Bands {
     band: Band,
     /// Whether people come and go by their schedules.
     scheduled: bool,
+    /// The calendar of the episode.
+    calendar: Calendar,
     zones: Vec<ZoneBands>,
 }
 
@@ -127,8 +130,8 @@ impl Band {
 }
 
 impl Days {
-    fn include(self, day_of_year: u32) -> bool {
-        let is_weekend = Date::of_day(day_of_year).weekday() >= 5;
+    fn include(self, calendar: Calendar, day_of_year: u32) -> bool {
+        let is_weekend = calendar.weekday(day_of_year) >= 5;
         match self {
             Self::All => true,
             Self::Weekdays => !is_weekend,
@@ -138,57 +141,65 @@ impl Days {
 }
 
 impl Bands {
-    /// Returns the bands of a building; `None` if the task has targets instead.
-    pub fn new(setpoints: &Setpoints, presence: Presence, building: &PreparedBuilding) -> Option<Self> {
-        let Setpoints::Band { band } = setpoints else { return None };
+    /// Returns the bands of a building in an episode; `None` if its task has targets instead.
+    pub fn of(spaces: &Spaces) -> Option<Self> {
+        let Spaces { building, episode: EpisodeConfig { period, task, .. }, .. } = spaces;
+        let Setpoints::Band { band } = &task.setpoints else { return None };
         let zones = building.zones.iter().enumerate();
         let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, zone)| {
             let cooled = zone.conditioning == Conditioning::HeatingAndCooling;
             ZoneBands { year: building.years.get(index).cloned().unwrap_or_default(), cooled }
         });
-        Some(Self { band: band.clone(), scheduled: presence.is_scheduled(), zones: zones.collect() })
+        Some(Self {
+            band: band.clone(),
+            scheduled: task.presence.is_scheduled(),
+            calendar: period.calendar(),
+            zones: zones.collect(),
+        })
     }
 
     /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and for
     /// random presence: an observation has the people of the step before.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
-        let zone = &self.zones[zone];
+        let (zone, day) = (&self.zones[zone], self.calendar.count(day_of_year));
         match &self.band {
             Band::Own if zone.year.is_empty() => zone.pair(UNASKED),
-            Band::Own => zone.of_span(&zone.year.at(day_of_year, hour)),
+            Band::Own => zone.of_span(&zone.year.at(day, hour)),
             Band::Presence { occupied, unoccupied } => {
                 let known = self.scheduled && !zone.year.is_empty();
-                let people = if known { zone.year.at(day_of_year, hour).people } else { people };
+                let people = if known { zone.year.at(day, hour).people } else { people };
                 zone.pair(if people { *occupied } else { *unoccupied })
             }
-            Band::Hours { pairs, otherwise } => zone.pair(at_hours(pairs, *otherwise, day_of_year, hour)),
+            Band::Hours { pairs, otherwise } => {
+                zone.pair(self.at_hours(pairs, *otherwise, day_of_year, hour))
+            }
         }
     }
 
     /// Returns the next change of a zone's setpoints within a week, by its schedules.
     pub fn next(&self, zone: usize, day_of_year: u32, hour: f64) -> Option<NextPair> {
-        let zone = &self.zones[zone];
+        let (zone, day) = (&self.zones[zone], self.calendar.count(day_of_year));
         match &self.band {
             Band::Own | Band::Presence { .. } if zone.year.is_empty() => None,
             Band::Own => {
-                let change = zone.year.next_setpoints(day_of_year, hour)?;
+                let change = zone.year.next_setpoints(day, hour)?;
                 Some(NextPair { hours: change.hours, pair: zone.of_span(&change.next) })
             }
             Band::Presence { occupied, unoccupied } => {
-                let present = zone.year.at(day_of_year, hour).people;
-                let change = zone.year.next(day_of_year, hour, 7, |span| span.people != present)?;
+                let present = zone.year.at(day, hour).people;
+                let change = zone.year.next(day, hour, 7, |span| span.people != present)?;
                 let pair = if present { *unoccupied } else { *occupied };
                 Some(NextPair { hours: change.hours, pair: zone.pair(pair) })
             }
             Band::Hours { pairs, otherwise } => {
-                let now = at_hours(pairs, *otherwise, day_of_year, hour);
+                let now = self.at_hours(pairs, *otherwise, day_of_year, hour);
                 let ends = pairs.iter().flat_map(|pair| [pair.from, pair.to]);
                 let times = (0..8).flat_map(|day| {
                     ends.clone().chain([0.0]).map(move |end| 24.0 * f64::from(day) + end - hour)
                 });
-                let change = |hours: f64| at_hours(pairs, *otherwise, day_of_year, hour + hours) != now;
+                let change = |hours: f64| self.at_hours(pairs, *otherwise, day_of_year, hour + hours) != now;
                 let hours = times.filter(|hours| *hours > 0.0 && change(*hours)).min_by(f64::total_cmp)?;
-                let pair = at_hours(pairs, *otherwise, day_of_year, hour + hours);
+                let pair = self.at_hours(pairs, *otherwise, day_of_year, hour + hours);
                 Some(NextPair { hours, pair: zone.pair(pair) })
             }
         }
@@ -196,8 +207,17 @@ impl Bands {
 
     /// Returns the hours until people are in a zone, by its schedules; 0 if they are, `None` if nobody comes within a week.
     pub fn hours_to_people(&self, zone: usize, day_of_year: u32, hour: f64) -> Option<f64> {
-        let year = &self.zones[zone].year;
-        if year.is_empty() { None } else { year.hours_to_people(day_of_year, hour) }
+        let (year, day) = (&self.zones[zone].year, self.calendar.count(day_of_year));
+        if year.is_empty() { None } else { year.hours_to_people(day, hour) }
+    }
+
+    /// Returns the pair of an hour, which may be on a later day.
+    fn at_hours(&self, pairs: &[HoursPair], otherwise: [f64; 2], day_of_year: u32, hour: f64) -> [f64; 2] {
+        let later = (hour / 24.0).floor();
+        let (day, hour) = (self.calendar.after(day_of_year, later as u32), hour - 24.0 * later);
+        let applies =
+            |pair: &&HoursPair| pair.days.include(self.calendar, day) && (pair.from..pair.to).contains(&hour);
+        pairs.iter().find(applies).map_or(otherwise, |pair| pair.pair)
     }
 }
 
@@ -232,15 +252,6 @@ impl Pair {
     }
 }
 
-/// The pair of an hour, which may be on a later day.
-fn at_hours(pairs: &[HoursPair], otherwise: [f64; 2], day_of_year: u32, hour: f64) -> [f64; 2] {
-    let later = (hour / 24.0).floor();
-    let (day, hour) = (day_of_year + later as u32, hour - 24.0 * later);
-    let applies =
-        |pair: &&HoursPair| pair.days.include((day - 1) % 365 + 1) && (pair.from..pair.to).contains(&hour);
-    pairs.iter().find(applies).map_or(otherwise, |pair| pair.pair)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,7 +259,7 @@ mod tests {
     fn office(band: Band) -> Bands {
         let year = ZoneYear::default();
         let zone = |cooled| ZoneBands { year: year.clone(), cooled };
-        Bands { band, scheduled: true, zones: vec![zone(true), zone(false)] }
+        Bands { band, scheduled: true, calendar: Calendar::default(), zones: vec![zone(true), zone(false)] }
     }
 
     fn weekdays() -> Band {
@@ -264,6 +275,10 @@ mod tests {
         assert_eq!([at(6, 5.9), at(6, 6.0), at(6, 17.9), at(6, 18.0)], [15.6, 21.0, 21.0, 15.6]);
         assert_eq!(at(7, 12.0), 15.6);
         assert_eq!(bands.at(1, 6, 12.0, true).cooling, f64::INFINITY);
+        // 1 January 2018 is a Monday, and the day after 31 December 2017.
+        let passing = Bands { calendar: Calendar::default().passing_new_year(361), ..office(weekdays()) };
+        assert_eq!(passing.at(0, 1, 12.0, false).heating, 21.0);
+        assert_eq!(passing.next(0, 365, 12.0).map(|next| next.hours), Some(18.0));
     }
 
     #[test]
@@ -275,7 +290,7 @@ mod tests {
             serde_json::from_str(&format!(r#"{{"profiles":[[{spans}]],"days":[0]}}"#)).unwrap();
         let band = Band::Presence { occupied: [21.0, 24.0], unoccupied: [15.6, 28.0] };
         let zones = [year, ZoneYear::default()].map(|year| ZoneBands { year, cooled: true });
-        let mut bands = Bands { band, scheduled: true, zones: zones.into() };
+        let mut bands = Bands { band, scheduled: true, calendar: Calendar::default(), zones: zones.into() };
         let heating = |zone, hour, people| bands.at(zone, 1, hour, people).heating;
         assert_eq!(
             [heating(0, 5.9, true), heating(0, 6.0, false), heating(0, 18.0, true)],

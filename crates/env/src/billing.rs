@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use b2b_building::{CarrierEnergy, Date, RunPeriod};
+use b2b_base::calendar::Calendar;
+use b2b_building::{CarrierEnergy, RunPeriod};
 use b2b_climate::EpwFile;
-use b2b_tariff::{Bill, DAYS, Emissions, Moment, Part, Prices, Year};
+use b2b_tariff::{Bill, Emissions, Moment, Part, Prices};
 
 use crate::engine_report::BillPart;
 use crate::spaces::EpisodeConfig;
@@ -47,7 +48,7 @@ impl Billing {
     ) -> Result<Self> {
         let emissions = task.emission_profile.as_ref().map(|profile| profile.emissions());
         Ok(Self {
-            prices: prices(task, weather)?,
+            prices: prices(task, weather, period.calendar())?,
             emissions: emissions.transpose()?,
             bill: Self::empty(period),
             period,
@@ -57,7 +58,7 @@ impl Billing {
     }
 
     fn empty(period: RunPeriod) -> Bill {
-        Bill::new(period.first().day_of_year(), period.last().day_of_year())
+        Bill::new(period.day_of_year(0), period.last_day_of_year())
     }
 
     /// Begins an episode.
@@ -73,10 +74,11 @@ impl Billing {
             .prices
             .as_ref()
             .map(|prices| self.bill.step(prices, at, &kwh, self.hours).total() / self.floor_area);
+        let in_common_year = Moment { day: self.period.calendar().day_of_common_year(day_of_year), hour };
         let emitted = |profile: &Emissions| {
             let carriers = b2b_tariff::Fuel::ALL.into_iter().zip(energy);
             // kg/kWh is g/Wh.
-            carriers.map(|(fuel, energy)| profile.at(fuel, at) * energy).sum()
+            carriers.map(|(fuel, energy)| profile.at(fuel, in_common_year) * energy).sum()
         };
         Billed { cost, emissions: self.emissions.as_ref().map(emitted) }
     }
@@ -103,22 +105,16 @@ impl Billing {
     }
 }
 
-/// Returns the calendar year of every episode, for tariffs.
-pub fn calendar_year() -> Year {
-    Year::starting_on(Date::of_day(1).weekday())
-}
-
-/// Returns the prices of a task's tariff in the year of a weather file; `None` without a tariff.
-fn prices(task: &Task, weather: &Path) -> Result<Option<Prices>> {
+/// Returns the prices of a task's tariff in a calendar, in the weather of a file; `None` without a tariff.
+fn prices(task: &Task, weather: &Path, calendar: Calendar) -> Result<Option<Prices>> {
     let Some(tariff) = &task.tariff else { return Ok(None) };
     let tariff = tariff.tariff()?;
-    let year = calendar_year();
     let file = EpwFile::open(weather).map_err(Error::building)?;
-    let outdoor = file.record().map_err(Error::building)?.dry_bulbs();
+    let outdoor = file.record().map_err(Error::building)?.dry_bulbs_in(calendar);
     let events =
-        if tariff.has_events() { tariff.events(year, &daily_means(&outdoor), None) } else { Vec::new() };
+        if tariff.has_events() { tariff.events(calendar, &daily_means(&outdoor), None) } else { Vec::new() };
     let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());
-    Ok(Some(Prices::new(tariff, year, &events, outdoor)?))
+    Ok(Some(Prices::new(tariff, calendar, &events, outdoor)?))
 }
 
 /// The price of electricity in the steps of an episode.
@@ -137,11 +133,10 @@ impl ElectricityPrice {
     /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.
     pub fn of(episode: &EpisodeConfig) -> Result<Self> {
         let EpisodeConfig { weather, period, steps_per_hour, task } = episode;
-        let prices = prices(task, weather)?;
-        let first = period.first().day_of_year();
+        let prices = prices(task, weather, period.calendar())?;
         let per_day = 24 * *steps_per_hour as usize;
         let steps = (0..episode.steps()).map(|step| {
-            let day = (first - 1 + (step / per_day) as u32) % DAYS + 1;
+            let day = period.day_of_year((step / per_day) as u32);
             let hour = (step % per_day) as f64 / f64::from(*steps_per_hour);
             match &prices {
                 Some(prices) => prices.electricity(Moment { day, hour }, 0),
@@ -153,9 +148,6 @@ impl ElectricityPrice {
 }
 
 /// The daily means of a year's hourly temperatures.
-fn daily_means(hourly: &[f64]) -> [f64; DAYS as usize] {
-    std::array::from_fn(|day| {
-        let hours = &hourly[(24 * day).min(hourly.len())..(24 * day + 24).min(hourly.len())];
-        hours.iter().sum::<f64>() / hours.len().max(1) as f64
-    })
+fn daily_means(hourly: &[f64]) -> Vec<f64> {
+    hourly.chunks(24).map(|day| day.iter().sum::<f64>() / day.len() as f64).collect()
 }

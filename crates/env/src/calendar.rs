@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use b2b_base::calendar::Calendar;
 use b2b_climate::EpwFile;
 
 use crate::{Error, Result};
@@ -28,21 +29,22 @@ pub(crate) enum Season {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seasons {
     is_south: bool,
+    calendar: Calendar,
 }
 
 impl Seasons {
-    /// Returns the seasons of the site of a weather file.
+    /// Returns the seasons of the site of a weather file in a calendar.
     ///
     /// # Errors
     /// [`Error::Building`] if the file cannot be read.
-    pub(crate) fn of(weather: &Path) -> Result<Self> {
+    pub(crate) fn of(weather: &Path, calendar: Calendar) -> Result<Self> {
         let site = EpwFile::open(weather).and_then(|file| file.site()).map_err(Error::building)?;
-        Ok(Self { is_south: site.latitude < 0.0 })
+        Ok(Self { is_south: site.latitude < 0.0, calendar })
     }
 
     /// Returns the season of a day of the year.
     pub(crate) fn on(self, day_of_year: u32) -> Season {
-        match day_of_year {
+        match self.calendar.day_of_common_year(day_of_year) {
             ..60 | 335.. if self.is_south => Season::Summer,
             ..60 | 335.. => Season::Winter,
             152..244 if self.is_south => Season::Winter,
@@ -58,7 +60,7 @@ mod tests {
 
     #[test]
     fn seasons_are_whole_months_and_opposite_in_the_south() {
-        let (north, south) = (Seasons::default(), Seasons { is_south: true });
+        let (north, south) = (Seasons::default(), Seasons { is_south: true, ..Seasons::default() });
         for (day, season) in [
             (1, Season::Winter),
             (59, Season::Winter),

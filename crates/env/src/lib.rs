@@ -52,7 +52,7 @@ pub use action::{ActionSpace, rescale, unscale};
 pub use attributes::{attribute_name, attributes};
 pub use b2b_tariff as tariff;
 pub use band::{Band, Bands, Days, HoursPair, NextPair, Pair};
-pub use billing::{Billed, ElectricityPrice, calendar_year};
+pub use billing::{Billed, ElectricityPrice};
 pub use carbon_dioxide::CarbonDioxide;
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;

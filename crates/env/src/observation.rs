@@ -237,8 +237,12 @@ impl ObservationSpace {
         };
         let mut slots: Vec<_> = building.zones.iter().enumerate().map(zone_temperature).collect();
         slots.extend(SHARED_SLOTS.iter().map(|(name, owner, observed, unit, (low, high), source)| {
-            // The bound of energy depends on the length of a step.
-            let high = if *owner == Owner::Energy { energy } else { *high };
+            // The bound of energy depends on the length of a step, that of the day of the year on 29 February.
+            let high = match (owner, observed) {
+                (Owner::Energy, _) => energy,
+                (_, Observed::DayOfYear) => f64::from(building.calendar().days()),
+                _ => *high,
+            };
             slot(name, (*owner, *observed), unit, (*low, high), source)
         }));
         let holiday = setpoints.is_band().then(|| {

@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use b2b_base::calendar::Calendar;
 use b2b_base::random::standard_normal;
 use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,6 @@ use crate::{Error, Result};
 
 /// Hours ahead of prices and weather.
 pub const PREVIEW_HOURS: usize = b2b_tariff::PREVIEW;
-const HOURS_OF_YEAR: usize = 8760;
 /// The first of the random streams of forecasts, one for each hour of the year.
 const FIRST_STREAM: u64 = 1 << 41;
 
@@ -54,15 +54,18 @@ impl Preview {
 }
 
 impl Forecast {
-    /// Returns the forecast of a weather file.
+    /// Returns the forecast of a weather file in a calendar.
     ///
     /// # Errors
     /// [`Error::Building`] if the file cannot be read.
-    pub(crate) fn new(preview: Preview, weather: &Path) -> Result<Self> {
+    pub(crate) fn new(preview: Preview, weather: &Path, calendar: Calendar) -> Result<Self> {
         let file = EpwFile::open(weather).map_err(Error::building)?;
         let record = file.record().map_err(Error::building)?;
-        let (temperatures, solar) = (record.dry_bulbs().into(), record.global_radiation().into());
-        Ok(Self { preview, temperatures, solar })
+        Ok(Self {
+            preview,
+            temperatures: record.dry_bulbs_in(calendar).into(),
+            solar: record.global_radiation_in(calendar).into(),
+        })
     }
 
     /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar radiation
@@ -70,7 +73,7 @@ impl Forecast {
     pub(crate) fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
         let now = 24 * (day_of_year as usize - 1) + hour as usize;
         for ahead in 0..PREVIEW_HOURS {
-            let at = (now + ahead) % HOURS_OF_YEAR;
+            let at = (now + ahead) % self.temperatures.len();
             (temperatures[ahead], solar[ahead]) = (self.temperatures[at], self.solar[at]);
         }
         if self.preview.has_errors() {
@@ -98,6 +101,8 @@ impl Forecast {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const HOURS_OF_YEAR: usize = 8760;
 
     fn forecast(preview: Preview) -> Forecast {
         let temperatures: Vec<f64> = (0..HOURS_OF_YEAR).map(|hour| hour as f64 / 100.0).collect();

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::{BuildingType, Class, Day, PreparedBuilding};
+use b2b_building::{BuildingType, Class, Day};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +11,8 @@ use crate::Result;
 use crate::band::{Band, Bands, NextPair, Pair};
 use crate::calendar::{Moment, Season, Seasons};
 use crate::limits::within;
-use crate::presence::Presence;
 use crate::random::stream;
+use crate::spaces::Spaces;
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -237,15 +237,10 @@ struct Plan {
 
 impl Targets {
     /// Creates the targets of the controlled zones of a building at a site with these seasons.
-    pub(crate) fn of(
-        setpoints: &Setpoints,
-        presence: Presence,
-        building: &PreparedBuilding,
-        seasons: Seasons,
-    ) -> Self {
-        let zones = building.controlled_zones().count();
-        let bands = Bands::new(setpoints, presence, building);
-        let targets = Self::with_bands(setpoints, bands, building.class, zones);
+    pub(crate) fn of(spaces: &Spaces, seasons: Seasons) -> Self {
+        let zones = spaces.controlled_zones().count();
+        let setpoints = &spaces.episode.task.setpoints;
+        let targets = Self::with_bands(setpoints, Bands::of(spaces), spaces.building.class, zones);
         Self { seasons, ..targets }
     }
 

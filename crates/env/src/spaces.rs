@@ -50,20 +50,12 @@ impl EpisodeConfig {
         if ![1, self.steps_per_hour].contains(&record.intervals()) {
             return Err(Error::WeatherRows { weather: weather(), rows: record.intervals() });
         }
-        let [first, last] = [self.period.first(), self.period.last()].map(Date::day_of_year);
-        let missing = record.first_missing(first, last);
+        let days = (0..self.period.days()).map(|day| self.period.date(day));
+        let mut dates = days.chain([self.period.first(), self.period.last()]);
+        let Some(missing) = dates.find(|date| !record.has(date.month_and_day())) else { return Ok(()) };
         let span = record.span().map(|days| days.map(Date::of_day));
-        match (missing.map(Date::of_day), span) {
-            (None, _) => Ok(()),
-            (Some(missing), None) => {
-                Err(Error::WeatherDays { weather: weather(), missing, span: String::new() })
-            }
-            (Some(missing), Some([first, last])) => Err(Error::WeatherDays {
-                weather: weather(),
-                missing,
-                span: format!(", only {first}..{last}"),
-            }),
-        }
+        let span = span.map_or(String::new(), |[first, last]| format!(", only {first}..{last}"));
+        Err(Error::WeatherDays { weather: weather(), missing, span })
     }
 
     /// Steps of the whole run period.
@@ -86,8 +78,9 @@ pub struct Spaces {
 }
 
 impl Spaces {
-    /// The spaces of a prepared building in an episode.
+    /// The spaces of a prepared building in an episode, whose period is given the building's calendar.
     pub fn new(building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Self {
+        let episode = EpisodeConfig { period: building.in_its_calendar(episode.period), ..episode };
         Self {
             action: ActionSpace::of(&building),
             observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task),

@@ -76,7 +76,8 @@ impl Subject {
             (None, None, _) => what,
         };
         let days = if self.placement.keep_design_days { "+own-design-days" } else { "" };
-        Ok(identity + interface + days)
+        let programs = if self.placement.transition.is_some() { "+transition" } else { "" };
+        Ok(identity + interface + days + programs)
     }
 
     /// Finds the site of the building.
@@ -107,7 +108,7 @@ impl Subject {
 
 /// Raised when a change to import, conversion or sizing changes the episodes of users' models, so that results and baselines
 /// from before are not reused.
-const IMPORT_REVISION: u32 = 3;
+const IMPORT_REVISION: u32 = 4;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {

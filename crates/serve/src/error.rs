@@ -30,6 +30,9 @@ pub enum Error {
         /// Its name.
         name: &'static str,
     },
+    /// A building whose year has a 29 February.
+    #[error("the weather file has a 29 February; BOPTEST's year has 365 days: use weather of a common year")]
+    LeapDay,
     /// The server cannot run.
     #[error("cannot {what}: {source}")]
     Io {

@@ -1,11 +1,13 @@
 //! The bill of an episode, kept up to date step by step.
 
-use crate::calendar::{MONTH_DAYS, Moment, QUARTERS, month_of, month_start};
+use b2b_base::calendar::Calendar;
+
+use crate::calendar::Moment;
 use crate::charge::Charge;
 use crate::energy::Class;
 use crate::file::Per;
 use crate::fuel::{ByFuel, Fuel};
-use crate::prices::{Prices, quarter};
+use crate::prices::Prices;
 use crate::tariff::{Blocks, MAX_CHARGES, MAX_NAMES};
 
 /// Part of a quarter-hour that counts as rounding: half a second.
@@ -75,7 +77,8 @@ impl StepCost {
 }
 
 impl Bill {
-    /// Returns the empty bill of an episode from a first to a last day of the year, both inclusive.
+    /// Returns the empty bill of an episode from a first to a last day of the year, both inclusive. An episode that passes New
+    /// Year has the last day before the first.
     pub fn new(first_day: u32, last_day: u32) -> Self {
         Self {
             first_day,
@@ -83,7 +86,7 @@ impl Bill {
             day: 0,
             month: 0,
             block_energy: 0.0,
-            quarter: QUARTERS,
+            quarter: usize::MAX,
             quarter_energy: 0.0,
             peaks: [0.0; MAX_CHARGES],
             ratchets: [0.0; MAX_CHARGES],
@@ -106,7 +109,7 @@ impl Bill {
         while end - from > ROUNDING {
             let index = (from + ROUNDING) as usize;
             let to = if end - (index + 1) as f64 > ROUNDING { (index + 1) as f64 } else { end };
-            cost += self.add(prices, index % QUARTERS, (to - from) / length, energy);
+            cost += self.add(prices, index % prices.quarters(), (to - from) / length, energy);
             from = to;
         }
         StepCost { energy: cost, demand: self.demand(prices) - before }
@@ -115,8 +118,8 @@ impl Bill {
     /// Returns the block of energy that the next kWh is in, 0 for the first.
     pub fn block(&self, prices: &Prices, at: Moment) -> usize {
         let blocks = &prices.tariff.blocks;
-        let day = (quarter(at) / 96) as u32 + 1;
-        if self.day == 0 || is_reset(blocks, self.day, day) {
+        let day = (prices.quarter(at) / 96) as u32 + 1;
+        if self.day == 0 || is_reset(blocks, prices.calendar, self.day, day) {
             return 0;
         }
         let limit = self.scale(prices, day);
@@ -126,8 +129,8 @@ impl Bill {
     /// Returns the mean power of a quarter-hour, kW, up to which no demand charge grows at a moment: the lowest peak
     /// that is already billed or free, over the charges that apply. Infinite if none applies.
     pub fn free_power(&self, prices: &Prices, at: Moment) -> f64 {
-        let applying = prices.charges_at(quarter(at));
-        let is_new_month = self.day == 0 || month_of(at.day) != self.month;
+        let applying = prices.charges_at(prices.quarter(at));
+        let is_new_month = self.day == 0 || prices.calendar.month_of(at.day) != self.month;
         let charges =
             prices.tariff.charges.iter().enumerate().filter(|(index, _)| applying & 1 << index != 0);
         let free = charges.map(|(index, charge)| {
@@ -228,7 +231,9 @@ impl Bill {
         for (index, charge) in prices.tariff.charges.iter().enumerate() {
             if applying & 1 << index != 0 {
                 self.peaks[index] = self.peaks[index].max(power);
-                if charge.ratchet.as_ref().is_some_and(|ratchet| ratchet.dates.contain(self.day)) {
+                if charge.ratchet.as_ref().is_some_and(|ratchet| {
+                    ratchet.dates.contain(prices.calendar.day_of_common_year(self.day))
+                }) {
                     self.ratchets[index] = self.ratchets[index].max(power);
                 }
             }
@@ -240,18 +245,19 @@ impl Bill {
         if day == self.day {
             return;
         }
-        if is_reset(&prices.tariff.blocks, self.day, day) {
+        if is_reset(&prices.tariff.blocks, prices.calendar, self.day, day) {
             self.block_energy = 0.0;
         }
-        if self.day == 0 || month_of(day) != self.month {
+        let month = prices.calendar.month_of(day);
+        if self.day == 0 || month != self.month {
             for index in 0..prices.tariff.charges.len() {
                 let now = self.charge(prices, index);
                 self.closed[index].cost += now.cost;
                 self.closed[index].quantity = self.closed[index].quantity.max(now.quantity);
-                self.shares[index] = self.share(prices, index, month_of(day));
+                self.shares[index] = self.share(prices, index, month);
             }
             self.peaks = [0.0; MAX_CHARGES];
-            self.month = month_of(day);
+            self.month = month;
         }
         self.day = day;
     }
@@ -282,32 +288,44 @@ impl Bill {
     /// Returns the days of a month that the episode covers and that are among a charge's dates, in months.
     fn share(&self, prices: &Prices, index: usize, month: usize) -> f64 {
         let charge = &prices.tariff.charges[index];
-        let days = self.covered(month).filter(|day| charge.dates.contain(*day)).count();
-        days as f64 / f64::from(prices.tariff.month_days.unwrap_or(MONTH_DAYS[month]))
+        let covered = self.covered(prices.calendar, month);
+        let days =
+            covered.filter(|day| charge.dates.contain(prices.calendar.day_of_common_year(*day))).count();
+        days as f64 / f64::from(month_days(prices, month))
     }
 
     /// Returns the factor on the ends of blocks on a day.
     fn scale(&self, prices: &Prices, day: u32) -> f64 {
-        let month = month_of(day);
-        let covered = self.covered(month).count() as f64;
+        let month = prices.calendar.month_of(day);
+        let covered = self.covered(prices.calendar, month).count() as f64;
         match prices.tariff.blocks.per {
             Per::Day => 1.0,
             Per::DayOfMonth => covered,
-            Per::Month => covered / f64::from(prices.tariff.month_days.unwrap_or(MONTH_DAYS[month])),
+            Per::Month => covered / f64::from(month_days(prices, month)),
         }
     }
 
     /// Returns the days of a month that the episode covers.
-    fn covered(&self, month: usize) -> impl Iterator<Item = u32> {
-        let start = month_start(month);
-        self.first_day.max(start)..=self.last_day.min(start + MONTH_DAYS[month] - 1)
+    fn covered(&self, calendar: Calendar, month: usize) -> impl Iterator<Item = u32> {
+        let start = calendar.month_start(month);
+        let (first, last) = (self.first_day, self.last_day);
+        let covers = move |day: &u32| match first <= last {
+            true => (first..=last).contains(day),
+            false => *day >= first || *day <= last,
+        };
+        (start..start + calendar.month_days(month)).filter(covers)
     }
 }
 
+/// Returns the days of a month, from 0, that a tariff counts.
+fn month_days(prices: &Prices, month: usize) -> u32 {
+    prices.tariff.month_days.unwrap_or(prices.calendar.month_days(month))
+}
+
 /// Returns whether the kWh of blocks start over between two days.
-fn is_reset(blocks: &Blocks, before: u32, after: u32) -> bool {
+fn is_reset(blocks: &Blocks, calendar: Calendar, before: u32, after: u32) -> bool {
     match blocks.per {
         Per::Day => before != after,
-        Per::DayOfMonth | Per::Month => before == 0 || month_of(before) != month_of(after),
+        Per::DayOfMonth | Per::Month => before == 0 || calendar.month_of(before) != calendar.month_of(after),
     }
 }

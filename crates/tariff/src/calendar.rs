@@ -1,17 +1,16 @@
-//! The calendar of an episode: a common year of 365 days, its weekdays, holidays and daylight time.
+//! Dates, holidays and daylight time in the calendar of an episode.
 
 use std::fmt;
 
+use b2b_base::calendar::Calendar;
 use serde::Deserialize;
 
-/// Days of the year.
-pub const DAYS: u32 = 365;
+/// Days of a year without 29 February, which has the prices of the day before.
+pub(crate) const DAYS: u32 = 365;
 /// Quarter-hours of a day.
 pub(crate) const DAY: u32 = 96;
-/// Quarter-hours of the year.
-pub(crate) const QUARTERS: usize = (DAYS * DAY) as usize;
-/// Days of the months.
-pub(crate) const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+/// A year without 29 February, for dates.
+pub(crate) const COMMON: Calendar = Calendar::new(0, false);
 
 const MONTHS: [&str; 12] = [
     "January",
@@ -33,23 +32,17 @@ const ORDINALS: [&str; 5] = ["first", "second", "third", "fourth", "last"];
 /// A time of the year, on the clock of the simulation (standard time).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Day of the year, 1 to 365.
+    /// Day of the year, from 1.
     pub day: u32,
     /// Hour of the day, 0 to 24.
     pub hour: f64,
 }
 
-/// A calendar year: 365 days that begin on a given day of the week.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Year {
-    first_weekday: u32,
-}
-
-/// A day of the year by its date, such as `12-25`.
+/// A date of every year, such as `12-25`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
 pub(crate) struct Date {
-    /// Day of the year, 1 to 365.
+    /// Day of a year without 29 February, 1 to 365.
     pub(crate) day: u32,
 }
 
@@ -77,58 +70,41 @@ impl Moment {
     }
 }
 
-impl Year {
-    /// Returns the year that begins on a day of the week, 0 (Monday) to 6 (Sunday).
-    pub const fn starting_on(first_weekday: u32) -> Self {
-        Self { first_weekday: first_weekday % 7 }
-    }
+/// Returns the quarter-hours of a year.
+pub(crate) fn quarters(calendar: Calendar) -> usize {
+    (calendar.days() * DAY) as usize
+}
 
-    /// Returns the day of the week, 0 (Monday) to 6 (Sunday), of a day of the year, 1 to 365.
-    pub const fn weekday(self, day: u32) -> u32 {
-        (self.first_weekday + day - 1) % 7
-    }
+/// Returns the local clock's advance over standard time in quarter-hours at a quarter-hour of the year in standard time,
+/// by the rule of the United States and Canada: from the second Sunday of March, 2:00, to the first Sunday of November,
+/// 2:00 daylight time.
+pub(crate) fn advance(calendar: Calendar, quarter: u32) -> u32 {
+    let start = (nth(calendar, 6, 1, 2) - 1) * DAY + 2 * 4;
+    let end = (nth(calendar, 6, 0, 10) - 1) * DAY + 4;
+    if (start..end).contains(&quarter) { 4 } else { 0 }
+}
 
-    /// Returns the local clock's advance over standard time in quarter-hours at a quarter-hour of the year in standard time,
-    /// by the rule of the United States and Canada: from the second Sunday of March, 2:00, to the first Sunday of November,
-    /// 2:00 daylight time.
-    pub(crate) fn advance(self, quarter: u32) -> u32 {
-        let start = (self.nth(6, 1, 2) - 1) * DAY + 2 * 4;
-        let end = (self.nth(6, 0, 10) - 1) * DAY + 4;
-        if (start..end).contains(&quarter) { 4 } else { 0 }
-    }
-
-    /// Returns the day of the year of a holiday.
-    pub(crate) fn day_of(self, holiday: Holiday) -> u32 {
-        match holiday {
-            Holiday::Fixed(date) => date.day,
-            Holiday::Nth { ordinal, weekday, month } => self.nth(weekday, ordinal, month),
-        }
-    }
-
-    /// Returns the day of the year of the nth weekday (from 0; 4 is the last) of a month (from 0).
-    fn nth(self, weekday: u32, ordinal: u32, month: usize) -> u32 {
-        let first = month_start(month);
-        let days = first..first + MONTH_DAYS[month];
-        let mut matching = days.filter(|day| self.weekday(*day) == weekday);
-        let found = if ordinal < 4 { matching.nth(ordinal as usize) } else { matching.next_back() };
-        found.expect("every month has four of each weekday")
+/// Returns whether a day of the year is a holiday.
+pub(crate) fn is_on(holiday: Holiday, calendar: Calendar, day: u32) -> bool {
+    match holiday {
+        Holiday::Fixed(date) => calendar.date(day) == COMMON.date(date.day),
+        Holiday::Nth { ordinal, weekday, month } => day == nth(calendar, weekday, ordinal, month),
     }
 }
 
-/// Returns the first day of the year of a month from 0.
-pub(crate) fn month_start(month: usize) -> u32 {
-    MONTH_DAYS[..month].iter().sum::<u32>() + 1
-}
-
-/// Returns the month from 0 of a day of the year, 1 to 365.
-pub(crate) fn month_of(day: u32) -> usize {
-    (1..12).take_while(|month| month_start(*month) <= day).count()
+/// Returns the day of the year of the nth weekday (from 0; 4 is the last) of a month (from 0).
+fn nth(calendar: Calendar, weekday: u32, ordinal: u32, month: usize) -> u32 {
+    let first = calendar.month_start(month);
+    let days = first..first + calendar.month_days(month);
+    let mut matching = days.filter(|day| calendar.weekday(*day) == weekday);
+    let found = if ordinal < 4 { matching.nth(ordinal as usize) } else { matching.next_back() };
+    found.unwrap_or(first)
 }
 
 impl fmt::Display for Date {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let month = month_of(self.day);
-        write!(f, "{:02}-{:02}", month + 1, self.day - month_start(month) + 1)
+        let [month, day] = COMMON.date(self.day);
+        write!(f, "{month:02}-{day:02}")
     }
 }
 
@@ -143,9 +119,7 @@ impl TryFrom<String> for Date {
 /// Returns the date of a text `MM-DD`.
 pub(crate) fn date(text: &str) -> Option<Date> {
     let (month, day) = text.trim().split_once('-')?;
-    let (month, day): (usize, u32) = (month.parse().ok()?, day.parse().ok()?);
-    let month = month.checked_sub(1).filter(|month| *month < 12)?;
-    (1..=MONTH_DAYS[month]).contains(&day).then(|| Date { day: month_start(month) + day - 1 })
+    COMMON.day([month.parse().ok()?, day.parse().ok()?]).map(|day| Date { day })
 }
 
 impl TryFrom<String> for Holiday {
@@ -174,11 +148,14 @@ fn nth_weekday(text: &str) -> Option<Holiday> {
 mod tests {
     use super::*;
 
-    /// 2017, the year of the episodes.
-    const YEAR: Year = Year::starting_on(6);
+    fn in_calendar(calendar: Calendar, text: &str) -> u32 {
+        let holiday = Holiday::try_from(text.to_owned()).unwrap();
+        (1..=calendar.days()).find(|day| is_on(holiday, calendar, *day)).unwrap()
+    }
 
+    /// 2017.
     fn named(text: &str) -> u32 {
-        YEAR.day_of(Holiday::try_from(text.to_owned()).unwrap())
+        in_calendar(Calendar::default(), text)
     }
 
     #[test]
@@ -192,8 +169,18 @@ mod tests {
     }
 
     #[test]
+    fn holidays_of_a_leap_year_and_after_new_year_fall_on_their_dates() {
+        let of_2020 = Calendar::new(2, true);
+        assert_eq!(in_calendar(of_2020, "12-25"), 360);
+        assert_eq!(in_calendar(of_2020, "last Monday of May"), of_2020.day([5, 25]).unwrap());
+        let winter = Calendar::default().passing_new_year(361);
+        assert_eq!(in_calendar(winter, "third Monday of January"), 15, "of 2018");
+    }
+
+    #[test]
     fn daylight_time_of_2017_lasts_from_12_march_to_5_november() {
-        let at = |text, hour: u32| YEAR.advance((date(text).unwrap().day - 1) * DAY + hour * 4);
+        let at =
+            |text, hour: u32| advance(Calendar::default(), (date(text).unwrap().day - 1) * DAY + hour * 4);
         assert_eq!((at("03-12", 1), at("03-12", 2)), (0, 4));
         // 1:00 standard time is 2:00 daylight time.
         assert_eq!((at("11-05", 0), at("11-05", 1)), (4, 0));
@@ -201,8 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn days_have_their_months_and_dates() {
-        assert_eq!([1, 31, 32, 59, 60, 365].map(month_of), [0, 0, 1, 1, 2, 11]);
+    fn days_have_their_dates() {
         assert_eq!(
             [1, 59, 60, 365].map(|day| Date { day }.to_string()),
             ["01-01", "02-28", "03-01", "12-31"]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::calendar::{Moment, month_of};
+use crate::calendar::{COMMON, Moment};
 use crate::error::{Fault, Result, read};
 use crate::fuel::{Fuel, FuelValues, Fuels};
 use crate::tariff::Source;
@@ -94,10 +94,10 @@ impl Emissions {
         })
     }
 
-    /// Returns kg of CO₂ equivalent per kWh of a carrier at a moment. Hours are of standard time; seasons begin in December,
-    /// March, June and September.
+    /// Returns kg of CO₂ equivalent per kWh of a carrier at a moment of a year without 29 February. Hours are of
+    /// standard time; seasons begin in December, March, June and September.
     pub fn at(&self, fuel: Fuel, at: Moment) -> f64 {
-        let season = (month_of(at.day) + 1) % 12 / 3;
+        let season = (COMMON.month_of(at.day) + 1) % 12 / 3;
         self.fuels.at(fuel, self.electricity[season][at.hour as usize % 24])
     }
 }

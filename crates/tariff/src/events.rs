@@ -1,9 +1,10 @@
 //! Events: hours of a winter with a high price, announced the day before.
 
+use b2b_base::calendar::Calendar;
 use b2b_base::random::{stream, uniform};
 use toml::Spanned;
 
-use crate::calendar::{DAYS, Date, Year};
+use crate::calendar::{Date, is_on};
 use crate::energy::{Class, EnergyTable};
 use crate::error::Fault;
 use crate::file::EventsFile;
@@ -32,7 +33,7 @@ pub(crate) struct EventRule {
 /// An event of a year, on the local clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Day of the year, 1 to 365.
+    /// Day of the year, from 1.
     pub day: u32,
     /// First hour, 0 to 24.
     pub from: f64,
@@ -85,7 +86,7 @@ impl Tariff {
     /// winter are used up. January to March and December of the year count as one winter. With a seed, each temperature
     /// is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on temperature alone. The same
     /// arguments give the same events, in order of time; a tariff without events has none.
-    pub fn events(&self, year: Year, daily_means: &[f64; DAYS as usize], seed: Option<u64>) -> Vec<Event> {
+    pub fn events(&self, calendar: Calendar, daily_means: &[f64], seed: Option<u64>) -> Vec<Event> {
         let Some(rule) = &self.events else { return Vec::new() };
         let mut random = seed.map(|seed| stream("events", seed, 0));
         let mut candidates = Vec::new();
@@ -93,7 +94,7 @@ impl Tariff {
             for hours in &rule.hours {
                 // Drawn for every day, so that a draw does not depend on the days before.
                 let error = random.as_mut().map_or(0.0, |random| (2.0 * uniform(random) - 1.0) * UNCERTAINTY);
-                if rule.permits(day, self.is_weekend(year, day)) {
+                if rule.permits(calendar.day_of_common_year(day), self.is_weekend(calendar, day)) {
                     candidates.push((mean + error, day, *hours));
                 }
             }
@@ -113,7 +114,7 @@ impl Tariff {
     }
 
     /// Returns whether a day of a year is a Saturday, a Sunday or one of the tariff's holidays.
-    pub(crate) fn is_weekend(&self, year: Year, day: u32) -> bool {
-        year.weekday(day) >= 5 || self.holidays.iter().any(|holiday| year.day_of(*holiday) == day)
+    pub(crate) fn is_weekend(&self, calendar: Calendar, day: u32) -> bool {
+        calendar.weekday(day) >= 5 || self.holidays.iter().any(|holiday| is_on(*holiday, calendar, day))
     }
 }

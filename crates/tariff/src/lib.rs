@@ -2,17 +2,16 @@
 //! announced the day before, and hourly emission profiles.
 //!
 //! - [`Tariff`] is a file: `Tariff::named("hq-m")` is a shipped one, [`Tariff::read`] a user's own.
-//! - [`Prices`] lays it out in a calendar year, with the [`Event`]s that [`Tariff::events`] chooses, and gives prices now and
+//! - [`Prices`] lays it out in a [`Calendar`], with the [`Event`]s that [`Tariff::events`] chooses, and gives prices now and
 //!   in the next 24 hours.
 //! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill. A controller may use
 //!   [`Bill::block`] and [`Bill::free_power`].
 //! - [`Emissions`] gives kg of CO₂ equivalent per kWh by carrier and hour.
 //!
 //! ```
-//! use b2b_tariff::{Bill, Fuel, Moment, Prices, Tariff, Year};
+//! use b2b_tariff::{Bill, Calendar, Fuel, Moment, Prices, Tariff};
 //!
-//! let year = Year::starting_on(6); // 2017: 1 January is a Sunday
-//! let prices = Prices::new(Tariff::named("fpl-gsdt-1")?, year, &[], None)?;
+//! let prices = Prices::new(Tariff::named("fpl-gsdt-1")?, Calendar::default(), &[], None)?;
 //! let mut bill = Bill::new(184, 197);
 //! let mut energy = [0.0; Fuel::ALL.len()];
 //! energy[Fuel::Electricity as usize] = 0.5; // kWh
@@ -21,7 +20,7 @@
 //! # Ok::<(), b2b_tariff::Error>(())
 //! ```
 //!
-//! Times are on the simulation's clock: standard time, days of the year 1 to 365. The windows of a tariff are on the
+//! Times are on the simulation's clock: standard time, days of the year from 1. The windows of a tariff are on the
 //! local clock, which daylight time advances by an hour where the tariff says so. Costs are in the tariff's own
 //! currency. Fixed charges and taxes are left out; a controller does not change them. `docs/tariffs.md` describes the
 //! files.
@@ -42,8 +41,9 @@ mod shipped;
 mod span;
 mod tariff;
 
+pub use b2b_base::calendar::Calendar;
 pub use bill::{Bill, Part, StepCost};
-pub use calendar::{DAYS, Moment, Year};
+pub use calendar::Moment;
 pub use emissions::{Emissions, Rate};
 pub use error::{Error, Result};
 pub use events::Event;

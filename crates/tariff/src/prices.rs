@@ -1,6 +1,8 @@
 //! The prices of a calendar year: a tariff laid out by quarter-hour on the clock of the simulation.
 
-use crate::calendar::{DAY, DAYS, Moment, QUARTERS, Year};
+use b2b_base::calendar::Calendar;
+
+use crate::calendar::{DAY, Moment, advance, quarters};
 use crate::energy::Class;
 use crate::error::{Error, Result};
 use crate::events::{Event, EventRule};
@@ -10,7 +12,7 @@ use crate::tariff::Tariff;
 /// Hours of a preview.
 pub const PREVIEW: usize = 24;
 
-/// The prices of a tariff in a year. Looking up a price does not allocate.
+/// The prices of a tariff in the calendar of an episode. Looking up a price does not allocate.
 #[derive(Clone, Debug)]
 pub struct Prices {
     pub(crate) tariff: Tariff,
@@ -20,20 +22,26 @@ pub struct Prices {
     classes: Box<[u16]>,
     /// Demand charges that apply, a bit each, by quarter-hour.
     charges: Box<[u8]>,
-    year: Year,
+    pub(crate) calendar: Calendar,
 }
 
 impl Prices {
-    /// Lays out a tariff in a year.
+    /// Lays out a tariff in the calendar of an episode.
     ///
-    /// `outdoor` are the outdoor temperatures in °C of the 8760 hours of the year in standard time; only tariffs with a
+    /// `outdoor` are the outdoor temperatures in °C of all hours of the year in standard time; only tariffs with a
     /// cold-weather price need them.
     ///
     /// # Errors
     /// [`Error::Inputs`] for missing temperatures or another number of them, and for an event outside the year.
-    pub fn new(tariff: Tariff, year: Year, events: &[Event], outdoor: Option<&[f64]>) -> Result<Self> {
+    pub fn new(
+        tariff: Tariff,
+        calendar: Calendar,
+        events: &[Event],
+        outdoor: Option<&[f64]>,
+    ) -> Result<Self> {
         let inputs = |why: String| Error::Inputs { tariff: tariff.name.clone(), why };
-        let hours = DAYS as usize * 24;
+        let days = calendar.days();
+        let hours = days as usize * 24;
         match outdoor {
             None if tariff.needs_temperatures() => {
                 return Err(inputs(
@@ -45,15 +53,17 @@ impl Prices {
             }
             _ => {}
         }
-        if let Some(event) = events.iter().find(|event| !(1..=DAYS).contains(&event.day)) {
-            return Err(inputs(format!("got an event on day {}; expected 1 to {DAYS}", event.day)));
+        if let Some(event) = events.iter().find(|event| !(1..=days).contains(&event.day)) {
+            return Err(inputs(format!("got an event on day {}; expected 1 to {days}", event.day)));
         }
-        let mut usual = vec![0; QUARTERS].into_boxed_slice();
-        let mut charges = vec![0; QUARTERS].into_boxed_slice();
-        let weekends: Vec<bool> = (1..=DAYS).map(|day| tariff.is_weekend(year, day)).collect();
-        for standard in 0..QUARTERS as u32 {
-            let (day, quarter) = local(&tariff, year, standard);
+        let quarters = quarters(calendar);
+        let mut usual = vec![0; quarters].into_boxed_slice();
+        let mut charges = vec![0; quarters].into_boxed_slice();
+        let weekends: Vec<bool> = (1..=days).map(|day| tariff.is_weekend(calendar, day)).collect();
+        for standard in 0..quarters as u32 {
+            let (day, quarter) = local(&tariff, calendar, standard);
             let weekend = weekends[day as usize - 1];
+            let day = calendar.day_of_common_year(day);
             let at = standard as usize;
             usual[at] = tariff.energy.at(day, weekend, quarter);
             if let (Some(cold), Some(outdoor)) = (tariff.cold, outdoor)
@@ -67,9 +77,9 @@ impl Prices {
         }
         let mut classes = usual.clone();
         if let Some(rule) = &tariff.events {
-            put_events(&mut classes, rule, events, |standard| local(&tariff, year, standard));
+            put_events(&mut classes, rule, events, |standard| local(&tariff, calendar, standard));
         }
-        Ok(Self { tariff, usual, classes, charges, year })
+        Ok(Self { tariff, usual, classes, charges, calendar })
     }
 
     /// Returns the tariff.
@@ -79,7 +89,7 @@ impl Prices {
 
     /// Returns the price of electricity per kWh at a moment, in a block of energy (0 is the first).
     pub fn electricity(&self, at: Moment, block: usize) -> f64 {
-        self.class(quarter(at)).price(block)
+        self.class(self.quarter(at)).price(block)
     }
 
     /// Returns the price per kWh of a carrier at a moment, for electricity in the first block.
@@ -91,9 +101,9 @@ impl Prices {
     /// only from its notice on, cold-weather prices by the actual future weather. The end of the year is followed by
     /// its beginning.
     pub fn preview(&self, now: Moment, block: usize, ahead: &mut [f64; PREVIEW]) {
-        let now = quarter(now);
+        let now = self.quarter(now);
         for (hours, price) in ahead.iter_mut().enumerate() {
-            let at = (now + hours * 4) % QUARTERS;
+            let at = (now + hours * 4) % self.quarters();
             let class = if self.is_known(now, at) { self.classes[at] } else { self.usual[at] };
             *price = self.tariff.energy.classes[usize::from(class)].price(block);
         }
@@ -101,7 +111,7 @@ impl Prices {
 
     /// Returns whether an event applies at a moment.
     pub fn is_event(&self, at: Moment) -> bool {
-        let at = quarter(at);
+        let at = self.quarter(at);
         self.classes[at] != self.usual[at]
     }
 
@@ -110,10 +120,21 @@ impl Prices {
         let Some(rule) = self.tariff.events.as_ref().filter(|_| self.classes[at] != self.usual[at]) else {
             return true;
         };
-        let (today, quarter) = local(&self.tariff, self.year, now as u32);
-        let (day, _) = local(&self.tariff, self.year, at as u32);
-        let days_ahead = (day + DAYS - today) % DAYS;
+        let (today, quarter) = local(&self.tariff, self.calendar, now as u32);
+        let (day, _) = local(&self.tariff, self.calendar, at as u32);
+        let days_ahead = (day + self.calendar.days() - today) % self.calendar.days();
         days_ahead == 0 || days_ahead == 1 && f64::from(quarter) / 4.0 >= rule.notice
+    }
+
+    /// Returns the quarter-hour of the year of a moment.
+    pub(crate) fn quarter(&self, at: Moment) -> usize {
+        // Hours are sums of steps, so half a second counts as rounding.
+        ((at.quarters() + 5e-4) as usize) % self.quarters()
+    }
+
+    /// Returns the quarter-hours of the year.
+    pub(crate) fn quarters(&self) -> usize {
+        self.classes.len()
     }
 
     /// Returns the prices at a quarter-hour of the year.
@@ -139,17 +160,11 @@ impl Class {
     }
 }
 
-/// Returns the quarter-hour of the year of a moment.
-pub(crate) fn quarter(at: Moment) -> usize {
-    // Hours are sums of steps, so half a second counts as rounding.
-    ((at.quarters() + 5e-4) as usize) % QUARTERS
-}
-
 /// Converts a quarter-hour of the year in standard time to the day of the year and the quarter-hour of the day on the
 /// tariff's clock.
-fn local(tariff: &Tariff, year: Year, standard: u32) -> (u32, u32) {
-    let advance = if tariff.daylight_time { year.advance(standard) } else { 0 };
-    let quarter = (standard + advance) % QUARTERS as u32;
+fn local(tariff: &Tariff, calendar: Calendar, standard: u32) -> (u32, u32) {
+    let advance = if tariff.daylight_time { advance(calendar, standard) } else { 0 };
+    let quarter = (standard + advance) % quarters(calendar) as u32;
     (quarter / DAY + 1, quarter % DAY)
 }
 

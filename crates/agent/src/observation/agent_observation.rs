@@ -56,8 +56,7 @@ impl AgentObservation {
 
     /// Creates an observation of these slots, without a forecast; with `previews`, of changes of bands ahead too.
     pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces, previews: bool) -> Self {
-        let task = &spaces.episode.task;
-        let bands = Bands::new(&task.setpoints, task.presence, &spaces.building).filter(|_| previews);
+        let bands = Bands::of(spaces).filter(|_| previews);
         Self {
             features,
             memory: Memory::new(spaces),

@@ -15,7 +15,7 @@ use b2b_base::digest::sha256;
 use b2b_base::random::{stream, uniform};
 use rand_chacha::ChaCha8Rng;
 
-use super::{DAYS, Span, ZoneYear, schedules::PER_DAY};
+use super::{Span, ZoneYear, schedules::PER_DAY};
 
 /// A heating setpoint at or below this, °C, with a cooling setpoint at or above the other, is out of reach.
 const OUT_OF_REACH: [f64; 2] = [10.0, 40.0];
@@ -96,8 +96,7 @@ fn is_out_of_reach(year: &ZoneYear) -> bool {
 }
 
 fn furnished(year: &ZoneYear, household: &Household) -> ZoneYear {
-    debug_assert_eq!(year.days.len(), DAYS);
-    ZoneYear::of_samples(PER_DAY, |index| {
+    ZoneYear::of_samples(year.days.len(), PER_DAY, |index| {
         let (day, hour) = (index / PER_DAY, 24.0 * (index % PER_DAY) as f64 / PER_DAY as f64);
         let people = year.at(day as u32 + 1, hour).people;
         let [heating, cooling] = household.at(hour, people);
@@ -135,7 +134,7 @@ mod tests {
     #[test]
     fn only_a_thermostat_out_of_reach_gets_a_households_setpoints() {
         let year = |heating, cooling| {
-            ZoneYear::of_samples(PER_DAY, |index| Span {
+            ZoneYear::of_samples(365, PER_DAY, |index| Span {
                 from: 0.0,
                 heating: Some(heating),
                 cooling,

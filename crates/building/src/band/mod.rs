@@ -8,15 +8,13 @@ mod household;
 mod schedules;
 mod thermostat;
 
+use b2b_base::calendar::Calendar;
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
 use crate::people::{PeopleGroup, least_in_use};
 use crate::{Model, Result};
 use thermostat::Thermostat;
-
-/// Days of a year.
-const DAYS: usize = 365;
 
 /// A zone's setpoints and presence during a part of a day.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,12 +29,13 @@ pub struct Span {
     pub people: bool,
 }
 
-/// The calendar year of a zone's schedules: setpoints of its thermostat, and presence of people.
+/// The days of a zone's schedules: setpoints of its thermostat, and presence of people. A generated building has one year,
+/// a user's model two, of which the second follows the first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ZoneYear {
     /// The different days, each a sequence of spans from hour 0.
     profiles: Vec<Vec<Span>>,
-    /// The profile of every day of the year.
+    /// The profile of every day, counted from 1 January of the first year.
     days: Vec<u16>,
 }
 
@@ -50,10 +49,10 @@ pub struct Change {
 }
 
 impl ZoneYear {
-    /// Compresses the values of a year at regular times, `per_day` on each of its 365 days.
-    pub(crate) fn of_samples(per_day: usize, at: impl Fn(usize) -> Span) -> Self {
+    /// Compresses values at regular times, `per_day` on each of a number of days.
+    pub(crate) fn of_samples(days: usize, per_day: usize, at: impl Fn(usize) -> Span) -> Self {
         let mut year = Self::default();
-        for day in 0..DAYS {
+        for day in 0..days {
             let mut spans: Vec<Span> = Vec::new();
             for number in 0..per_day {
                 let from = 24.0 * number as f64 / per_day as f64;
@@ -77,59 +76,54 @@ impl ZoneYear {
         self.days.is_empty()
     }
 
-    /// Returns the span of a day of the year (from 1) and an hour of the day. Hours may be beyond the day.
+    /// Returns the span of a day (from 1 on 1 January of the first year) and an hour of the day. Hours may be beyond the day.
     ///
     /// # Panics
     /// If the year is empty.
-    pub fn at(&self, day_of_year: u32, hour: f64) -> Span {
-        let (day, hour) = day_and_hour(day_of_year, hour);
+    pub fn at(&self, day: u32, hour: f64) -> Span {
+        let (day, hour) = day_and_hour(day, hour);
         let spans = self.day(day);
         *spans.iter().rev().find(|span| span.from <= hour).unwrap_or(&spans[0])
     }
 
     /// Returns the next span, within `days` days, that satisfies a condition.
-    pub fn next(
-        &self,
-        day_of_year: u32,
-        hour: f64,
-        days: u32,
-        condition: impl Fn(&Span) -> bool,
-    ) -> Option<Change> {
-        let (first, hour) = day_and_hour(day_of_year, hour);
+    pub fn next(&self, day: u32, hour: f64, days: u32, condition: impl Fn(&Span) -> bool) -> Option<Change> {
+        let (first, hour) = day_and_hour(day, hour);
         (0..=days).find_map(|later| {
             let start = 24.0 * f64::from(later) - hour;
-            let spans = self.day(first + later as usize).iter();
+            let spans = self.day(first + i64::from(later)).iter();
             let mut ahead = spans.map(|span| Change { hours: start + span.from, next: *span });
             ahead.find(|change| change.hours > 0.0 && condition(&change.next))
         })
     }
 
     /// Returns the next change of the setpoints within a week.
-    pub fn next_setpoints(&self, day_of_year: u32, hour: f64) -> Option<Change> {
-        let now = self.at(day_of_year, hour);
-        self.next(day_of_year, hour, 7, |span| (span.heating, span.cooling) != (now.heating, now.cooling))
+    pub fn next_setpoints(&self, day: u32, hour: f64) -> Option<Change> {
+        let now = self.at(day, hour);
+        self.next(day, hour, 7, |span| (span.heating, span.cooling) != (now.heating, now.cooling))
     }
 
     /// Returns the hours until people are present, within a week; 0 if they are.
-    pub fn hours_to_people(&self, day_of_year: u32, hour: f64) -> Option<f64> {
-        if self.at(day_of_year, hour).people {
+    pub fn hours_to_people(&self, day: u32, hour: f64) -> Option<f64> {
+        if self.at(day, hour).people {
             return Some(0.0);
         }
-        self.next(day_of_year, hour, 7, |span| span.people).map(|change| change.hours)
+        self.next(day, hour, 7, |span| span.people).map(|change| change.hours)
     }
 
-    /// Returns all different spans of the year.
+    /// Returns all different spans.
     pub fn spans(&self) -> impl Iterator<Item = &Span> {
         self.profiles.iter().flatten()
     }
 
-    /// Returns the spans of a day of the year, from 1.
-    pub fn spans_of(&self, day_of_year: u32) -> &[Span] {
-        self.day(day_of_year as usize - 1)
+    /// Returns the spans of a day, from 1 on 1 January of the first year.
+    pub fn spans_of(&self, day: u32) -> &[Span] {
+        self.day(i64::from(day) - 1)
     }
 
-    fn day(&self, day: usize) -> &[Span] {
-        &self.profiles[usize::from(self.days[day % self.days.len()])]
+    /// Returns the spans of a day from 0; after the last day the first one follows.
+    fn day(&self, day: i64) -> &[Span] {
+        &self.profiles[usize::from(self.days[day.rem_euclid(self.days.len() as i64) as usize])]
     }
 }
 
@@ -139,26 +133,27 @@ impl Span {
     }
 }
 
-/// The day of the year from 0 and the hour within the day.
-fn day_and_hour(day_of_year: u32, hour: f64) -> (usize, f64) {
+/// The day from 0 and the hour within the day.
+fn day_and_hour(day: u32, hour: f64) -> (i64, f64) {
     let days = (hour / 24.0).floor();
-    let day = (i64::from(day_of_year) - 1 + days as i64).rem_euclid(DAYS as i64);
-    (day as usize, hour - 24.0 * days)
+    (i64::from(day) - 1 + days as i64, hour - 24.0 * days)
 }
 
-/// The calendar year of a building.
+/// The years of a building's schedules.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Year {
     /// The zones, in the order of their names.
     pub(crate) zones: Vec<ZoneYear>,
-    /// Days of the year, from 1 and in order, that the model declares special, such as holidays.
+    /// Days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
     pub(crate) holidays: Vec<u32>,
-    /// The share of the year in which each of the switches is off.
+    /// The share of the time in which each of the switches is off.
     pub(crate) off: Vec<f64>,
 }
 
-/// Returns the year of zones and of switches, which are names of schedules, according to the schedules of a model. The
+/// Returns the years of zones and of switches, which are names of schedules, according to the schedules of a model. The
 /// setpoints of a house are drawn from surveys, by the name of the building.
+///
+/// A user's model has the year of its calendar and the following one; a generated building, without, the usual year.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].
@@ -167,6 +162,7 @@ pub(crate) fn year(
     model: &Model,
     zones: &[&str],
     switches: &[&str],
+    calendar: Option<Calendar>,
     library: &Library,
 ) -> Result<Year> {
     let thermostats: Vec<_> = zones.iter().map(|zone| Thermostat::of(model, zone)).collect();
@@ -178,19 +174,21 @@ pub(crate) fn year(
     let mut names: Vec<&str> = thermostats.iter().flatten().flat_map(Thermostat::schedules).collect();
     names.extend(present.iter().flatten().map(|group| group.schedule.as_str()));
     names.extend(switches);
-    let sampled = schedules::Sampled::of(model, &names, library)?;
+    let years = calendar.map_or(vec![Calendar::default()], |year| vec![year, year.following()]);
+    let days: u32 = years.iter().map(|year| year.days()).sum();
+    let sampled = schedules::Sampled::of(model, &names, &years, library)?;
     let least = zones.iter().map(|zone| least_in_use(model, &people, zone)).collect::<Result<Vec<_>>>()?;
-    let years = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
+    let zones = thermostats.iter().zip(&present).zip(least).map(|((thermostat, present), least)| {
         let setpoints = thermostat.as_ref().map(|thermostat| thermostat.setpoints(&sampled));
         let present = present.iter().map(|group| (group.people, sampled.of_schedule(&group.schedule)));
         let present: Vec<_> = present.collect();
-        ZoneYear::of_samples(schedules::PER_DAY, |index| {
+        ZoneYear::of_samples(days as usize, schedules::PER_DAY, |index| {
             let [heating, cooling] = setpoints.as_ref().map_or([None; 2], |setpoints| setpoints(index));
             let people: f64 = present.iter().map(|(people, share)| people * share.at(index)).sum();
             Span { from: 0.0, heating, cooling, people: people > 0.0 && people >= least }
         })
     });
-    let zones = household::furnish(building, years.collect());
+    let zones = household::furnish(building, zones.collect());
     let off = switches.iter().map(|name| sampled.of_schedule(name).share_off()).collect();
     Ok(Year { zones, off, holidays: sampled.into_holidays() })
 }
@@ -201,7 +199,7 @@ mod tests {
 
     /// Weekdays 21 to 24 °C from 6 to 18 h, otherwise 15 to 30 °C; people from 8 to 17 h. Day 1 is a Sunday.
     fn office() -> ZoneYear {
-        ZoneYear::of_samples(96, |index| {
+        ZoneYear::of_samples(365, 96, |index| {
             let (day, hour) = (index / 96, (index % 96) as f64 / 4.0);
             let weekday = !matches!(day % 7, 0 | 6);
             let open = weekday && (6.0..18.0).contains(&hour);
@@ -230,7 +228,7 @@ mod tests {
         assert_eq!((change.hours, change.next.heating), (5.0 + 48.0 + 6.0, Some(21.0)));
         assert_eq!(year.hours_to_people(6, 17.0), Some(7.0 + 48.0 + 8.0));
         assert_eq!(year.hours_to_people(6, 9.0), Some(0.0));
-        let constant = ZoneYear::of_samples(96, |_| Span {
+        let constant = ZoneYear::of_samples(365, 96, |_| Span {
             from: 0.0,
             heating: Some(10.0),
             cooling: None,

@@ -1,13 +1,13 @@
-//! The values of a model's schedules over a year and its holidays, computed by the engine itself in a run without a
+//! The values of a model's schedules over years and its holidays, computed by the engine itself in a run without a
 //! building.
 
 use std::collections::BTreeMap;
 
+use b2b_base::calendar::Calendar;
 use b2b_energyplus::Library;
 use rusqlite::Connection;
 use serde_json::json;
 
-use super::DAYS;
 use crate::model::number;
 use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
@@ -25,40 +25,50 @@ const OUTPUTS: [&str; 2] = ["Schedule Value", "Site Day Type Index"];
 /// The engine's first type of a special day, a holiday; the types before are days of the week.
 const FIRST_SPECIAL: f64 = 8.0;
 
-/// The values of schedules over the calendar year of an episode.
-#[derive(Debug)]
+/// The values of schedules over one or more years.
+#[derive(Debug, Default)]
 pub(super) struct Sampled {
     /// By upper-case name.
     values: BTreeMap<String, Vec<f64>>,
-    /// Days of the year, from 1, whose type is not their day of the week.
+    /// Days, from 1 on 1 January of the first year, whose type is not their day of the week.
     holidays: Vec<u32>,
 }
 
 impl Sampled {
-    /// Computes the values of the named schedules of a model.
-    pub(super) fn of(model: &Model, names: &[&str], library: &Library) -> Result<Self> {
-        let mut values = BTreeMap::new();
+    /// Computes the values of the named schedules of a model in years that follow each other.
+    pub(super) fn of(model: &Model, names: &[&str], years: &[Calendar], library: &Library) -> Result<Self> {
+        let mut sampled = Self::default();
         let mut varying = Vec::new();
         for name in names.iter().filter(|name| !name.is_empty()) {
             match constant(model, name) {
-                Some(value) => _ = values.insert(name.to_uppercase(), vec![value]),
+                Some(value) => _ = sampled.values.insert(name.to_uppercase(), vec![value]),
                 None => varying.push(name.to_uppercase()),
             }
         }
         varying.sort_unstable();
         varying.dedup();
-        let mut holidays = Vec::new();
         if !varying.is_empty() || !model.objects(SPECIAL_DAYS).is_empty() {
-            let model = schedules_alone(model, &varying);
-            let database = OutputDatabase::in_any_weather(&model, library, "b2b-schedules-")?;
-            let failed = |path, source| Error::ScheduleTable { path, source };
-            values.extend(database.read(read_values, failed)?);
-            holidays = database.read(read_holidays, failed)?;
+            let mut before = 0;
+            for year in years {
+                sampled.add(&schedules_alone(model, &varying, *year), *year, before, library)?;
+                before += year.days();
+            }
         }
-        Ok(Self { values, holidays })
+        Ok(sampled)
     }
 
-    /// Returns the days of the year, from 1 and in order, that the model declares special, such as holidays.
+    /// Adds a year after a number of days.
+    fn add(&mut self, model: &Model, year: Calendar, before: u32, library: &Library) -> Result<()> {
+        let database = OutputDatabase::in_any_weather(model, year.is_leap(), library, "b2b-schedules-")?;
+        let failed = |path, source| Error::ScheduleTable { path, source };
+        for (name, values) in database.read(read_values, failed)? {
+            self.values.entry(name).or_default().extend(values);
+        }
+        self.holidays.extend(database.read(read_holidays, failed)?.into_iter().map(|day| before + day));
+        Ok(())
+    }
+
+    /// Returns the days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
     pub(super) fn into_holidays(self) -> Vec<u32> {
         self.holidays
     }
@@ -69,17 +79,17 @@ impl Sampled {
     }
 }
 
-/// The values of a schedule: one, or one for every quarter of an hour of the year.
+/// The values of a schedule: one, or one for every quarter of an hour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Values<'a>(&'a [f64]);
 
 impl Values<'_> {
-    /// Returns a value by its number in the year.
+    /// Returns a value by its number.
     pub(super) fn at(self, index: usize) -> f64 {
         self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
 
-    /// Returns the share of the year in which it is zero.
+    /// Returns the share of the time in which it is zero.
     pub(super) fn share_off(self) -> f64 {
         let off = self.0.iter().filter(|value| **value == 0.0).count();
         off as f64 / self.0.len().max(1) as f64
@@ -91,15 +101,15 @@ fn constant(model: &Model, name: &str) -> Option<f64> {
     number(model.get("Schedule:Constant", name)?, "hourly_value")
 }
 
-/// Returns the model reduced to its schedules, with their quarter-hourly values over the year as output.
-fn schedules_alone(model: &Model, names: &[String]) -> Model {
+/// Returns the model reduced to its schedules, with their quarter-hourly values over a year as output.
+fn schedules_alone(model: &Model, names: &[String], year: Calendar) -> Model {
     let mut alone = model.clone();
     let is_needed = |class: &str| NEEDED.iter().any(|needed| class.starts_with(needed));
     let others: Vec<String> = model.classes().filter(|class| !is_needed(class)).map(str::to_owned).collect();
     others.iter().for_each(|class| alone.remove_class(class));
     alone.insert("Building", "Schedules", json!({}));
     alone.insert("Timestep", "Timestep", json!({"number_of_timesteps_per_hour": PER_DAY / 24}));
-    alone.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson());
+    alone.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.in_calendar(year).to_epjson());
     let control = simulation_control(&mut alone);
     control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
@@ -124,7 +134,7 @@ fn read_values(database: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<f
     let pairs = rows.query_map([OUTPUTS[0]], |row| Ok((row.get::<_, String>(0)?, row.get::<_, f64>(1)?)))?;
     for pair in pairs {
         let (name, value) = pair?;
-        values.entry(name.to_uppercase()).or_insert_with(|| Vec::with_capacity(DAYS * PER_DAY)).push(value);
+        values.entry(name.to_uppercase()).or_default().push(value);
     }
     Ok(values)
 }

@@ -24,7 +24,7 @@ pub fn edit_file(
 ) -> Result<Report> {
     check_output(output)?;
     let import::Imported { model: mut edited, notes } =
-        import::read_with_notes(model, library, allow_external)?;
+        import::read_with_notes(model, library, import::Options { allow_external, ..Default::default() })?;
     let mut report = apply(&mut edited, edits)?;
     report.warnings.extend(notes.lines());
     write_aside(&edited, output)?;

@@ -39,15 +39,21 @@ impl OutputDatabase {
         Self::run(&model, temporary(prefix)?, weather, library)
     }
 
-    /// Runs a model whose reports do not depend on the weather, like [`OutputDatabase::of`].
+    /// Runs a model whose reports do not depend on the weather, like [`OutputDatabase::of`], in a year with or without 29
+    /// February.
     ///
     /// # Errors
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Io`] when temporary files cannot be
     /// written.
-    pub(crate) fn in_any_weather(model: &Model, library: &Library, prefix: &str) -> Result<Self> {
+    pub(crate) fn in_any_weather(
+        model: &Model,
+        is_leap: bool,
+        library: &Library,
+        prefix: &str,
+    ) -> Result<Self> {
         let folder = temporary(prefix)?;
         let weather = folder.path().join("any.epw");
-        write(&weather, &mild_year())?;
+        write(&weather, &mild_year(is_leap))?;
         Self::run(model, folder, &weather, library)
     }
 

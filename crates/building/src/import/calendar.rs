@@ -1,52 +1,70 @@
-//! The calendar of a model and of its weather, next to the calendar of episodes.
+//! The calendar of a user's model: the days of the week of its run period or of a measured year, and 29 February.
 
+use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use b2b_climate::Site;
 
-use crate::Date;
 use crate::model::{Fields, Model, number, text};
 use crate::run_period::WEEKDAYS;
 
-/// Returns warnings if days of the week, in the run period of a model or in the year of its weather, are not those of
-/// episodes.
-pub fn warnings(model: &Model, site: &Site) -> Vec<String> {
-    let begins = |day: u32| format!("begins on a {}", WEEKDAYS[day as usize]);
-    let ours = Date::of_day(1).weekday();
-    let differs = |day: &u32| *day != ours;
-    let of_model =
-        model.objects("RunPeriod").into_iter().find_map(|(_, fields)| new_year(fields)).filter(differs);
-    let of_model = of_model.map(|day| {
-        format!("the year of the model's run period {}; every episode's year {}", begins(day), begins(ours))
-    });
-    let of_weather = site.year.map(|year| (year, weekday_of_new_year(year))).filter(|(_, day)| differs(day));
-    let of_weather = of_weather.map(|(year, day)| {
+/// Returns the calendar of a model in a weather file.
+///
+/// The run period of the model gives the days of the week, by its first day or by its year, as in the engine; without one,
+/// the year of the rows of the weather file, if they have one in common; otherwise they are those of generated buildings.
+/// 29 February is there if the weather file has it.
+pub fn of(model: &Model, site: &Site) -> Calendar {
+    let leap = site.has_leap_day;
+    let weekday = of_model(model, leap).or_else(|| site.year.map(weekday_of_new_year));
+    Calendar::new(weekday.unwrap_or_else(|| Calendar::default().weekday(1)), leap)
+}
+
+/// Returns a note on the calendar of a model if it is not the one of generated buildings.
+pub fn note(model: &Model, site: &Site) -> Option<String> {
+    let calendar = of(model, site);
+    let name = |day: u32| WEEKDAYS[day as usize];
+    let begins = calendar.weekday(1);
+    let from_model = of_model(model, calendar.is_leap()).is_some();
+    let source = match (from_model, site.year) {
+        (true, _) => "by the model's run period".to_owned(),
+        (false, Some(year)) => format!("as in {year}, the year of the weather file"),
+        (false, None) => "by default".to_owned(),
+    };
+    let of_weather = site.year.filter(|year| from_model && weekday_of_new_year(*year) != begins);
+    let ignored = of_weather.map(|year| {
         format!(
-            "{year}, the year of the weather file, {}; every episode's year {}",
-            begins(day),
-            begins(ours)
+            "1 January is a {} by the model's run period, not a {} as in {year}, the year of the weather file: give the run \
+             period that year for its days of the week",
+            name(begins),
+            name(weekday_of_new_year(year))
         )
     });
-    of_model.into_iter().chain(of_weather).collect()
+    let usual = Calendar::default();
+    let differs = ignored.is_none() && begins != usual.weekday(1);
+    let weekdays = differs.then(|| format!("1 January is a {}, {source}", name(begins)));
+    let leap = calendar.is_leap().then(|| "the year has a 29 February, as the weather file".to_owned());
+    let notes: Vec<String> = ignored.into_iter().chain(weekdays).chain(leap).collect();
+    (!notes.is_empty()).then(|| notes.join("; "))
 }
 
-/// Returns the day of the week of 1 January in the year of a run period, if it gives one.
-fn new_year(fields: &Fields) -> Option<u32> {
+/// Returns the day of the week of 1 January by the run periods of a model, if one gives it.
+fn of_model(model: &Model, leap: bool) -> Option<u32> {
+    model.objects("RunPeriod").into_iter().find_map(|(_, fields)| new_year(fields, leap))
+}
+
+/// Returns the day of the week of 1 January in the year of a run period, with or without 29 February, if it gives one.
+fn new_year(fields: &Fields, leap: bool) -> Option<u32> {
     let whole = |field| number(fields, field).map(|number| number as u32);
     let given = text(fields, "day_of_week_for_start_day");
-    let day = given.and_then(|given| WEEKDAYS.iter().position(|day| day.eq_ignore_ascii_case(given)));
-    match (day, whole("begin_year")) {
-        (Some(day), _) => {
-            let first = Date::new(whole("begin_month")?, whole("begin_day_of_month")?).ok()?;
-            Some(first.new_year_if_on(day as u32))
+    let named = given.and_then(|given| WEEKDAYS.iter().position(|day| day.eq_ignore_ascii_case(given)));
+    let first = [whole("begin_month").unwrap_or(1), whole("begin_day_of_month").unwrap_or(1)];
+    let weekday = match (whole("begin_year"), named) {
+        (Some(year), _) => {
+            let calendar = Calendar::new(weekday_of_new_year(year), is_leap_year(year));
+            calendar.weekday(calendar.day(first)?)
         }
-        (None, year) => year.map(weekday_of_new_year),
-    }
-}
-
-/// Returns the day of the week of 1 January, 0 (Monday) to 6 (Sunday), in the Gregorian calendar.
-fn weekday_of_new_year(year: u32) -> u32 {
-    let before = year.max(1) - 1;
-    // 1 January of the year 1 was a Monday.
-    (before + before / 4 - before / 100 + before / 400) % 7
+        (None, named) => named? as u32,
+    };
+    let day = Calendar::new(0, leap).day(first)?;
+    Some((weekday + 371 - (day - 1)) % 7)
 }
 
 #[cfg(test)]
@@ -56,17 +74,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_january_has_the_weekday_of_its_year() {
-        assert_eq!([2017, 2018, 2020, 2024].map(weekday_of_new_year), [6, 0, 2, 0]);
-    }
-
-    #[test]
-    fn a_run_period_gives_its_weekdays_by_name_or_by_its_year() {
-        let of = |fields: serde_json::Value| new_year(fields.as_object().unwrap());
+    fn a_run_period_gives_its_weekdays_by_its_year_or_by_name() {
+        let of = |fields: serde_json::Value, leap| new_year(fields.as_object().unwrap(), leap);
         let in_february =
             json!({"begin_month": 2, "begin_day_of_month": 1, "day_of_week_for_start_day": "thursday"});
-        assert_eq!(of(in_february), Some(0), "1 February is a Thursday if 1 January is a Monday");
-        assert_eq!(of(json!({"begin_month": 7, "begin_day_of_month": 1, "begin_year": 2020})), Some(2));
-        assert_eq!(of(json!({"begin_month": 1, "begin_day_of_month": 1})), None);
+        assert_eq!(of(in_february, false), Some(0), "1 February is a Thursday if 1 January is a Monday");
+        let in_july = json!({"begin_month": 7, "begin_day_of_month": 1, "begin_year": 2020});
+        assert_eq!(of(in_july.clone(), true), Some(2));
+        assert_eq!(of(in_july, false), Some(3), "without 29 February, 1 July is a Wednesday as in 2020");
+        let both = json!({"begin_month": 1, "begin_day_of_month": 1, "begin_year": 2018,
+            "day_of_week_for_start_day": "Friday"});
+        assert_eq!(of(both, false), Some(0), "the engine corrects a day that is not the year's");
+        assert_eq!(of(json!({"begin_month": 1, "begin_day_of_month": 1}), false), None);
     }
 }

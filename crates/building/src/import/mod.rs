@@ -21,6 +21,7 @@ mod references;
 mod setpoint_nodes;
 mod templates;
 mod text;
+mod transition;
 pub mod versions;
 
 use std::path::Path;
@@ -45,6 +46,15 @@ pub struct Imported {
     pub notes: Notes,
 }
 
+/// How a user's model is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options<'a> {
+    /// Whether it may run code and open files outside its folder.
+    pub allow_external: bool,
+    /// Folder of EnergyPlus's Transition programs, which convert an old IDF instead of this project's rules.
+    pub transition: Option<&'a Path>,
+}
+
 /// Reads a user's model (IDF or epJSON), converts it to the engine's version and makes the checks that the engine does not.
 ///
 /// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs
@@ -54,19 +64,31 @@ pub struct Imported {
 /// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with the
 /// engine's messages when it cannot read an IDF.
 pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Model> {
-    Ok(read_with_notes(path, library, allow_external)?.model)
+    let options = Options { allow_external, ..Options::default() };
+    Ok(read_with_notes(path, library, options)?.model)
 }
 
 /// As [`read`], with notes on what was changed and assumed.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_with_notes(path: &Path, library: &Library, allow_external: bool) -> Result<Imported> {
-    let Text { text, is_original, encoding } = checked_text(path)?;
+pub fn read_with_notes(path: &Path, library: &Library, options: Options<'_>) -> Result<Imported> {
+    let Options { allow_external, transition } = options;
+    let Text { mut text, is_original, encoding } = checked_text(path)?;
+    let by_programs = match transition.filter(|_| is_idf(path)) {
+        None => None,
+        Some(programs) => transition::convert(&text, &library.version(), programs)
+            .map_err(|problem| refused(path, vec![problem]))?,
+    };
+    let by_programs = by_programs.map(|(converted, report)| {
+        text = converted;
+        report
+    });
     let (mut model, found, expanded) = match is_idf(path) {
-        true => read_idf(path, &text, is_original, library)?,
+        true => read_idf(path, &text, is_original && by_programs.is_none(), library)?,
         false => read_epjson(path, &text, library)?,
     };
+    let found = by_programs.map_or(found, Found::Converted);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let exchange = exchange::replace(&mut model);
     external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;

@@ -18,6 +18,9 @@ pub struct Notes {
     pub conversion: Option<Conversion>,
     /// The design days for which equipment was sized.
     pub design_days: Option<String>,
+    /// The days of the week and 29 February, where they are not those of generated buildings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calendar: Option<String>,
     /// Autosized fields that the engine does not size and that were left to it.
     pub left_autosized: Vec<String>,
     /// Schedules of the model that switch off equipment, whatever the setpoints of its zones.
@@ -86,9 +89,10 @@ pub(crate) fn switched_off(switches: &[Switch], off: &[f64], found: &Discovery) 
 impl Notes {
     /// Returns the warnings and a summary of the conversion, a line each.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
-        let summary = self.conversion.as_ref().map(|Conversion { from, to, changed, left_out }| {
+        let summary = self.conversion.as_ref().map(|Conversion { from, to, changed, left_out, programs }| {
             let (changed, left_out) = (changed.len(), left_out.len());
             let changes = match (changed, left_out) {
+                _ if !programs.is_empty() => format!("by {}", programs.join(", ")),
                 (0, 0) => "nothing to change".to_owned(),
                 _ => format!("{changed} kinds of changes, {left_out} left out; `b2b import` lists them"),
             };

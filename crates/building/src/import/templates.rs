@@ -78,7 +78,7 @@ fn run(folder: &Path, text: &str) -> Result<String, String> {
     let said = |error: std::io::Error| error.to_string();
     std::fs::write(at("in.idf"), text).map_err(said)?;
     std::fs::copy(folder.join(DICTIONARY), at(DICTIONARY)).map_err(said)?;
-    let (_, output) = run_program(&folder.join(PROGRAM), work.path(), LIMIT).map_err(said)?;
+    let (_, output) = run_program(&folder.join(PROGRAM), &[], work.path(), LIMIT).map_err(said)?;
     std::fs::read(at("expanded.idf")).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(
         |_| {
             let errors = std::fs::read(at("expandedidf.err")).unwrap_or(output.into_bytes());

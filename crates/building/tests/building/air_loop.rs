@@ -87,7 +87,7 @@ impl Office {
     /// Days from the 10th of a month, one for each trial. Asserts that there are no severe messages.
     fn play(&self, month: u32, trials: &mut [Trial<'_>]) {
         let last = 9 + trials.len() as u32;
-        let period = RunPeriod::new(Date::new(month, 10).unwrap(), Date::new(month, last).unwrap()).unwrap();
+        let period = RunPeriod::new(Date::new(month, 10).unwrap(), Date::new(month, last).unwrap());
         let folder = tempfile::tempdir().unwrap();
         let input = folder.path().join("model.epJSON");
         std::fs::write(&input, self.building.model_for(period, 12).to_epjson()).unwrap();

@@ -163,7 +163,7 @@ fn read(stock: &Stock, name: &str, content: &[u8]) -> b2b_building::Result<Impor
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, content).unwrap();
-    import::read_with_notes(&path, &stock.library, false)
+    import::read_with_notes(&path, &stock.library, import::Options::default())
 }
 
 fn read_room(stock: &Stock, room: &Value) -> b2b_building::Result<Imported> {
@@ -280,19 +280,27 @@ fn design_days_that_are_kept_are_compared_with_the_weather() {
 }
 
 #[test]
-fn weekdays_of_the_model_and_of_the_weather_that_differ_from_those_of_episodes_are_said() {
+fn the_calendar_is_that_of_the_run_period_or_else_of_the_measured_year() {
     let stock = Stock::new();
     let site = Site::read(&stock.weather).unwrap();
     let mut model = room();
     let said = |model: &Value, site: &Site| {
-        import::calendar::warnings(&read_room(&stock, model).unwrap().model, site).join(" ")
+        let model = read_room(&stock, model).unwrap().model;
+        let calendar = import::calendar::of(&model, site);
+        (calendar.weekday(1), calendar.is_leap(), import::calendar::note(&model, site).unwrap_or_default())
     };
-    assert_eq!(said(&model, &site), "");
     model["RunPeriod"]["R"]["day_of_week_for_start_day"] = json!("Thursday");
-    assert_says(&said(&model, &site), &["run period begins on a Thursday", "begins on a Sunday"]);
-    model["RunPeriod"]["R"]["day_of_week_for_start_day"] = json!("Sunday");
-    let measured = Site { year: Some(2020), ..site };
-    assert_says(&said(&model, &measured), &["2020, the year of the weather file, begins on a Wednesday"]);
+    let (weekday, _, notes) = said(&model, &site);
+    assert_eq!(weekday, 3);
+    assert_says(&notes, &["1 January is a Thursday, by the model's run period"]);
+    let measured = Site { year: Some(2020), has_leap_day: true, ..site };
+    let (weekday, is_leap, notes) = said(&model, &measured);
+    assert_eq!((weekday, is_leap), (3, true));
+    assert_says(&notes, &["not a Wednesday as in 2020, the year of the weather file", "29 February"]);
+    model["RunPeriod"]["R"].as_object_mut().unwrap().remove("day_of_week_for_start_day");
+    let (weekday, _, notes) = said(&model, &measured);
+    assert_eq!(weekday, 2);
+    assert_says(&notes, &["1 January is a Wednesday, as in 2020, the year of the weather file"]);
 }
 
 #[test]

@@ -26,6 +26,10 @@ pub struct Location {
     /// Size a model file's equipment for its own design days instead of the weather file's
     #[arg(long)]
     keep_design_days: bool,
+    /// Convert an old IDF with the Transition programs of this folder (PreProcess/IDFVersionUpdater of an EnergyPlus
+    /// installation) instead of the rules of b2b
+    #[arg(long, value_name = "PROGRAMS")]
+    transition: Option<PathBuf>,
 }
 
 fn find_place(name: &str) -> Result<&'static Place> {
@@ -48,7 +52,10 @@ impl Location {
         let external = self.allow_external.then(|| "--allow-external".into());
         let control = self.control.map(|control| ["--control".into(), control.name().into()]);
         let keep = self.keep_design_days.then(|| "--keep-design-days".into());
-        place.into_iter().chain(weather).chain(control).flatten().chain(external).chain(keep).collect()
+        let programs =
+            self.transition.as_ref().map(|path| ["--transition".into(), path.clone().into_os_string()]);
+        let named = place.into_iter().chain(weather).chain(control).chain(programs).flatten();
+        named.chain(external).chain(keep).collect()
     }
 
     /// Returns these options in the form used by the catalog.
@@ -59,6 +66,7 @@ impl Location {
             allow_external: self.allow_external,
             control: self.control.unwrap_or_default(),
             keep_design_days: self.keep_design_days,
+            transition: self.transition.clone(),
         }
     }
 }

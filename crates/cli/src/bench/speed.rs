@@ -116,7 +116,7 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
 /// Returns the CPU time of each of [`SINGLE_STEPS`] steps of an environment, ms.
 fn single_steps(prepared: &Prepared) -> Result<Vec<f64>> {
     let days = FIRST_DAYS + SINGLE_STEPS.div_ceil(STEPS_PER_DAY);
-    let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
+    let period = RunPeriod::new(Date::of_day(1), Date::of_day(days));
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
     env.reset()?;
     let action = env.action_space().middle();
@@ -154,7 +154,7 @@ impl Runs {
     /// Starts the runs, up to the end of warm-up, one after another beginning with `first`: a run that reuses
     /// memory freed by others is slower, so each mode is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
-        let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
+        let period = RunPeriod::new(Date::of_day(1), Date::of_day(days));
         let folder = b2b_base::scratch::temporary_folder("b2b-bench-")?;
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;

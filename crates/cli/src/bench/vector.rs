@@ -107,7 +107,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
 fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let spinner = spinner(format!("{} environments of {building}", arguments.environments), arguments.json);
-    let period = period(arguments.days)?;
+    let period = period(arguments.days);
     let fresh = (0..3).map(|_| fresh_reset_ms(&prepared, period)).collect::<Result<_>>()?;
     let setting = prepared.setting(prepared.episode(period, STEPS_PER_HOUR, Task::default()));
     let (resets, template_mb) = resets(&prepared, &setting, arguments.resets)?;
@@ -136,8 +136,8 @@ fn ratio(batch: &[f64], single: &[f64]) -> f64 {
     median(batch.iter().zip(single).map(|(batch, single)| batch / single).collect())
 }
 
-fn period(days: u32) -> Result<RunPeriod> {
-    Ok(RunPeriod::new(Date::of_day(1), Date::of_day(days))?)
+fn period(days: u32) -> RunPeriod {
+    RunPeriod::new(Date::of_day(1), Date::of_day(days))
 }
 
 /// Returns the CPU time of a reset without a template, ms.
@@ -289,7 +289,7 @@ impl Single {
     /// Runs in the child process: reports when it is ready, then runs a round for each line and reports its CPU time.
     fn serve(building: &BuildingName, days: u32) -> Result<()> {
         let prepared = Prepared::new(building, &Location::default(), true)?;
-        let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
+        let mut env = prepared.env(period(days), STEPS_PER_HOUR, Task::default())?;
         let action = env.action_space().middle();
         env.reset()?;
         println!("0");

@@ -17,8 +17,7 @@ const PAGE: &str = include_str!("compare.html");
 /// Writes the page.
 pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
     let first = &runs[0];
-    let axis =
-        TimeAxis::new(first.period.first().day_of_year(), first.described.steps_per_hour, first.steps());
+    let axis = TimeAxis::new(first.period, first.described.steps_per_hour, first.steps());
     let series = |number: usize, values: &[f64]| axis.series(runs[number].name.clone(), number, values);
     let of_zone = |zone: usize| -> Vec<Series> {
         (0..runs.len()).map(|run| series(run, &runs[run].zones[zone].temperature)).collect()

@@ -84,8 +84,10 @@ fn notes_text(notes: &Notes) -> Option<String> {
     }
     let mut lines: Vec<String> =
         notes.design_days.iter().map(|days| format!("design days: {days}")).collect();
+    lines.extend(notes.calendar.iter().map(|calendar| format!("calendar: {calendar}")));
     if let Some(conversion) = &notes.conversion {
         lines.push(format!("converted from EnergyPlus {} to {}", conversion.from, conversion.to));
+        lines.extend(conversion.programs.iter().map(|program| format!("    by {program}")));
         lines.extend(changes("changed", &conversion.changed));
         lines.extend(changes("left out, because it no longer exists", &conversion.left_out));
     }

@@ -58,8 +58,7 @@ pub fn write(
 ) -> Result<()> {
     let Rollout { trajectory, decisions, .. } = rollout;
     let episode = &spaces.episode;
-    let first_day = episode.period.first().day_of_year();
-    let axis = TimeAxis::new(first_day, episode.steps_per_hour, trajectory.len());
+    let axis = TimeAxis::new(episode.period, episode.steps_per_hour, trajectory.len());
     let beside =
         baseline.map(|Baseline { name, rollout }| Beside { name, metrics: (&rollout.metrics).into() });
     let picture = Picture { spaces, trajectory, baseline, axis };

@@ -12,7 +12,6 @@ use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
 use b2b_base::digest::sha256;
-use b2b_building::Date;
 use b2b_control::Versions;
 use b2b_env::{DecisionLog, EpisodeConfig, Spaces, Trajectory};
 use b2b_evaluate::read_parquet;
@@ -178,9 +177,9 @@ impl Columns {
     /// Adds the step number, counted from 1, and the date and time at its end.
     fn calendar(&mut self, spaces: &Spaces, steps: usize) {
         let per_hour = spaces.episode.steps_per_hour as usize;
-        let first = spaces.episode.period.first().day_of_year() as usize;
+        let period = spaces.episode.period;
         let ends = || 1..=steps;
-        let date = |step: usize| Date::of_day(((first - 1 + step / (24 * per_hour)) % 365 + 1) as u32);
+        let date = |step: usize| period.date((step / (24 * per_hour)) as u32);
         self.push::<UInt32Type>("step", "1", ends().map(|step| step as u32));
         self.push::<UInt8Type>("month", "1", ends().map(|step| date(step).month() as u8));
         self.push::<UInt8Type>("day", "1", ends().map(|step| date(step).day() as u8));

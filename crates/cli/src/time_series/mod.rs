@@ -4,6 +4,7 @@
 //! Values are quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest
 //! building below 2 MB.
 
+use b2b_building::RunPeriod;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -19,8 +20,8 @@ const STYLE: &str = include_str!("time_series.css");
 /// The time axis of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct TimeAxis {
-    /// First day of the episode, 1 for 1 January.
-    pub first_day: u32,
+    /// Year, month and day of the month of the first day, in a year with the same days of the week.
+    pub first_day: [u32; 3],
     pub steps_per_hour: u32,
     /// Steps per point, a divisor of the steps of a day.
     pub span: usize,
@@ -76,10 +77,12 @@ impl Series {
 
 impl TimeAxis {
     /// Returns the axis of an episode with this many steps.
-    pub fn new(first_day: u32, steps_per_hour: u32, steps: usize) -> Self {
+    pub fn new(period: RunPeriod, steps_per_hour: u32, steps: usize) -> Self {
         let needed = steps.div_ceil(MAX_POINTS).max(1);
         let day = 24 * steps_per_hour as usize;
         let span = (needed..=day).find(|span| day.is_multiple_of(*span)).unwrap_or(day);
+        let [month, day] = period.first().month_and_day();
+        let first_day = [period.years()[0], month, day];
         Self { first_day, steps_per_hour, span, points: steps.div_ceil(span) }
     }
 
@@ -157,7 +160,7 @@ mod tests {
 
     #[test]
     fn steps_are_the_points_at_which_a_value_changes() {
-        let axis = TimeAxis { first_day: 1, steps_per_hour: 12, span: 2, points: 4 };
+        let axis = TimeAxis { first_day: [2017, 1, 1], steps_per_hour: 12, span: 2, points: 4 };
         let steps = axis.steps("price".into(), [0.1, 0.1, 0.1, 0.3, 0.2, 0.2, 0.2, 0.1].into_iter());
         assert_eq!(steps.changes, [(0, 0.1), (2, 0.2)]);
     }
@@ -167,7 +170,8 @@ mod tests {
         for (steps_per_hour, days, span) in
             [(12, 14, 1), (12, 90, 3), (12, 200, 8), (12, 365, 12), (60, 365, 60)]
         {
-            let axis = TimeAxis::new(1, steps_per_hour, days * 24 * steps_per_hour as usize);
+            let axis =
+                TimeAxis::new(RunPeriod::FULL_YEAR, steps_per_hour, days * 24 * steps_per_hour as usize);
             assert_eq!(axis.span, span);
             assert!(axis.points <= MAX_POINTS);
         }

@@ -5,8 +5,9 @@ const PALETTE = ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2
 const MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
 const WEEKDAYS = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];
 const HOUR = 3600e3, DAY = 24 * HOUR, POINT_MS = HOUR / data.axis.steps_per_hour * data.axis.span;
-/* Days of a year that begins on a Sunday, as the simulated one does. The year itself is not shown. */
-const START = Date.UTC(2017, 0, data.axis.first_day), END = START + data.axis.points * POINT_MS;
+/* Days of a year that has the simulated days of the week. The year itself is not shown. */
+const [YEAR, MONTH, FIRST] = data.axis.first_day;
+const START = Date.UTC(YEAR, MONTH - 1, FIRST), END = START + data.axis.points * POINT_MS;
 const PER_DAY = Math.round(DAY / POINT_MS), DAYS = Math.ceil(data.axis.points / PER_DAY);
 /* Views of more days than this show daily means and ranges. */
 const LONG = 21 * DAY;

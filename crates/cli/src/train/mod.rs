@@ -141,6 +141,11 @@ pub fn train(arguments: &Arguments) -> Result<()> {
 impl Arguments {
     /// Returns the configuration of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
+        if self.location.placement().transition.is_some() {
+            bail!(
+                "--transition is not for training: convert the model with the programs first, and train on the result"
+            );
+        }
         if let Some(folder) = &self.resume {
             let mut config = TrainConfig::of_run(folder)
                 .with_context(|| format!("{} has no run to resume", folder.display()))?;

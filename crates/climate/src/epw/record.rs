@@ -2,14 +2,17 @@
 
 use std::path::Path;
 
+use b2b_base::calendar::{Calendar, MONTH_DAYS};
+
 use super::row::Row;
-use crate::months::MONTH_DAYS;
 use crate::{Error, Result};
 
 /// Lines of the header.
 const HEADER_LINES: usize = 8;
 /// Days of a year without 29 February.
 const DAYS: usize = 365;
+/// Days before 29 February.
+const BEFORE_LEAP_DAY: usize = 59;
 /// Values that the engine takes before the first one that is not missing: dry bulb (°C) and relative humidity (%).
 const FIRST: [f64; 2] = [6.0, 50.0];
 
@@ -27,6 +30,8 @@ pub struct Record {
     hours: Vec<Hour>,
     /// The first of the 24 hours of every day of a year without 29 February, if the file has it.
     days: Vec<Option<usize>>,
+    /// The first of the 24 hours of 29 February, if the file has it.
+    leap_day: Option<usize>,
 }
 
 /// An hour of weather.
@@ -79,14 +84,22 @@ impl Record {
         self.years.filter(|[first, last]| first == last).map(|[year, _]| year)
     }
 
-    /// Returns whether every day of a year is in the file.
+    /// Returns whether 29 February is in the file.
+    pub fn has_leap_day(&self) -> bool {
+        self.leap_day.is_some()
+    }
+
+    /// Returns whether every day of a year without 29 February is in the file.
     pub fn is_whole_year(&self) -> bool {
         self.days.iter().all(Option::is_some)
     }
 
-    /// Returns the first day of the year, of those from `first` to `last` (1 to 365), that is not in the file.
-    pub fn first_missing(&self, first: u32, last: u32) -> Option<u32> {
-        (first..=last).find(|day| self.days[*day as usize - 1].is_none())
+    /// Returns whether a date, its month and day of the month, is in the file.
+    pub fn has(&self, date: [u32; 2]) -> bool {
+        match day_of_year(date) {
+            Some(day) => self.days[day].is_some(),
+            None => self.has_leap_day(),
+        }
     }
 
     /// Returns the first and the last day of the year in the order of the file.
@@ -99,13 +112,18 @@ impl Record {
     /// Returns the dry bulb at the end of each hour of a year without 29 February, °C. A day that the file lacks is as the
     /// nearest that it has.
     pub fn dry_bulbs(&self) -> Vec<f64> {
-        self.by_date(|hour| hour.dry_bulb)
+        self.dry_bulbs_in(Calendar::default())
     }
 
-    /// Returns the mean global horizontal radiation of each hour of a year without 29 February, W/m². A day that the file
-    /// lacks is as the nearest that it has.
-    pub fn global_radiation(&self) -> Vec<f64> {
-        self.by_date(|hour| hour.radiation)
+    /// Returns the dry bulb at the end of each hour of the year of a calendar, like [`Record::dry_bulbs`].
+    pub fn dry_bulbs_in(&self, calendar: Calendar) -> Vec<f64> {
+        self.by_date(calendar, |hour| hour.dry_bulb)
+    }
+
+    /// Returns the mean global horizontal radiation of each hour of the year of a calendar, W/m². A day that the file lacks is
+    /// as the nearest that it has.
+    pub fn global_radiation_in(&self, calendar: Calendar) -> Vec<f64> {
+        self.by_date(calendar, |hour| hour.radiation)
     }
 
     /// Returns the hours in the order of the file.
@@ -129,8 +147,10 @@ impl Record {
         mean(self.hours.iter().map(|hour| hour.dry_bulb))
     }
 
-    fn by_date(&self, value: impl Fn(&Hour) -> f64) -> Vec<f64> {
-        let starts = (0..DAYS).filter_map(|day| self.nearest(day));
+    fn by_date(&self, calendar: Calendar, value: impl Fn(&Hour) -> f64) -> Vec<f64> {
+        let nearest = |days: std::ops::Range<usize>| days.filter_map(|day| self.nearest(day));
+        let leap_day = self.leap_day.or_else(|| self.nearest(BEFORE_LEAP_DAY)).filter(|_| calendar.is_leap());
+        let starts = nearest(0..BEFORE_LEAP_DAY).chain(leap_day).chain(nearest(BEFORE_LEAP_DAY..DAYS));
         starts.flat_map(|start| &self.hours[start..start + 24]).map(value).collect()
     }
 
@@ -175,7 +195,6 @@ struct Reader {
     date: [u32; 2],
     /// Whether the date of the present day has been read before.
     repeated: bool,
-    seen_leap_day: bool,
     /// Last dry bulb and humidity.
     last: [f64; 2],
     /// Radiation of the rows of the present hour.
@@ -185,13 +204,18 @@ struct Reader {
 impl Reader {
     fn new(intervals: u32, has_gaps: bool) -> Self {
         Self {
-            record: Record { intervals, years: None, hours: Vec::new(), days: vec![None; DAYS] },
+            record: Record {
+                intervals,
+                years: None,
+                hours: Vec::new(),
+                days: vec![None; DAYS],
+                leap_day: None,
+            },
             has_gaps,
             rows: 0,
             columns: 0,
             date: [0, 0],
             repeated: false,
-            seen_leap_day: false,
             last: FIRST,
             radiation: 0.0,
         }
@@ -251,16 +275,12 @@ impl Reader {
             ));
         }
         self.date = date;
-        self.repeated = match day_of_year(date) {
-            Some(day) => match &mut self.record.days[day] {
-                Some(_) => true,
-                new => {
-                    *new = Some(self.record.hours.len());
-                    false
-                }
-            },
-            None => std::mem::replace(&mut self.seen_leap_day, true),
+        let start = match day_of_year(date) {
+            Some(day) => &mut self.record.days[day],
+            None => &mut self.record.leap_day,
         };
+        self.repeated = start.is_some();
+        start.get_or_insert(self.record.hours.len());
         Ok(())
     }
 

@@ -35,7 +35,7 @@ struct ZoneSlots {
 
 impl Inputs {
     pub(super) fn new(spaces: &Spaces) -> Self {
-        let (space, task) = (&spaces.observation, &spaces.episode.task);
+        let space = &spaces.observation;
         let zone = |(controlled, index): (usize, usize)| ZoneSlots {
             temperature: space.zone_temperatures().start + index,
             target: space.target(controlled),
@@ -45,7 +45,7 @@ impl Inputs {
         let zones = spaces.controlled_zones().enumerate().map(zone).collect();
         Self {
             zones,
-            bands: Bands::new(&task.setpoints, task.presence, &spaces.building),
+            bands: Bands::of(spaces),
             outdoor_temperature: space.outdoor_temperature(),
             day_of_year: space.day_of_year(),
             time_of_day: space.time_of_day(),

@@ -85,6 +85,7 @@ mod tests {
             ground_temperatures: [24.0; 12],
             monthly_dry_bulbs: None,
             year: None,
+            has_leap_day: false,
             heating,
             cooling: day,
             sized_by_hours: false,

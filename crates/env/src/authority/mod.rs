@@ -109,7 +109,7 @@ fn bench<'a>(
 ) -> Result<Bench<'a>> {
     let episode = EpisodeConfig {
         weather: weather.to_owned(),
-        period: season.days(Seasons::of(weather)?),
+        period: season.days(Seasons::of(weather, building.calendar())?),
         steps_per_hour: STEPS_PER_HOUR,
         // The interlock would prevent zero flow.
         task: Task { ventilation: Ventilation::Free, ..Task::default() },

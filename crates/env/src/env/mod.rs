@@ -110,6 +110,7 @@ impl Env {
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
+        building.check_period(episode.period).map_err(Error::building)?;
         let temporary = temporary_folder("b2b-env-").map_err(b2b_energyplus::Error::from)?;
         let folder = temporary.path().to_owned();
         let path = folder.join(MODEL_FILE);
@@ -119,7 +120,7 @@ impl Env {
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
         let zones = controlled_zones(&spaces.building, task)?;
-        let seasons = Seasons::of(&spaces.episode.weather)?;
+        let seasons = Seasons::of(&spaces.episode.weather, spaces.episode.period.calendar())?;
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
         Ok(Self {
             library,
@@ -128,7 +129,7 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
-            targets: Targets::of(&task.setpoints, task.presence, &spaces.building, seasons),
+            targets: Targets::of(&spaces, seasons),
             seasons,
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
@@ -148,7 +149,9 @@ impl Env {
             )?,
             forecast: task
                 .preview
-                .map(|preview| Forecast::new(preview, &spaces.episode.weather))
+                .map(|preview| {
+                    Forecast::new(preview, &spaces.episode.weather, spaces.episode.period.calendar())
+                })
                 .transpose()?,
             asked: vec![Asked::UNKNOWN; zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
@@ -207,7 +210,7 @@ impl Env {
         let mut engine = Engine::start(library, spaces, &self.zones, &model, attendance, effects)?;
         self.warm_up(&mut engine)?;
         if let Some(attendance) = &mut self.attendance {
-            attendance.restart(self.spaces.episode.period.first().day_of_year());
+            attendance.restart(self.spaces.episode.period.day_of_year(0));
         }
         self.observe(&engine, [0.0; 2])?;
         self.terms = Amounts::default();

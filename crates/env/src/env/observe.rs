@@ -47,7 +47,7 @@ impl Env {
         let steps_per_day = 24 * episode.steps_per_hour as usize;
         let day = (step / steps_per_day) as u32;
         Moment {
-            day_of_year: (episode.period.first().day_of_year() - 1 + day) % 365 + 1,
+            day_of_year: episode.period.day_of_year(day),
             hour: (step % steps_per_day) as f64 / f64::from(episode.steps_per_hour),
         }
     }
@@ -189,16 +189,14 @@ impl Env {
         let mut put = |slot: Shared, value: f64| self.observation[space.shared(slot)] = value;
         put(Shared::OutdoorTemperature, temperature);
         put(Shared::OutdoorHumidity, humidity);
-        let steps_per_day = 24 * self.spaces.episode.steps_per_hour as usize;
-        let day = (self.metrics.steps / steps_per_day) as u32;
-        let first = self.spaces.episode.period.first();
+        let calendar = self.spaces.episode.period.calendar();
         put(Shared::TimeOfDay, moment.hour);
-        put(Shared::DayOfWeek, f64::from((first.weekday() + day) % 7));
+        put(Shared::DayOfWeek, f64::from(calendar.weekday(moment.day_of_year)));
         put(Shared::DayOfYear, f64::from(moment.day_of_year));
         put(Shared::Electricity, energy[0]);
         put(Shared::Gas, energy[1]);
         if let Some(slot) = space.holiday() {
-            let is_holiday = self.spaces.building.holidays.contains(&moment.day_of_year);
+            let is_holiday = self.spaces.building.holidays.contains(&calendar.count(moment.day_of_year));
             self.observation[slot] = f64::from(u8::from(is_holiday));
         }
         for zone in 0..self.zones.len() {

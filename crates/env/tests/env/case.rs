@@ -81,8 +81,14 @@ impl Case {
     /// A user's model in Chicago, under these controls.
     pub fn of_user(model: &serde_json::Value, controls: Controls) -> Self {
         let engine = Engine::ensure(&mut Quiet).unwrap();
-        let library = Library::load(&engine.library).unwrap();
         let weather = engine.models.unwrap().parent().unwrap().join("weather").join(CHICAGO);
+        Self::of_user_in(model, controls, weather)
+    }
+
+    /// A user's model in a weather file, under these controls.
+    pub fn of_user_in(model: &serde_json::Value, controls: Controls, weather: PathBuf) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
         let model = Model::from_epjson(&model.to_string(), "user.epJSON".as_ref()).unwrap();
         let preparation = Preparation { own: true, controls, ..Preparation::new("user", model) };
         Self::of(preparation, weather, library)

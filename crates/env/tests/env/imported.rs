@@ -1,5 +1,6 @@
 //! A user's building as an environment.
 
+mod calendar;
 mod weather;
 
 use crate::case::{Case, random_episode};

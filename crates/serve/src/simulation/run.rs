@@ -24,9 +24,6 @@ pub(super) enum Error {
     /// The baseline controller.
     #[error(transparent)]
     Control(#[from] b2b_control::Error),
-    /// The days of the run.
-    #[error(transparent)]
-    Building(#[from] b2b_building::Error),
 }
 
 /// The control steps of a year.
@@ -87,7 +84,7 @@ impl Run {
         let kept = clock.steps((span.start - span.warm_up).max(0.0));
         let first_day = kept / clock.per_day() + 1;
         let last_day = end.div_ceil(clock.per_day());
-        let period = RunPeriod::new(Date::of_day(first_day), Date::of_day(last_day))?;
+        let period = RunPeriod::new(Date::of_day(first_day), Date::of_day(last_day));
         let mut episode = workers.episode(&subject.setting(period))?;
         episode.reset()?;
         let spaces = episode.spaces().clone();

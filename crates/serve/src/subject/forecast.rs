@@ -74,11 +74,12 @@ impl Forecasts {
         let no_bands = || Error::NoBands { task: task.to_string() };
         let file = EpwFile::open(&episode.weather)?;
         let record = file.record()?;
-        let (dry_bulbs, radiations) = (record.dry_bulbs(), record.global_radiation());
+        let (dry_bulbs, radiations) =
+            (record.dry_bulbs(), record.global_radiation_in(episode.period.calendar()));
         let by_hour = |factor: &b2b_env::Hourly| std::array::from_fn(|hour| factor.at(hour as f64));
         Ok(Self {
             points: points(spaces),
-            bands: Bands::new(&task.setpoints, task.presence, &spaces.building).ok_or_else(no_bands)?,
+            bands: Bands::of(spaces).ok_or_else(no_bands)?,
             profile: task.emission_profile.as_ref().map(|profile| profile.emissions()).transpose()?,
             factors: [by_hour(&task.emissions.electricity), by_hour(&task.emissions.gas)],
             dry_bulbs,

@@ -57,15 +57,15 @@ impl Subject {
     /// Returns the subject with its points, prices and forecasts.
     ///
     /// # Errors
-    /// [`Error::NoBands`], [`Error::TaskPart`] and [`Error::Plans`] for tasks and controllers that BOPTEST's interface
-    /// cannot express; the errors of the weather file.
+    /// [`Error::NoBands`], [`Error::TaskPart`], [`Error::Plans`] and [`Error::LeapDay`] for tasks, controllers and years that
+    /// BOPTEST's interface cannot express; the errors of the weather file.
     pub fn new(options: SubjectOptions) -> Result<Self> {
         check(&options)?;
         let SubjectOptions { building, weather, task, steps_per_hour, .. } = options.clone();
         let episode = EpisodeConfig { weather, period: RunPeriod::FULL_YEAR, steps_per_hour, task };
         episode.check()?;
         let spaces = Spaces::new(building, episode);
-        let prices = AllPrices::new()?;
+        let prices = AllPrices::new(spaces.building.calendar())?;
         let forecasts = Forecasts::new(&spaces)?;
         let first = |weeks: TwoWeeks| Some((weeks, weeks.first_day(forecasts.dry_bulbs())?));
         Ok(Self {
@@ -108,7 +108,10 @@ impl Subject {
 }
 
 fn check(options: &SubjectOptions) -> Result<()> {
-    let SubjectOptions { task, controller, .. } = options;
+    let SubjectOptions { building, task, controller, .. } = options;
+    if building.calendar().is_leap() {
+        return Err(Error::LeapDay);
+    }
     let part = |what, remedy| Err(Error::TaskPart { task: task.to_string(), what, remedy });
     if !task.is_operation() {
         return Err(Error::NoBands { task: task.to_string() });

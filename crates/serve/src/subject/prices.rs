@@ -1,7 +1,6 @@
 //! The three price scenarios of BOPTEST.
 
-use b2b_env::calendar_year;
-use b2b_tariff::{Fuel, Moment, Prices, Tariff};
+use b2b_tariff::{Calendar, Fuel, Moment, Prices, Tariff};
 
 use crate::Result;
 
@@ -54,14 +53,14 @@ impl PriceScenario {
 pub(crate) struct AllPrices([Prices; 3]);
 
 impl AllPrices {
-    /// Lays out the tariffs of the scenarios in the calendar year.
+    /// Lays out the tariffs of the scenarios in a calendar.
     ///
     /// # Errors
     /// [`crate::Error::Tariff`].
-    pub fn new() -> Result<Self> {
+    pub fn new(calendar: Calendar) -> Result<Self> {
         let of = |scenario: PriceScenario| {
             let tariff = Tariff::named(scenario.tariff())?;
-            Prices::new(tariff, calendar_year(), &[], None)
+            Prices::new(tariff, calendar, &[], None)
         };
         let [constant, dynamic, highly_dynamic] = PriceScenario::ALL.map(of);
         Ok(Self([constant?, dynamic?, highly_dynamic?]))

@@ -1,9 +1,9 @@
 //! Shared by the tests of bills: an episode of a load, and the bill of its trajectory from the definitions.
 
-use b2b_tariff::{Bill, ByFuel, Event, Fuel, Moment, Prices, StepCost, Tariff, Year};
+use b2b_tariff::{Bill, ByFuel, Calendar, Event, Fuel, Moment, Prices, StepCost, Tariff};
 
 /// 2017: 1 January is a Sunday.
-pub const YEAR: Year = Year::starting_on(6);
+pub const YEAR: Calendar = Calendar::new(6, false);
 /// 5 minutes in hours.
 pub const STEP: f64 = 1.0 / 12.0;
 

@@ -79,11 +79,11 @@ fn steps(from: &str, to: &str) -> Result<std::slice::Iter<'static, Step>, String
 }
 
 /// Returns the first two numbers of a version.
-fn short(version: &str) -> String {
+pub(super) fn short(version: &str) -> String {
     version.split('.').take(2).collect::<Vec<_>>().join(".")
 }
 
-fn number(version: &str) -> Option<(u32, u32)> {
+pub(super) fn number(version: &str) -> Option<(u32, u32)> {
     let (major, minor) = version.split_once('.').unwrap_or((version, "0"));
     Some((major.parse().ok()?, minor.parse().ok()?))
 }

@@ -13,6 +13,9 @@ pub struct Conversion {
     pub changed: Vec<Change>,
     /// What has no counterpart and was left out.
     pub left_out: Vec<Change>,
+    /// The Transition programs of EnergyPlus that converted it instead of this project's rules.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<String>,
 }
 
 /// A change of the objects of a class.

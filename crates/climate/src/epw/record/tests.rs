@@ -64,12 +64,12 @@ fn hours_of_quarter_hourly_rows_end_with_the_fourth() {
 fn a_day_that_is_not_in_the_file_is_as_the_nearest() {
     let january = Record::read(&of(0..31, day_number)).unwrap();
     assert!(!january.is_whole_year());
-    assert_eq!((january.first_missing(1, 31), january.first_missing(30, 33)), (None, Some(32)));
+    assert!(january.has([1, 31]) && !january.has([2, 1]));
     assert_eq!([31, 364].map(|day| january.dry_bulbs()[24 * day]), [3.0, 0.0]);
 }
 
 #[test]
-fn a_leap_day_counts_in_means_and_not_in_the_year_by_date() {
+fn a_leap_day_counts_in_means_and_in_the_year_of_a_calendar_that_has_it() {
     let leap_day = of([58], |_| "9.0".to_owned()).replace("2005,2,28,", "2005,2,29,");
     let (_, leap_day) = leap_day.split_once("12/31\n").unwrap();
     let first = of(0..59, |_| "0.0".to_owned());
@@ -81,6 +81,9 @@ fn a_leap_day_counts_in_means_and_not_in_the_year_by_date() {
     assert_eq!(record.hours().len(), 8784);
     assert!(record.dry_bulbs().iter().all(|value| *value == 0.0));
     assert_eq!(record.monthly_dry_bulbs().unwrap()[1], 9.0 / 29.0);
+    let leap_year = record.dry_bulbs_in(Calendar::new(2, true));
+    assert!(record.has([2, 29]) && leap_year.len() == 8784);
+    assert_eq!([59, 60, 61].map(|day| leap_year[24 * (day - 1)]), [0.0, 9.0, 0.0]);
 }
 
 #[test]

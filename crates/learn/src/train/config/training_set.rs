@@ -139,7 +139,7 @@ impl TrainingSet {
         let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
         let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
         let Self { allow_external, control, keep_design_days, .. } = *self;
-        Ok(Placement { place, weather, allow_external, control, keep_design_days })
+        Ok(Placement { place, weather, allow_external, control, keep_design_days, transition: None })
     }
 
     /// Returns the training buildings as text for readers.

@@ -29,8 +29,7 @@ pub(crate) fn trained(config: &TrainConfig) -> Result<Vec<RunPeriod>> {
 /// Returns whether training leaves out the days of evaluations.
 pub(crate) fn are_held_out(config: &TrainConfig) -> Result<bool> {
     let evaluated = evaluated(config)?;
-    let is_apart = |part: &RunPeriod| part.last() < evaluated.first() || part.first() > evaluated.last();
-    Ok(trained(config)?.iter().all(is_apart))
+    Ok(trained(config)?.into_iter().all(|part| !part.overlaps(evaluated)))
 }
 
 fn first_evaluated(config: &TrainConfig) -> Result<u32> {
@@ -62,6 +61,8 @@ mod tests {
         assert!(are_held_out(&config).unwrap());
         config.training_set.period = "01-01..01-31".into();
         assert!(!are_held_out(&config).unwrap());
+        config.training_set.period = "11-15..02-15".into();
+        assert!(are_held_out(&config).unwrap(), "also in a period that passes New Year");
         // Neither side has fourteen days.
         assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
         assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");

@@ -1,0 +1,106 @@
+//! The calendar of a user's model: the days of the week of a measured year, 29 February and New Year.
+
+use std::path::{Path, PathBuf};
+
+use b2b_building::{BuildingType, Controls};
+use b2b_env::Env;
+use serde_json::{Value, json};
+
+use crate::case::Case;
+use crate::setpoints::room::room;
+
+/// Writes the weather of Chicago as that of 2020: a 29 February like the 28th, but at 7 °C.
+fn measured(folder: &Path) -> PathBuf {
+    let chicago = Case::of_user(&room(), Controls::default()).weather;
+    let bytes = std::fs::read(chicago).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    let mut written = String::new();
+    let mut day = Vec::new();
+    for line in text.lines() {
+        let columns: Vec<&str> = line.split(',').collect();
+        let is_row = columns[0].parse::<u32>().is_ok();
+        if is_row && columns[1..3] == ["3", "1"] {
+            day.drain(..).for_each(|row: String| written += &row);
+        }
+        let line = match is_row {
+            true => format!("2020,{}", columns[1..].join(",")),
+            false => line.replace("SAVINGS,No", "SAVINGS,Yes"),
+        };
+        written += &format!("{line}\n");
+        if is_row && columns[1..3] == ["2", "28"] {
+            let (before, after) = (columns[3..6].join(","), columns[7..].join(","));
+            day.push(format!("2020,2,29,{before},7.0,{after}\n"));
+        }
+    }
+    let path = folder.join("2020.epw");
+    std::fs::write(&path, written).unwrap();
+    path
+}
+
+/// The room, held at 21 °C on weekdays from 8 to 18 h, and closed on 1 January.
+fn office() -> Value {
+    let mut model = room();
+    model["Schedule:Constant"].as_object_mut().unwrap().remove("Warm");
+    let fields = [
+        "Through: 12/31",
+        "For: Weekdays",
+        "Until: 8:00",
+        "15",
+        "Until: 18:00",
+        "21",
+        "Until: 24:00",
+        "15",
+        "For: AllOtherDays",
+        "Until: 24:00",
+        "15",
+    ];
+    model["Schedule:Compact"] = json!({"Warm": {"data": fields.map(|field| json!({"field": field}))}});
+    model["RunPeriodControl:SpecialDays"] =
+        json!({"New Year": {"start_date": "January 1", "duration": 1, "special_day_type": "Holiday"}});
+    model
+}
+
+/// Returns day of the week, day of the year, holiday, heating setpoint and outdoor temperature at noon of every day, and hours
+/// to the next change of the setpoint as known at the beginning.
+fn noons(env: &mut Env) -> (Vec<[f64; 5]>, f64) {
+    let slots = env.observation_space().slots();
+    let slot = |name: &str| slots.iter().position(|slot| slot.name.starts_with(name)).unwrap();
+    let named = ["day of week", "day of year", "holiday", "Room heating setpoint", "outdoor air temperature"]
+        .map(slot);
+    let next = slots.iter().position(|slot| slot.name.starts_with("Room") && slot.unit == "h").unwrap();
+    let action = env.action_space().low().to_vec();
+    let hours = env.reset().unwrap()[next];
+    let mut days = Vec::new();
+    for step in 1..=env.episode_steps() {
+        let observation = env.step(&action).unwrap().observation;
+        if step % 288 == 144 {
+            days.push(named.map(|slot| observation[slot]));
+        }
+    }
+    (days, hours)
+}
+
+#[test]
+fn a_measured_leap_year_has_its_weekdays_its_29_february_and_a_new_year() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = Case::of_user_in(&office(), Controls::default(), measured(folder.path()));
+    let (days, hours) = noons(&mut case.env_for("02-28..03-01", "operate+tou+preview"));
+    let of = |days: &[[f64; 5]], value: usize| days.iter().map(|day| day[value]).collect::<Vec<_>>();
+    assert_eq!(of(&days, 0), [4.0, 5.0, 6.0], "28 February 2020 was a Friday");
+    assert_eq!(of(&days, 1), [59.0, 60.0, 61.0]);
+    assert_eq!((of(&days, 3), hours), (vec![21.0, 15.0, 15.0], 8.0));
+    assert_eq!(days[1][4], 7.0, "the weather of 29 February");
+
+    let (days, _) = noons(&mut case.env_for("12-31..01-02", "operate+tou+preview"));
+    assert_eq!(of(&days, 0), [3.0, 4.0, 5.0], "31 December 2020 was a Thursday");
+    assert_eq!(of(&days, 1), [366.0, 1.0, 2.0]);
+    assert_eq!((of(&days, 2), of(&days, 3)), (vec![0.0, 1.0, 0.0], vec![21.0, 15.0, 15.0]));
+}
+
+#[test]
+fn a_generated_building_stays_in_its_year() {
+    let case = Case::at_home(BuildingType::Warehouse);
+    let refused = |period| case.try_env(period, "constant".parse().unwrap()).unwrap_err().to_string();
+    assert!(refused("12-27..01-09").contains("end the period on 12-31"), "{}", refused("12-27..01-09"));
+    assert!(refused("02-28..02-29").contains("02-29"), "{}", refused("02-28..02-29"));
+}
