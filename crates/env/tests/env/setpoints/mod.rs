@@ -1,6 +1,6 @@
 //! Zones that are controlled through the setpoints of their thermostats.
 
-mod room;
+pub mod room;
 
 use b2b_building::hvac::Quantity;
 use b2b_building::hvac::setpoints::LEAST_GAP;
