@@ -37,6 +37,7 @@ class SystemKind(str, Enum):
     UNITARY = "unitary"
     AIR_LOOP = "air_loop"
     HEATING_ONLY = "heating_only"
+    ROOM_UNIT = "room_unit"
     SETPOINTS = "setpoints"
 
 

@@ -1,7 +1,7 @@
 //! HVAC systems under control: their actuators, with bounds and the engine variables that show the effect.
 //!
 //! A [`System`] has actuators and zones. Each kind of system is a file or a folder ([`unitary`], [`air_loop`],
-//! [`heating_only`], [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All other code knows systems by
+//! [`heating_only`], `room_unit`, [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All other code knows systems by
 //! these traits.
 
 mod actuator;
@@ -12,6 +12,7 @@ pub mod heating_only;
 mod kind;
 mod layout;
 mod objects;
+mod room_unit;
 mod sequence;
 pub mod setpoints;
 mod system;
@@ -29,6 +30,7 @@ pub use layout::{ServedZone, SystemLayout};
 pub use objects::{air_loop_graph, references, thermostat, zone_equipment};
 use objects::{availability, schedules, setpoint_managers};
 pub(crate) use objects::{distribution, energy_management};
+pub use room_unit::RoomUnit;
 pub use sequence::Sequence;
 pub use setpoints::{SetpointZone, separate};
 pub(crate) use setpoints::{Switch, switches_of_all};
@@ -37,5 +39,10 @@ pub use unitary::{HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 
 /// Every kind of system, in the order in which they claim a part of a model.
-pub static KINDS: [Kind; 4] =
-    [Kind::of::<Unitary>(), Kind::of::<AirLoop>(), Kind::of::<HeatingOnly>(), Kind::of::<SetpointZone>()];
+pub static KINDS: [Kind; 5] = [
+    Kind::of::<Unitary>(),
+    Kind::of::<AirLoop>(),
+    Kind::of::<HeatingOnly>(),
+    Kind::of::<RoomUnit>(),
+    Kind::of::<SetpointZone>(),
+];

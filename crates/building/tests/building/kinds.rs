@@ -51,7 +51,9 @@ fn others(kind: &str, own: &str) -> Vec<String> {
 
 #[test]
 fn a_kind_is_known_to_its_own_file_and_to_the_list_of_kinds() {
-    assert_eq!(others("HeatingOnly", "crates/building/src/hvac/heating_only"), [""; 0]);
+    for (kind, own) in [("HeatingOnly", "heating_only"), ("RoomUnit", "room_unit")] {
+        assert_eq!(others(kind, &format!("crates/building/src/hvac/{own}")), [""; 0]);
+    }
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod pages;
 mod presence;
 mod random_actions;
 mod role_observation;
+mod room_unit;
 mod setpoints;
 mod tasks;
 mod ventilation;

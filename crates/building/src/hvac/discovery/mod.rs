@@ -13,7 +13,8 @@ use super::distribution::served_zones;
 use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
 use super::kind::{Candidate, Kind};
 use super::references::{Reference, is_one_of, parts};
-use super::setpoints::SetpointZone;
+use super::room_unit;
+use super::setpoints::{SetpointZone, passes_regardless};
 use super::system::System;
 use super::thermostat::{has_thermostat, split_thermostats};
 use super::ventilation::Ventilation;
@@ -237,8 +238,12 @@ impl Search<'_> {
             };
             return Ok(Some(reason.to_owned()));
         }
-        let rival = equipment.iter().find(|other| *other != item && !is_beside(&other.class));
-        Ok(rival.map(|rival| format!("a {} in the zone follows the same thermostat", rival.class)))
+        for other in equipment.iter().filter(|other| *other != item && !is_beside(&other.class)) {
+            if !(room_unit::is_unit(&item.class) && passes_regardless(self.model, zone, other)?) {
+                return Ok(Some(format!("a {} in the zone follows the same thermostat", other.class)));
+            }
+        }
+        Ok(None)
     }
 
     fn kind_of(&self, candidate: Candidate<'_>) -> Result<Option<Kind>> {

@@ -39,7 +39,7 @@ fn driven(found: &Discovery) -> Vec<&str> {
 
 #[test]
 fn unsupported_equipment_is_reported_and_follows_the_setpoints_of_its_zone() {
-    let mut model = two_zones("ZoneHVAC:PackagedTerminalAirConditioner");
+    let mut model = two_zones("ZoneHVAC:WindowAirConditioner");
     let found = left_alone(&mut model);
     assert_eq!(driven(&found), ["A", "B"]);
     assert_eq!(found.systems[1].kind().id(), "setpoints");
@@ -47,7 +47,7 @@ fn unsupported_equipment_is_reported_and_follows_the_setpoints_of_its_zone() {
     let left: Vec<_> = found.uncontrolled.iter().map(|item| item.object.name.as_str()).collect();
     assert_eq!(left, ["X", "HB"]);
     assert!(
-        found.uncontrolled[1].reason.contains("PackagedTerminalAirConditioner"),
+        found.uncontrolled[1].reason.contains("WindowAirConditioner"),
         "{}",
         found.uncontrolled[1].reason
     );
@@ -85,9 +85,9 @@ fn a_failed_edit_does_not_change_the_model() {
 
 #[test]
 fn unsupported_equipment_is_rejected_by_name_where_all_systems_are_to_be_controlled() {
-    let mut model = two_zones("ZoneHVAC:PackagedTerminalHeatPump");
+    let mut model = two_zones("ZoneHVAC:UnitVentilator");
     let error = discover(&mut model, 1.2, &KINDS, Unsupported::Refused).unwrap_err().to_string();
-    for word in ["ZoneHVAC:PackagedTerminalHeatPump", "`X`", "`B`"] {
+    for word in ["ZoneHVAC:UnitVentilator", "`X`", "`B`"] {
         assert!(error.contains(word), "{error}");
     }
 }

@@ -31,21 +31,31 @@ pub(super) fn refuse_deaf(model: &Model, zone: &str, equipment: &[Reference]) ->
             refuse_powerless(model, &equipment[0])
         };
     }
-    let passes = |item: &Reference| {
-        let unit = model.get(&item.class, &item.name);
-        let terminal = unit.and_then(|unit| text(unit, "air_terminal_object_type"));
-        is_distribution(&item.class) && terminal.is_some_and(|class| class.eq_ignore_ascii_case(PASSES))
-    };
-    if !equipment.iter().all(passes) || governs(model, zone) {
+    if !equipment.iter().all(|item| passes(model, item)) || !is_deaf(model, zone)? {
         return Ok(());
     }
-    let air_loop = air_loop_of(model, zone)?;
-    if air_loop.as_deref().is_some_and(|air_loop| follows_all_zones(model, air_loop)) {
-        return Ok(());
-    }
-    let name = air_loop.unwrap_or_default();
+    let name = air_loop_of(model, zone)?.unwrap_or_default();
     let why = format!("its terminal passes the air of `{name}`, which does not follow the zone's thermostat");
     Err(Error::unsupported("Zone", zone, &why))
+}
+
+/// Returns whether equipment of a zone is a terminal that passes the air of its loop, and the loop does not follow the
+/// thermostat of the zone, as that of dedicated outdoor air.
+pub(in crate::hvac) fn passes_regardless(model: &Model, zone: &str, item: &Reference) -> Result<bool> {
+    Ok(passes(model, item) && is_deaf(model, zone)?)
+}
+
+fn passes(model: &Model, item: &Reference) -> bool {
+    let unit = model.get(&item.class, &item.name);
+    let terminal = unit.and_then(|unit| text(unit, "air_terminal_object_type"));
+    is_distribution(&item.class) && terminal.is_some_and(|class| class.eq_ignore_ascii_case(PASSES))
+}
+
+/// Returns whether the air loop of a zone does not follow its thermostat.
+fn is_deaf(model: &Model, zone: &str) -> Result<bool> {
+    let air_loop = air_loop_of(model, zone)?;
+    let follows = air_loop.is_some_and(|air_loop| follows_all_zones(model, &air_loop));
+    Ok(!follows && !governs(model, zone))
 }
 
 /// Returns whether a unit or a setpoint manager is controlled by the thermostat of a zone.

@@ -22,6 +22,7 @@ use super::thermostat::{OUT_OF_REACH, own_thermostat, remove_comfort_control};
 use crate::model::text;
 use crate::morphology::NodeType;
 use crate::{Conditioning, Model, Result};
+pub(super) use equipment::passes_regardless;
 pub(crate) use switches::{Switch, switches_of_all};
 
 /// Bounds of the heating setpoint, °C.

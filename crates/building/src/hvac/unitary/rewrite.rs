@@ -10,6 +10,10 @@ use crate::hvac::schedules::ALWAYS_ON;
 use crate::model::{Fields, Model, number, text};
 use crate::{Error, Result};
 
+/// Coils whose water the unit itself controls.
+const WATER_COOLING: [&str; 2] = ["Coil:Cooling:Water", "Coil:Cooling:Water:DetailedGeometry"];
+const WATER_HEATING: &str = "Coil:Heating:Water";
+const TWO_SPEED: &str = "Coil:Cooling:DX:TwoSpeed";
 /// The engine's limit on supply air temperature, °C: above the bounds of the action, so that it never binds.
 const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
 /// Outdoor temperature below which the compressor does not cool, °C. It is never reached: an overheated zone can be cooled
@@ -37,7 +41,10 @@ impl Unit {
         let (fan, flow) = self.rewrite_fan(model, &old, &nodes)?;
         let cooling = self.rewrite_cooling_coil(model, &old, &nodes)?;
         let heating = coil(&old, "heating_coil").ok_or_else(|| self.unsupported("it has no heating coil"))?;
-        place_heating_coil(model, &heating, &nodes.cooling, &nodes.heating)?;
+        match heating.class.eq_ignore_ascii_case(WATER_HEATING) {
+            true => place(model, &heating, &nodes.cooling, &nodes.heating)?,
+            false => place_heating_coil(model, &heating, &nodes.cooling, &nodes.heating)?,
+        }
         if let Some(supplemental) = &supplemental {
             place_heating_coil(model, supplemental, &nodes.heating, self.outlet())?;
         }
@@ -69,7 +76,7 @@ impl Unit {
     }
 
     /// The unit under setpoint control, without its heating coils and its outlet.
-    fn controllable_form(&self, fan: &str, flow: f64, cooling: &str) -> Value {
+    fn controllable_form(&self, fan: &str, flow: f64, cooling: &Reference) -> Value {
         let mut unit = json!({
             "control_type": "SetPoint",
             "controlling_zone_or_thermostat_location": self.served.zone,
@@ -80,8 +87,8 @@ impl Unit {
             "supply_fan_name": fan,
             "fan_placement": "BlowThrough",
             "supply_air_fan_operating_mode_schedule_name": ALWAYS_ON,
-            "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
-            "cooling_coil_name": cooling,
+            "cooling_coil_object_type": cooling.class,
+            "cooling_coil_name": cooling.name,
             "minimum_supply_air_temperature": 2.0,
             "latent_load_control": "SensibleOnlyLoadControl",
             "maximum_supply_air_temperature": MAXIMUM_SUPPLY_TEMPERATURE,
@@ -156,10 +163,14 @@ impl Unit {
         Ok((name.to_owned(), flow))
     }
 
-    /// Replaces the cooling coil by a two-speed coil with its performance.
-    fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<String> {
-        let Reference { class, name } =
-            coil(unit, "cooling_coil").ok_or_else(|| self.unsupported("it has no cooling coil"))?;
+    /// Moves a cooling coil of water to its nodes, or replaces one of a compressor by a two-speed coil with its performance.
+    fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<Reference> {
+        let cooling = coil(unit, "cooling_coil").ok_or_else(|| self.unsupported("it has no cooling coil"))?;
+        if is_one_of(&cooling.class, &WATER_COOLING) {
+            place(model, &cooling, &nodes.fan, &nodes.cooling)?;
+            return Ok(cooling);
+        }
+        let Reference { class, name } = cooling;
         let old = model.take(&class, &name)?;
         let mut new = cooling_coil::two_speed_equivalent(&class, old).ok_or_else(|| {
             Error::unsupported(&class, &name, "unsupported cooling coil: it has no two-speed equivalent")
@@ -169,8 +180,8 @@ impl Unit {
         new["air_outlet_node_name"] = json!(nodes.cooling);
         new["condenser_type"] = json!("AirCooled");
         new["minimum_outdoor_dry_bulb_temperature_for_compressor_operation"] = json!(COOLING_LOCKOUT);
-        model.insert("Coil:Cooling:DX:TwoSpeed", &name, new);
-        Ok(name)
+        model.insert(TWO_SPEED, &name, new);
+        Ok(Reference { class: TWO_SPEED.to_owned(), name })
     }
 }
 
@@ -201,14 +212,19 @@ fn place_heating_coil(model: &mut Model, coil: &Reference, inlet: &str, outlet: 
     if !of_heat_pump && !is_one_of(class, &HEATERS) {
         return Err(Error::unsupported(class, name, "unsupported heating coil: it cannot follow a setpoint"));
     }
-    let fields = model.require_mut(class, name)?;
+    place(model, coil, inlet, outlet)?;
+    if !of_heat_pump {
+        // The unitary system controls the coil; a setpoint node of its own would conflict.
+        model.require_mut(class, name)?.remove("temperature_setpoint_node_name");
+    }
+    Ok(())
+}
+
+/// Moves a coil to other nodes, and makes it always available.
+fn place(model: &mut Model, coil: &Reference, inlet: &str, outlet: &str) -> Result<()> {
+    let fields = model.require_mut(&coil.class, &coil.name)?;
     fields.insert("availability_schedule_name".into(), json!(ALWAYS_ON));
     fields.insert("air_inlet_node_name".into(), json!(inlet));
     fields.insert("air_outlet_node_name".into(), json!(outlet));
-    if of_heat_pump {
-        return Ok(());
-    }
-    // The unitary system controls the coil; a setpoint node of its own would conflict.
-    fields.remove("temperature_setpoint_node_name");
     Ok(())
 }

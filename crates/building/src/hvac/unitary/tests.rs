@@ -219,11 +219,11 @@ fn making_it_controllable_again_changes_nothing() {
 #[test]
 fn a_coil_that_cannot_be_rewritten_is_named() {
     let mut model = rooftop();
-    model.replace_references("Coil:Cooling:DX:MultiSpeed", "Coil:Cooling:Water");
+    model.replace_references("Coil:Cooling:DX:MultiSpeed", "Coil:Cooling:DX:VariableSpeed");
     let coil = model.remove("Coil:Cooling:DX:MultiSpeed", "Cooling").unwrap();
-    model.insert("Coil:Cooling:Water", "Cooling", Value::Object(coil));
+    model.insert("Coil:Cooling:DX:VariableSpeed", "Cooling", Value::Object(coil));
     let error = make_controllable(&mut model, "Loop", 1.2).unwrap_err().to_string();
-    assert!(error.contains("Coil:Cooling:Water") && error.contains("`Cooling`"), "{error}");
+    assert!(error.contains("Coil:Cooling:DX:VariableSpeed") && error.contains("`Cooling`"), "{error}");
 }
 
 /// The model of a unit with its parts on the branch instead: cooling coil in a coil system, heating coils and fan.

@@ -1,0 +1,100 @@
+//! Units in the room that they serve, controlled by air flow and supply air temperature: packaged terminal air conditioners
+//! and heat pumps, four-pipe fan coils, unitary systems without ducts.
+//!
+//! The engine controls such a unit by the load of its zone and by nothing else. It becomes the only unit of an air loop of its
+//! own, with the same fan, coils and outdoor air ([`ducts`]); from there on it is a [`Unitary`] system.
+
+mod ducts;
+mod zone_nodes;
+
+use serde::{Deserialize, Serialize};
+
+use super::actuator::Actuator;
+use super::capacity::{Capacity, SystemEquipment};
+use super::kind::{Candidate, KindName};
+use super::references::{Reference, is_one_of};
+use super::sequence::Sequence;
+use super::system::{FromModel, System, ZoneState};
+use super::unitary::{self, Unitary};
+use super::ventilation::Ventilation;
+use crate::morphology::NodeType;
+use crate::{Model, Result};
+
+/// The classes of units in a room.
+const UNITS: [&str; 4] = [
+    "ZoneHVAC:PackagedTerminalAirConditioner",
+    "ZoneHVAC:PackagedTerminalHeatPump",
+    "ZoneHVAC:FourPipeFanCoil",
+    "AirLoopHVAC:UnitarySystem",
+];
+
+/// A unit in the room that it serves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RoomUnit {
+    /// The unit in the model.
+    pub object: Reference,
+    /// The unit on its air loop.
+    pub unit: Unitary,
+}
+
+/// Returns whether equipment of a zone is a unit in its room.
+pub(super) fn is_unit(class: &str) -> bool {
+    is_one_of(class, &UNITS)
+}
+
+impl System for RoomUnit {
+    fn name(&self) -> &str {
+        self.unit.name()
+    }
+
+    fn zones(&self) -> Vec<&str> {
+        self.unit.zones()
+    }
+
+    fn actuators(&self) -> Vec<&Actuator> {
+        self.unit.actuators()
+    }
+
+    fn node_type(&self) -> NodeType {
+        self.unit.node_type()
+    }
+
+    fn ventilation(&self) -> Option<&Ventilation> {
+        self.unit.ventilation()
+    }
+
+    fn outdoor_air_limits(&self) -> Vec<(usize, f64)> {
+        self.unit.outdoor_air_limits()
+    }
+
+    fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]) {
+        self.unit.warm_up(zone, action);
+    }
+
+    fn sequence(&self) -> Sequence<'_> {
+        self.unit.sequence()
+    }
+
+    fn equipment(&self, model: &Model) -> Result<SystemEquipment> {
+        let capacity = Capacity::of_air_loop(model, &ducts::name_of_air_loop(&self.object.name))?;
+        Ok(SystemEquipment::of_one(&self.object.name, capacity.with_flow(self.unit.flow.high)))
+    }
+}
+
+impl FromModel for RoomUnit {
+    const NAME: KindName = KindName { id: "room_unit", name: "room unit", plural: "room units" };
+
+    fn claims(_: &Model, candidate: Candidate<'_>) -> Result<bool> {
+        Ok(candidate.is_equipment(&UNITS))
+    }
+
+    fn make_controllable(model: &mut Model, candidate: Candidate<'_>, air_density: f64) -> Result<Self> {
+        let (zone, object) = candidate.equipment()?;
+        let air_loop = ducts::put_on_air_loop(model, zone, object)?;
+        let unit = unitary::make_controllable(model, &air_loop, air_density)?;
+        Ok(Self { object: object.clone(), unit })
+    }
+}
+
+#[cfg(test)]
+mod tests;

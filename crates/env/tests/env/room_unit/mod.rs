@@ -1,0 +1,72 @@
+//! Units in the room that they serve, driven by air flow and supply air temperature.
+
+mod heat_pump;
+
+use b2b_building::hvac::Quantity;
+use b2b_building::{Conditioning, Controls};
+use b2b_energyplus::Level;
+use b2b_env::authority::{Verdict, measure};
+use b2b_env::{Env, Term};
+
+use crate::case::{Case, random_episode};
+
+const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
+const DAY: &str = "01-09..01-09";
+
+fn kinds(case: &Case, id: &str) -> usize {
+    case.building.systems.iter().filter(|system| system.kind().id() == id).count()
+}
+
+fn energy_is_the_engines(env: &Env) {
+    let meters = env.engine_meters().unwrap();
+    for (ours, engine) in
+        [Term::Electricity, Term::Gas].map(|term| env.metrics().total(term)).into_iter().zip(meters)
+    {
+        assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
+    }
+}
+
+#[test]
+fn a_packaged_heat_pump_follows_its_commands_and_ventilates_whatever_they_are() {
+    let case = Case::of_user(&heat_pump::model(), Controls::default());
+    assert_eq!(kinds(&case, "room_unit"), 1);
+    assert_eq!(case.building.zones[0].conditioning, Conditioning::HeatingAndCooling);
+    let report = measure(&case.library, &case.building, &case.weather).unwrap();
+    assert_eq!(report.failures().count(), 0, "{report}");
+    let mut flows = report.rows.iter().filter(|row| row.quantity == Quantity::SupplyAirFlow);
+    assert!(flows.all(|row| row.verdict == Verdict::Follows), "{report}");
+
+    let mut env = case.env(DAY);
+    env.reset().unwrap();
+    let lowest = env.action_space().low().to_vec();
+    let system = &case.building.systems[0];
+    let minimum = system.ventilation().unwrap().min_outdoor_air;
+    let density = system.actuators()[0].high / heat_pump::FLOW;
+    assert!((minimum / density - heat_pump::OUTDOOR_AIR).abs() < 1e-9);
+    for step in 0..12 {
+        let flow = env.step(&lowest).unwrap().action[0];
+        let [outdoor_air, people] = env.outdoor_air()[0].unwrap();
+        assert_eq!(people, 4.0);
+        let least = minimum * (1.0 - 1e-4);
+        assert!(
+            step == 0 || flow >= minimum && outdoor_air >= least,
+            "{outdoor_air} kg/s; minimum {minimum}"
+        );
+    }
+    let mut env = case.env(DAY);
+    random_episode(&mut env, 1);
+    assert_eq!(env.message_count(Level::Severe), 0);
+    energy_is_the_engines(&env);
+}
+
+#[test]
+fn fan_coils_beside_dedicated_outdoor_air_are_driven_and_their_energy_is_that_of_the_meters() {
+    let case = Case::imported("RefBldgLargeHotelNew2004_Chicago.idf", CHICAGO);
+    assert_eq!(kinds(&case, "room_unit"), 9);
+    let follows = case.building.uncontrolled.iter().filter(|item| item.follows_setpoints).count();
+    assert_eq!(follows, 0, "{:?}", case.building.uncontrolled);
+    let mut env = case.env("07-10..07-10");
+    random_episode(&mut env, 1);
+    assert_eq!(env.message_count(Level::Severe), 0);
+    energy_is_the_engines(&env);
+}
