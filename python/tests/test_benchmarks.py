@@ -121,6 +121,7 @@ def test_scores_name_the_run_period_if_there_are_several():
     assert several.resolved_scores == {("x", "constant", "winter"): 0, ("x", "constant", "summer"): -1}
 
 
+@pytest.mark.nightly
 def test_training_environments_have_one_shape(closing):
     problem = DynamicsAdaptation("house", **DAY)
     envs = closing(problem.make_train_vec(2))

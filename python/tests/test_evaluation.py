@@ -74,6 +74,7 @@ def test_evaluating_a_function_equals_its_rollout():
     assert ours.rows[0]["score"] > 1 and ours.folder is None
 
 
+@pytest.mark.nightly
 def test_an_interrupted_evaluation_resumes_and_gives_the_same_bytes(tmp_path):
     whole = b2b.evaluate(Integral, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "whole")
     assert len(whole) == 4 and not any(row["lost"] for row in whole.rows)

@@ -94,6 +94,7 @@ def test_a_training_is_logged_and_studied(name, arguments, words, tmp_path):
     assert words in run(EXAMPLES / f"{name}.py", tmp_path, *arguments)
 
 
+@pytest.mark.nightly
 def test_the_configuration_of_the_documentation_is_the_example_and_trains(tmp_path):
     tomllib = pytest.importorskip("tomllib")
     text = (EXAMPLES / "train.toml").read_text()

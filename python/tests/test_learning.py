@@ -125,6 +125,7 @@ def test_the_configuration_of_a_run_can_be_given_back(tmp_path, capsys):
         assert (tmp_path / "options" / "config.toml").read_bytes() == config.read_bytes()
 
 
+@pytest.mark.nightly
 def test_a_callback_is_called_with_progress_too(tmp_path):
     seen = []
     b2b.train(HOUSE, out=tmp_path / "run", steps=192, progress=True, callback=seen.append, **SMALL)

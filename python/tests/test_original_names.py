@@ -43,6 +43,7 @@ def test_node_types_and_kinds_of_equipment_have_names(make, building_type):
     assert bool(zones) == (building_type != "OfficeMedium")
 
 
+@pytest.mark.nightly
 def test_padding_by_zones_gives_every_zone_its_place(make):
     rows = {}
     for building_type in ("OfficeSmall", "RetailStandalone"):

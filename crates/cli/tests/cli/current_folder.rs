@@ -47,18 +47,14 @@ impl Trap {
 
 #[test]
 fn commands_run_no_code_of_the_current_folder() {
-    let trap = Trap::new();
-    trap.install(&["setup", "run m.idf --place Montreal", "train OfficeSmall --steps 1"]);
-    // With packages, the interpreter is started too.
-    let bench = "bench train --type SingleFamilyHouse --steps 1 --environments 1";
-    command(trap.folder.path(), bench).output().unwrap();
-    trap.assert_not_run(bench);
+    Trap::new().install(&["setup", "run m.idf --place Montreal", "train OfficeSmall --steps 1"]);
 }
 
 /// Each of them is another way to the packages.
 #[test]
 fn no_other_command_runs_code_of_the_current_folder() {
-    Trap::new().install(&[
+    let trap = Trap::new();
+    trap.install(&[
         "doctor --authority m.idf --weather w.epw",
         "import m.idf --place Montreal",
         "edit m.idf --lights 2 --out edited.epJSON",
@@ -70,4 +66,8 @@ fn no_other_command_runs_code_of_the_current_folder() {
         "baseline OfficeSmall --task constant --period winter",
         "benchmark run dynamics-house --policy reactive --out b",
     ]);
+    // With packages, the interpreter is started too.
+    let bench = "bench train --type SingleFamilyHouse --steps 1 --environments 1";
+    command(trap.folder.path(), bench).output().unwrap();
+    trap.assert_not_run(bench);
 }

@@ -14,9 +14,11 @@ fn the_tests_left_to_the_nightly_command_exist() {
         let exists = read_dir(crates).unwrap().map(|each| each.unwrap().path()).any(|each| {
             let folder = each.file_name().unwrap().to_str().unwrap();
             let folders = [folder, "learners"].map(|tests| each.join("tests").join(tests));
-            let mut texts =
-                folders.iter().filter_map(|tests| read_to_string(tests.join(format!("{module}.rs"))).ok());
-            texts.any(|text| text.contains(&format!("fn {function}(")))
+            let files = ["", "/mod"].map(|rest| format!("{module}{rest}.rs"));
+            let paths = folders.iter().flat_map(|tests| files.each_ref().map(|file| tests.join(file)));
+            paths
+                .filter_map(|path| read_to_string(path).ok())
+                .any(|text| text.contains(&format!("fn {function}(")))
         });
         assert!(exists, "`{name}` of .config/nextest.toml is no test; remove the line or correct the name");
     }

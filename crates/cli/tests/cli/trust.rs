@@ -115,6 +115,8 @@ fn a_crash_while_sizing_is_an_error_and_leaves_nothing() {
     std::fs::write(folder.path().join("e.csv"), "month,electricity_kwh\n1,2\n2,3\n3,1\n4,5\n").unwrap();
     for (arguments, doing) in [
         ("run m.idf --weather w.epw --out out", "sizing m"),
+        ("import m.idf --weather w.epw", "sizing m"),
+        ("show m.idf --weather w.epw", "sizing m"),
         ("calibrate m.idf --weather w.epw --energy e.csv --out c.epJSON", "simulating a year of m"),
     ] {
         let said = assert_crash(folder.path(), arguments, |_| {});
