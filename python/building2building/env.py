@@ -80,6 +80,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._arguments = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise SettingError(f"unknown render_mode `{render_mode}`; expected rgb_array, human or None")
+        if reward is not None and not callable(reward):
+            raise SettingError(f"reward is {reward!r}; expected a function of a step's info")
         in_process = in_process or keep_engine_output is not None
         if in_process and (window_days is not None or weather_years):
             message = "window_days and weather_years are not available with in_process=True or keep_engine_output"

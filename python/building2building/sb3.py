@@ -7,7 +7,7 @@ import logging
 import os
 import warnings
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -114,26 +114,32 @@ class SB3VecEnv(VecEnv):
 
 
 def make_sb3_vec(
-    building_type: str | BuildingVectorEnv | None = None,
+    building_type: str | BuildingVectorEnv | ActingVectorEnv | None = None,
     num_envs: int = 1,
     *,
-    normalize: bool = True,
+    normalize: bool | None = None,
     **arguments: Any,
 ) -> SB3VecEnv:
     """Makes environments for Stable-Baselines3, with actions in [-1, 1] and observations normalized by fixed bounds.
 
     Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as from
-    :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`.
-
-    With ``acting``, observations are scaled already, and ``normalize`` has no effect.
+    :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`, and no other arguments but
+    ``normalize``. ``normalize=False`` leaves observations in physical units. With ``acting``, they have their own
+    scales, and ``normalize`` is an error.
     """
-    if isinstance(building_type, BuildingVectorEnv):
-        return SB3VecEnv(building_type, normalize)
-    if arguments.get("acting") is not None:
-        # Actions are in [-1, 1] and features are scaled.
-        return SB3VecEnv(make_vec(building_type, num_envs, **arguments), normalize=False)
-    arguments.setdefault("rescale_action", True)
-    return SB3VecEnv(make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments), normalize)
+    acts = isinstance(building_type, ActingVectorEnv) or arguments.get("acting") is not None
+    if acts and normalize is not None:
+        raise SettingError("the observations of acting have their own scales; leave out normalize")
+    if not isinstance(building_type, (BuildingVectorEnv, ActingVectorEnv)):
+        if not acts:
+            arguments.setdefault("rescale_action", True)
+        envs = make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments)
+    elif arguments or num_envs not in (1, building_type.num_envs):
+        names = ", ".join(["num_envs", *arguments] if num_envs != 1 else arguments)
+        raise SettingError(f"the environments are made already, so these arguments have no effect: {names}")
+    else:
+        envs = cast(BuildingVectorEnv, building_type)
+    return SB3VecEnv(envs, not acts if normalize is None else normalize)
 
 
 def export_onnx(model: Any, path: str | os.PathLike[str]) -> None:

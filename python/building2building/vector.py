@@ -93,8 +93,10 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._core: _core.VecEnv | None = None
         if render_mode is not None:
             raise SettingError("a vector environment cannot render; make a single environment with render_mode")
-        if num_envs < 1:
-            raise SettingError(f"num_envs is {num_envs}; expected 1 or more")
+        if reward is not None and not callable(reward):
+            raise SettingError(f"reward is {reward!r}; expected a function of a step's info")
+        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
+            raise SettingError(f"num_envs is {num_envs!r}; expected a number from 1 on")
         if weights is not None and not resample:
             raise SettingError("weights apply to draws; pass resample=True")
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:

@@ -46,6 +46,24 @@ def run(code: str, folder: Path) -> str:
     return ran.stdout
 
 
+def test_examples_write_to_new_folders_and_read_results_that_a_clone_has():
+    files = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
+
+    def is_tracked(path: str) -> bool:
+        return any(file == path or file.startswith(path.rstrip("/") + "/") for file in files)
+
+    written = read = 0
+    for page in [ROOT / "README.md", *DOCS.rglob("*.md"), *(ROOT / "crates/cli/src").rglob("*.rs")]:
+        # Maintainers regenerate the data below crates.
+        for path in re.findall(r'(?:--out |folder=")(?!crates/)([\w./-]+)', page.read_text()):
+            assert not is_tracked(path), f"{page.name}: an example writes to {path}, which a clone has"
+            written += 1
+        for path in re.findall(r"(?<![\w/.-])results/[a-z-]+", page.read_text()):
+            assert is_tracked(path), f"{page.name}: a clone has no {path}"
+            read += 1
+    assert written > 50 and read > 5
+
+
 PAGES = {
     "concepts/step": "temperature",
     "concepts/score": "energy ratio",

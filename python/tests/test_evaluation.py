@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 
 import building2building as b2b
 import numpy as np
@@ -181,6 +182,60 @@ except KeyboardInterrupt:
     out, err = process.communicate(timeout=30)
     assert (out, err, process.returncode) == ("stopped\n", "", 0)
     assert {each.name for each in (tmp_path / "out").iterdir()} == {"evaluation.json", "episodes"}
+
+
+def endless_network() -> bytes:
+    """Returns a policy in the format of ONNX: a product of thousands of large matrices."""
+
+    def number(value: int) -> bytes:
+        low, rest = value & 127, value >> 7
+        return bytes([low | 128]) + number(rest) if rest else bytes([low])
+
+    def integer(field: int, value: int) -> bytes:
+        return number(field << 3) + number(value)
+
+    def part(field: int, content: bytes | str) -> bytes:
+        content = content.encode() if isinstance(content, str) else content
+        return number(field << 3 | 2) + number(len(content)) + content
+
+    def node(kind: str, output: str, *inputs: str) -> bytes:
+        return part(1, b"".join(part(1, each) for each in inputs) + part(2, output) + part(4, kind))
+
+    sizes = integer(1, 2) + integer(2, 7) + part(8, "sizes") + part(9, (4096).to_bytes(8, "little") * 2)
+    nodes = [node("ReduceSum", "sum", "observation"), node("Expand", "0", "sum", "sizes")]
+    nodes += [node("MatMul", str(place + 1), str(place), "0") for place in range(2000)]
+    ends = [
+        part(11, part(1, "observation") + part(2, part(1, integer(1, 1)))),
+        part(12, part(1, "2000") + part(2, part(1, integer(1, 1)))),
+    ]
+    graph = b"".join([*nodes, part(2, "endless"), part(5, sizes), *ends])
+    return integer(1, 8) + part(7, graph) + part(8, part(1, "") + integer(2, 17))
+
+
+@pytest.mark.nightly
+def test_a_network_that_never_ends_is_an_error_and_ctrl_c_does_not_wait_for_it(tmp_path):
+    (tmp_path / "p.onnx").write_bytes(endless_network())
+    code = f"""
+import signal
+import building2building as b2b
+signal.signal(signal.SIGINT, signal.default_int_handler)
+print("ready", flush=True)
+try:
+    b2b.evaluate("p.onnx", {HOUSES[0]!r}, run_periods="01-10..01-10", folder="out")
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+    command = [sys.executable, "-c", code]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "cwd": tmp_path}
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert ran.returncode == 1 and "EvaluationError: p.onnx" in ran.stderr and "within 5 s" in ran.stderr
+    for sent, printed, code in [(signal.SIGINT, "stopped\n", 0), (signal.SIGTERM, "", -signal.SIGTERM)]:
+        process = subprocess.Popen(command, **pipes)
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(2)
+        process.send_signal(sent)
+        out, err = process.communicate(timeout=10)
+        assert (out, err, process.returncode) == (printed, "", code)
 
 
 def test_a_return_is_scored_by_the_shipped_and_the_computed_baseline():

@@ -71,6 +71,22 @@ def test_sb3_sees_the_last_observation_of_an_episode():
     envs.close()
 
 
+def test_a_setting_that_would_have_no_effect_is_an_error():
+    from building2building.sb3 import make_sb3_vec
+
+    for normalize in (True, False):
+        with pytest.raises(b2b.Error, match="own scales"):
+            make_sb3_vec("OfficeSmall-0042", 1, acting="supervisory:60", normalize=normalize)
+    envs = b2b.make_vec("OfficeSmall-0042", 1, acting="supervisory:60", run_period="01-01..01-01")
+    with pytest.raises(b2b.Error, match="no effect: task"):
+        make_sb3_vec(envs, task="constant")
+    with pytest.raises(b2b.Error, match="no effect: num_envs"):
+        make_sb3_vec(envs, 2)
+    made = make_sb3_vec(envs)
+    assert made.scale is None and made.action_space.low.tolist() == [-1] * made.action_space.shape[0]
+    made.close()
+
+
 def test_sb3_reads_attributes_and_accepts_the_episodes_as_monitored():
     import gymnasium
     from building2building.sb3 import make_sb3_vec

@@ -289,6 +289,8 @@ def test_a_place_means_the_same_in_every_house_by_role(make_vec):
         ({"num_envs": 2**40}, "num_envs is 1099511627776; expected 1 to 2048"),
         ({"num_envs": 2049, "resample": True}, "expected 1 to 2048"),
         ({"num_envs": 0}, "num_envs is 0"),
+        ({"num_envs": "2"}, "num_envs is '2'"),
+        ({"reward": "energy"}, "reward is 'energy'; expected a function"),
         ({"split": "train"}, "pass index=0"),
     ],
 )

@@ -1,10 +1,10 @@
 //! `b2b clone`: an agent that imitates the policies of a dataset.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use b2b_agent::{Agent, ObservationForm};
 use b2b_building::PreparedBuilding;
 use b2b_climate::Place;
@@ -89,7 +89,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
         !interrupt::requested()
     })?;
     bar.finish_and_clear();
-    std::fs::create_dir_all(&arguments.out)?;
+    create(&arguments.out)?;
     let Cloned { info, actor, errors: [error, held_out] } = cloned;
     let summary = json!({
         "out": arguments.out,
@@ -106,6 +106,15 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
             arguments.out.display()
         )
     })
+}
+
+/// Creates the agent's folder. Errors if another command has created it since this one began.
+fn create(folder: &Path) -> Result<()> {
+    let cannot = || format!("cannot create --out {}", folder.display());
+    if let Some(parent) = folder.parent() {
+        std::fs::create_dir_all(parent).with_context(cannot)?;
+    }
+    std::fs::create_dir(folder).with_context(cannot)
 }
 
 /// Building, place and weather file.

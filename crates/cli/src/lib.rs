@@ -206,7 +206,7 @@ fn execute(command: Command) -> Result<ExitCode> {
 /// Prints help, or an error in the arguments, within the width of the terminal.
 fn print_usage(usage: &clap::Error) {
     let text = usage.to_string();
-    let wrapped = wrap::message(&text);
+    let wrapped = wrap::message(&suggestion::in_words(&text));
     if usage.use_stderr() && wrapped != text.trim_end() {
         return eprintln!("{wrapped}");
     }

@@ -5,6 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use b2b_base::folder_lock::FolderLock;
 use tempfile::TempDir;
 
 /// A folder of output files. Files are staged in the destination, or next to it if it does not exist, and moved into
@@ -14,28 +15,50 @@ pub struct OutputFolder {
     destination: PathBuf,
     /// Parent folders that were created for the destination, deepest first.
     created: Vec<PathBuf>,
+    /// Lock of the destination, if it was claimed.
+    _lock: Option<FolderLock>,
+}
+
+/// Creates an output folder if there is none, and locks it: one process at a time writes to it.
+///
+/// # Errors
+/// Another process has the lock, or the folder cannot be written.
+pub fn lock(folder: &Path) -> Result<FolderLock> {
+    let cannot = || format!("cannot write the folder {}", folder.display());
+    std::fs::create_dir_all(folder).with_context(cannot)?;
+    FolderLock::acquire(folder).with_context(cannot)?.with_context(|| {
+        format!(
+            "{} is in use by another command; wait for its end, or choose another folder",
+            folder.display()
+        )
+    })
 }
 
 impl OutputFolder {
     /// Creates the staging folder. Errors if the destination cannot be written; changes none of its files yet.
     pub fn stage(destination: &Path) -> Result<Self> {
+        let path = check(destination)?;
+        let parent = if path.is_dir() { &path } else { path.parent().unwrap_or(&path) };
+        Self::staged_in(parent, destination, absent(parent), None)
+    }
+
+    /// As [`OutputFolder::stage`], and locks the destination until the folder is dropped. Errors if another process writes
+    /// to it.
+    pub fn claim(destination: &Path) -> Result<Self> {
+        let path = check(destination)?;
+        let created = absent(&path);
+        let lock = lock(destination)?;
+        Self::staged_in(&path, destination, created, Some(lock))
+    }
+
+    fn staged_in(
+        parent: &Path,
+        destination: &Path,
+        created: Vec<PathBuf>,
+        lock: Option<FolderLock>,
+    ) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", destination.display());
-        if destination.to_str().is_none() {
-            bail!(
-                "--out {}: the path is not valid UTF-8, which summary.json requires; choose another",
-                destination.display()
-            );
-        }
-        let destination_path = std::path::absolute(destination).with_context(cannot)?;
-        if destination.exists() && !destination.is_dir() {
-            bail!("--out expects a folder, but {} is a file", destination.display());
-        }
-        let parent = match destination.is_dir() {
-            true => &destination_path,
-            false => destination_path.parent().unwrap_or(&destination_path),
-        };
-        let created = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
-        let mut folder = Self { staging: None, destination: destination.to_owned(), created };
+        let mut folder = Self { staging: None, destination: destination.to_owned(), created, _lock: lock };
         std::fs::create_dir_all(parent).with_context(cannot)?;
         let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-");
         folder.staging = Some(staging.with_context(cannot)?);
@@ -87,6 +110,23 @@ impl OutputFolder {
     }
 }
 
+/// Returns the absolute path of a destination. Errors if it cannot be a folder that results name.
+fn check(destination: &Path) -> Result<PathBuf> {
+    let shown = destination.display();
+    if destination.to_str().is_none() {
+        bail!("--out {shown}: the path is not valid UTF-8, which summary.json requires; choose another");
+    }
+    if destination.exists() && !destination.is_dir() {
+        bail!("--out expects a folder, but {shown} is a file");
+    }
+    std::path::absolute(destination).with_context(|| format!("cannot write the folder {shown}"))
+}
+
+/// Returns the folders of a path that do not exist, deepest first.
+fn absent(path: &Path) -> Vec<PathBuf> {
+    path.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect()
+}
+
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         self.staging = None;
@@ -113,6 +153,22 @@ mod tests {
         folder.write("x.txt", |file| Ok(file.write_all(b"x")?)).unwrap();
         drop(folder);
         assert_eq!(names(root.path()), [""; 0]);
+    }
+
+    #[test]
+    fn one_process_at_a_time_writes_to_a_claimed_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("a/b");
+        let first = OutputFolder::claim(&path).unwrap();
+        first.write("x.txt", |file| Ok(file.write_all(b"first")?)).unwrap();
+        let said = OutputFolder::claim(&path).err().unwrap().to_string();
+        assert!(said.contains("a/b is in use by another command"), "{said}");
+        first.keep().unwrap();
+        assert_eq!(names(&path), ["x.txt"]);
+        drop(OutputFolder::claim(&path).unwrap());
+        assert_eq!(names(&path), ["x.txt"], "what was there stays");
+        drop(OutputFolder::claim(&root.path().join("c/d")).unwrap());
+        assert_eq!(names(root.path()), ["a"]);
     }
 
     #[test]

@@ -15,6 +15,20 @@ pub fn add(usage: Error) -> Error {
     }
 }
 
+/// The standard library's messages on text that is not of a type, and what is expected.
+const TYPES: [(&str, &str); 5] = [
+    ("invalid float literal", "expected a number"),
+    ("cannot parse float from empty string", "expected a number"),
+    ("invalid digit found in string", "expected a whole number"),
+    ("cannot parse integer from empty string", "expected a whole number"),
+    ("invalid IP address syntax", "expected an IP address, such as 127.0.0.1"),
+];
+
+/// Returns a message that says what is expected where text is not of its type.
+pub fn in_words(message: &str) -> String {
+    TYPES.iter().fold(message.to_owned(), |text, (said, expected)| text.replace(said, expected))
+}
+
 /// Adds how to compare controllers if the name of another controller is taken for a building, as in `--policy hold off`.
 fn add_comparison(mut usage: Error) -> Error {
     let given =

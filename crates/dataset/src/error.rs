@@ -15,7 +15,7 @@ pub enum Error {
         text: String,
     },
     /// Text that is not the interface of a building.
-    #[error("unknown control `{text}`; expected actuators or setpoints")]
+    #[error("unknown control `{text}`{}; expected actuators or setpoints", near_control(text))]
     Control {
         /// The text.
         text: String,
@@ -151,3 +151,11 @@ impl From<b2b_building::Error> for Error {
 
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Returns the most similar interface, as a question; empty if none is similar.
+fn near_control(text: &str) -> String {
+    match b2b_base::suggestion::nearest(text, ["actuators", "setpoints"]).as_str() {
+        "" => String::new(),
+        near => format!(": did you mean {near}?"),
+    }
+}

@@ -29,6 +29,15 @@ pub enum Confinement {
 }
 
 impl Confinement {
+    /// Returns what a program was not kept from, as a clause after its name; nothing if it was fully confined.
+    pub fn clause(self) -> &'static str {
+        match self {
+            Self::Full => "",
+            Self::Partial => ", which could connect to a network (Linux before 6.7)",
+            Self::None => ", which was not confined: this system has no Landlock",
+        }
+    }
+
     /// Returns how far processes can be confined on this machine.
     pub fn available() -> Self {
         std::thread::spawn(confine).join().unwrap_or(Self::None)
@@ -66,29 +75,26 @@ pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -
     if CONFINED.get() {
         return function();
     }
-    in_thread(|| confine_to(folder), function)
+    in_thread(|| confine_to(folder), function).1
 }
 
-/// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns its
-/// result.
+/// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns how
+/// far it was confined and its result.
 pub(crate) fn confined_to_program<T: Send>(
     folder: &Path,
     programs: &[PathBuf],
     function: impl FnOnce() -> T + Send,
-) -> T {
+) -> (Confinement, T) {
     let writable = [folder.to_owned(), PathBuf::from(NULL_DEVICE)];
     in_thread(|| restrict(writable.into_iter(), None, programs), function)
 }
 
-/// Runs a function in a thread of its own that is confined first.
+/// Runs a function in a thread of its own that is confined first, and returns how far and its result.
 fn in_thread<T: Send>(
     confine: impl FnOnce() -> Confinement + Send,
     function: impl FnOnce() -> T + Send,
-) -> T {
-    let confined = || {
-        confine();
-        function()
-    };
+) -> (Confinement, T) {
+    let confined = || (confine(), function());
     std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
 }
 

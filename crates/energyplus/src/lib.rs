@@ -51,5 +51,5 @@ pub use event::Event;
 pub use host::Host;
 pub use library::{Exclusive, Library, exclusive};
 pub use message::{Level, Message, Messages};
-pub use program::run_program;
+pub use program::{Ended, run_program};
 pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

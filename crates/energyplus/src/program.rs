@@ -7,24 +7,30 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::confinement::confined_to_program;
+use crate::confinement::{Confinement, confined_to_program};
 
 /// Loaders of dynamically linked programs, which the kernel runs with them.
 const LOADERS: [&str; 2] = ["/lib64/ld-linux-x86-64.so.2", "/lib/ld-musl-x86_64.so.1"];
 /// Time between two looks at a program.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// Runs a program with arguments in a folder and returns its status and what it wrote to its standard output. Where the kernel can, the
-/// program writes only in this folder, starts no other, and does not connect to a network.
+/// A program that has ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// Its status.
+    pub status: ExitStatus,
+    /// What it wrote to its standard output.
+    pub output: String,
+    /// How far it was confined.
+    pub confinement: Confinement,
+}
+
+/// Runs a program with arguments in a folder to its end. Where the kernel can, the program writes only in this folder, starts no other, and
+/// does not connect to a network.
 ///
 /// # Errors
 /// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; those of starting it.
-pub fn run_program(
-    program: &Path,
-    arguments: &[&str],
-    folder: &Path,
-    limit: Duration,
-) -> Result<(ExitStatus, String)> {
+pub fn run_program(program: &Path, arguments: &[&str], folder: &Path, limit: Duration) -> Result<Ended> {
     let mut runs = vec![program.to_owned()];
     runs.extend(script_program(program)?);
     runs.extend(LOADERS.map(PathBuf::from));
@@ -32,11 +38,12 @@ pub fn run_program(
     let output = said.try_clone()?;
     let mut command = Command::new(program);
     command.args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(output).stderr(Stdio::null());
-    let status = confined_to_program(folder, &runs, || run(command, limit))?;
+    let (confinement, status) = confined_to_program(folder, &runs, || run(command, limit));
+    let status = status?;
     let mut text = Vec::new();
     std::io::Seek::rewind(&mut said)?;
     said.read_to_end(&mut text)?;
-    Ok((status, String::from_utf8_lossy(&text).into_owned()))
+    Ok(Ended { status, output: String::from_utf8_lossy(&text).into_owned(), confinement })
 }
 
 fn run(mut command: Command, limit: Duration) -> Result<ExitStatus> {
@@ -70,12 +77,11 @@ mod tests {
     use std::os::unix::fs::PermissionsExt;
 
     use super::*;
-    use crate::Confinement;
 
     const LONG: Duration = Duration::from_secs(20);
 
     /// Runs a script in a folder below a new one.
-    fn run_script(script: &str, limit: Duration) -> (tempfile::TempDir, Result<(ExitStatus, String)>) {
+    fn run_script(script: &str, limit: Duration) -> (tempfile::TempDir, Result<Ended>) {
         let root = tempfile::tempdir().unwrap();
         let (program, folder) = (root.path().join("program"), root.path().join("work"));
         std::fs::create_dir(&folder).unwrap();
@@ -88,10 +94,11 @@ mod tests {
     #[test]
     fn a_program_writes_in_its_folder_alone_and_starts_no_other() {
         let (root, result) = run_script("echo said; echo a > inside; echo b > ../outside; /bin/true", LONG);
-        let (status, said) = result.unwrap();
-        assert_eq!(said, "said\n");
+        let Ended { status, output, confinement } = result.unwrap();
+        assert_eq!(output, "said\n");
+        assert_eq!(confinement, Confinement::available(), "it says how far");
         assert!(root.path().join("work/inside").exists());
-        if Confinement::available() != Confinement::None {
+        if confinement != Confinement::None {
             assert!(!root.path().join("outside").exists());
             assert!(!status.success(), "/bin/true was started");
         }

@@ -102,22 +102,21 @@ pub fn read_with_notes(path: &Path, library: &Library, options: Options<'_>) -> 
         }
         Found::Converted(conversion) => notes.conversion = Some(conversion),
     }
-    if expanded > 0 {
-        notes.warnings.push(format!(
-            "its {expanded} templates were expanded with ExpandObjects of the engine's folder"
-        ));
-    }
+    notes.warnings.extend(expanded);
     Ok(Imported { model, notes })
 }
 
-/// Returns the model of an IDF, what was found about its version, and the number of its templates.
-fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Result<(Model, Found, usize)> {
+/// A model, what was found about its version, and a note on its templates, if any.
+type Read = (Model, Found, Option<String>);
+
+/// Reads an IDF.
+fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Result<Read> {
     let refuse = |problems| refused(path, problems);
     let mut document = idf::parse(text).map_err(|problem| refuse(vec![problem]))?;
     let found = versions::convert(&mut document, &library.version()).map_err(refuse)?;
     let expanded = templates::expand(&mut document, library).map_err(refuse)?;
-    if is_original && expanded == 0 && !matches!(found, Found::Converted(_)) {
-        return Ok((Model::read(path, library)?, found, 0));
+    if is_original && expanded.is_none() && !matches!(found, Found::Converted(_)) {
+        return Ok((Model::read(path, library)?, found, None));
     }
     let folder = temporary_folder("b2b-import-").map_err(b2b_energyplus::Error::from)?;
     let copy = folder.path().join(path.file_name().unwrap_or_default());
@@ -127,14 +126,14 @@ fn read_idf(path: &Path, text: &str, is_original: bool, library: &Library) -> Re
     Ok((Model::from_epjson(&epjson, path)?, found, expanded))
 }
 
-fn read_epjson(path: &Path, text: &str, library: &Library) -> Result<(Model, Found, usize)> {
+fn read_epjson(path: &Path, text: &str, library: &Library) -> Result<Read> {
     let model = Model::from_epjson(text, path)?;
     let mut document = Document::from_model(&model);
     let found =
         versions::convert(&mut document, &library.version()).map_err(|problems| refused(path, problems))?;
     match found {
-        Found::Converted(_) => Ok((document.into_model(), found, 0)),
-        _ => Ok((model, found, 0)),
+        Found::Converted(_) => Ok((document.into_model(), found, None)),
+        _ => Ok((model, found, None)),
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use b2b_base::scratch::temporary_folder;
 use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_energyplus::{Library, run_program};
+use b2b_energyplus::{Confinement, Ended, Library, run_program};
 
 use super::versions::document::{Body, Document};
 use super::versions::idf;
@@ -28,11 +28,11 @@ const OTHERS: [(&str, &str); 2] = [
 ];
 
 /// Replaces the templates of systems in a model of the engine's version by the program in the engine's folder, and returns
-/// their number.
+/// a note; `None` for a model without templates.
 ///
 /// # Errors
 /// The problems: no such program, templates of another kind, or the messages of the program.
-pub(super) fn expand(document: &mut Document, library: &Library) -> Result<usize, Vec<String>> {
+pub(super) fn expand(document: &mut Document, library: &Library) -> Result<Option<String>, Vec<String>> {
     let folder = library.path().parent().unwrap_or(Path::new("."));
     expand_with(folder, document).map_err(|problem| vec![problem])
 }
@@ -55,36 +55,47 @@ pub(super) fn problem(class: &str) -> Option<String> {
     Some(said(program, "run it on the model, with an EnergyPlus installation, and import its output"))
 }
 
-fn expand_with(folder: &Path, document: &mut Document) -> Result<usize, String> {
+fn expand_with(folder: &Path, document: &mut Document) -> Result<Option<String>, String> {
     let classes = || document.objects.iter().map(|object| object.class.as_str());
     if let Some(problem) = classes().filter(|class| !begins(class, HVAC)).find_map(problem) {
         return Err(problem);
     }
     let templates = classes().filter(|class| begins(class, HVAC)).count();
-    let Some(problem) = classes().find_map(problem) else { return Ok(0) };
+    let Some(problem) = classes().find_map(problem) else { return Ok(None) };
     if !folder.join(PROGRAM).is_file() || !folder.join(DICTIONARY).is_file() {
         return Err(problem);
     }
-    let expanded = run(folder, &idf::write(document)).map_err(|why| format!("{PROGRAM} failed: {why}"))?;
+    let ran = run(folder, &idf::write(document)).map_err(|why| format!("{PROGRAM} failed: {why}"));
+    let (expanded, confinement) = ran?;
     *document = idf::parse(&expanded)?;
     let said: Vec<String> = document.of(MESSAGE).filter_map(|object| severe(&object.body)).collect();
-    if said.is_empty() { Ok(templates) } else { Err(format!("{PROGRAM} says: {}", said.join(" "))) }
+    if said.is_empty() {
+        Ok(Some(note(templates, confinement)))
+    } else {
+        Err(format!("{PROGRAM} says: {}", said.join(" ")))
+    }
 }
 
-/// Returns the text that the program makes of another.
-fn run(folder: &Path, text: &str) -> Result<String, String> {
+/// Returns the note on a number of expanded templates, which says what the program was not kept from.
+fn note(templates: usize, confinement: Confinement) -> String {
+    let free = confinement.clause();
+    format!("its {templates} templates were expanded with {PROGRAM} of the engine's folder{free}")
+}
+
+/// Returns the text that the program makes of another, and how far it was confined.
+fn run(folder: &Path, text: &str) -> Result<(String, Confinement), String> {
     let work = temporary_folder("b2b-templates-").map_err(|error| error.to_string())?;
     let at = |name: &str| work.path().join(name);
     let said = |error: std::io::Error| error.to_string();
     std::fs::write(at("in.idf"), text).map_err(said)?;
     std::fs::copy(folder.join(DICTIONARY), at(DICTIONARY)).map_err(said)?;
-    let (_, output) = run_program(&folder.join(PROGRAM), &[], work.path(), LIMIT).map_err(said)?;
-    std::fs::read(at("expanded.idf")).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(
-        |_| {
-            let errors = std::fs::read(at("expandedidf.err")).unwrap_or(output.into_bytes());
-            format!("it wrote no expanded.idf. {}", String::from_utf8_lossy(&errors).trim())
-        },
-    )
+    let ended = run_program(&folder.join(PROGRAM), &[], work.path(), LIMIT).map_err(said)?;
+    let Ended { output, confinement, .. } = ended;
+    let expanded = std::fs::read(at("expanded.idf")).map_err(|_| {
+        let errors = std::fs::read(at("expandedidf.err")).unwrap_or(output.into_bytes());
+        format!("it wrote no expanded.idf. {}", String::from_utf8_lossy(&errors).trim())
+    })?;
+    Ok((String::from_utf8_lossy(&expanded).into_owned(), confinement))
 }
 
 /// Returns the text of a message that says that the model cannot be expanded.
@@ -129,6 +140,16 @@ mod tests {
     }
 
     #[test]
+    fn a_program_that_the_kernel_does_not_confine_is_said() {
+        assert!(
+            note(3, Confinement::Full)
+                .ends_with("its 3 templates were expanded with ExpandObjects of the engine's folder")
+        );
+        assert!(note(3, Confinement::Partial).contains("could connect to a network"));
+        assert!(note(3, Confinement::None).contains("not confined: this system has no Landlock"));
+    }
+
+    #[test]
     fn the_messages_of_the_program_are_told() {
         let failed = expanded("echo 'no zone B' > expandedidf.err").unwrap_err();
         assert!(failed.contains("no expanded.idf. no zone B"), "{failed}");
@@ -144,6 +165,6 @@ mod tests {
         assert!(said.contains("HVACTemplate:Thermostat") && said.contains("B2B_ENERGYPLUS"), "{said}");
         let said = of("Parametric:Run,A;\n").unwrap_err();
         assert!(said.contains("ParametricPreprocessor"), "{said}");
-        assert_eq!(of("Zone,A;\n"), Ok(0));
+        assert_eq!(of("Zone,A;\n"), Ok(None));
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use b2b_base::scratch::temporary_folder;
-use b2b_energyplus::run_program;
+use b2b_energyplus::{Confinement, run_program};
 
 use super::versions::idf;
 use super::versions::{Conversion, number, short};
@@ -38,8 +38,9 @@ pub(super) fn convert(
     while now != to {
         let program = program(folder, &now)?;
         now = program.to.clone();
-        program.run(folder, work.path()).map_err(|why| format!("{} failed: {why}", program.name))?;
-        report.programs.push(program.name);
+        let ran = program.run(folder, work.path());
+        let confinement = ran.map_err(|why| format!("{} failed: {why}", program.name))?;
+        report.programs.push(format!("{}{}", program.name, confinement.clause()));
     }
     let converted = std::fs::read(work.path().join(MODEL)).map_err(|error| error.to_string())?;
     Ok(Some((String::from_utf8_lossy(&converted).into_owned(), report)))
@@ -76,8 +77,8 @@ fn program(folder: &Path, from: &str) -> Result<Program, String> {
 }
 
 impl Program {
-    /// Converts the model of a folder.
-    fn run(&self, folder: &Path, work: &Path) -> Result<(), String> {
+    /// Converts the model of a folder. Returns how far the program was confined.
+    fn run(&self, folder: &Path, work: &Path) -> Result<Confinement, String> {
         let said = |error: std::io::Error| error.to_string();
         // A program reads the lists of classes of both versions, and of outputs, where it works.
         for name in self.tags.iter().map(|tag| format!("{tag}-Energy+.idd")).chain([self.list_of_outputs()]) {
@@ -86,7 +87,7 @@ impl Program {
                 _ => {}
             }
         }
-        let (_, output) = run_program(&folder.join(&self.name), &[MODEL], work, LIMIT).map_err(said)?;
+        let ended = run_program(&folder.join(&self.name), &[MODEL], work, LIMIT).map_err(said)?;
         // Some versions leave the new model under this name, others replace the old one.
         let new = work.join(format!("{MODEL}new"));
         if new.exists() {
@@ -95,8 +96,8 @@ impl Program {
         let text = std::fs::read(work.join(MODEL)).map_err(said)?;
         let version = idf::parse(&String::from_utf8_lossy(&text)).ok().and_then(|model| model.version());
         match version {
-            Some(version) if short(&version) == self.to => Ok(()),
-            _ => Err(format!("it wrote no model of version {}. {}", self.to, messages(work, &output))),
+            Some(version) if short(&version) == self.to => Ok(ended.confinement),
+            _ => Err(format!("it wrote no model of version {}. {}", self.to, messages(work, &ended.output))),
         }
     }
 
@@ -146,7 +147,9 @@ mod tests {
         let (text, report) = convert(MODEL_9_5, "22.1.0", folder.path()).unwrap().unwrap();
         assert_eq!(text.trim(), "Version,22.1;Zone,Named;");
         assert_eq!((report.from.as_str(), report.to.as_str()), ("9.5", "22.1"));
-        assert_eq!(report.programs, ["Transition-V9-5-0-to-V9-6-0", "Transition-V9-6-0-to-V22-1-0"]);
+        let programs: Vec<&str> =
+            report.programs.iter().map(|program| program.split(',').next().unwrap()).collect();
+        assert_eq!(programs, ["Transition-V9-5-0-to-V9-6-0", "Transition-V9-6-0-to-V22-1-0"]);
         assert_eq!(convert("Version,22.1;\n", "22.1.0", folder.path()), Ok(None));
     }
 

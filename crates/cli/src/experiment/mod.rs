@@ -24,14 +24,14 @@ Examples:
   b2b experiment list
   b2b experiment show ppo
   b2b experiment run speed
-  b2b experiment run dynamics --budget quick --out results/dynamics
-  b2b experiment run ppo --budget full --shard 0/16 --out results/ppo    one of 16 parts, into a shared folder
-  b2b experiment run ppo --budget paper-part --out results/ppo-paper     one of the experiment's other budgets
-  b2b experiment run ppo --reuse results/residual --out results/ppo      agents that are there already
+  b2b experiment run dynamics --budget quick --out experiments/dynamics
+  b2b experiment run ppo --budget full --shard 0/16 --out experiments/ppo   one of 16 parts, into a shared folder
+  b2b experiment run ppo --budget paper-part --out experiments/ppo-paper    one of the experiment's other budgets
+  b2b experiment run ppo --reuse results/residual --out experiments/ppo     agents that are there already
   b2b experiment run mine.toml --budget quick
-  b2b experiment report results/dynamics
-  b2b experiment check results/residual                                  evaluate agents again
-  b2b experiment claims results/*                                        the claims of the paper, judged"
+  b2b experiment report experiments/dynamics
+  b2b experiment check results/residual                                     evaluate agents again
+  b2b experiment claims results/*/                                          the claims of the paper, judged"
 )]
 pub struct Arguments {
     #[command(subcommand)]

@@ -5,23 +5,25 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use b2b_base::aside::write_whole;
+use b2b_base::folder_lock::FolderLock;
 use b2b_dataset::manifest::Manifest;
+
+use crate::output_folder;
 
 /// Name of the manifest in the folder.
 pub const MANIFEST: &str = "manifest.csv";
 
-/// A folder of models. Each file is staged and moved into place, so that files are always complete. A file whose row in
+/// A folder of models that one process at a time writes. Each file is staged and moved into place, so that files are always complete. A file whose row in
 /// the manifest has changed is removed before the manifest is updated, so that an interrupted generation can resume.
 pub struct ModelFolder {
     root: PathBuf,
+    _lock: FolderLock,
 }
 
 impl ModelFolder {
     /// Updates the manifest in the folder and removes the models that no longer match it. Rows of other names are kept.
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
-        let cannot = || format!("cannot write the folder {}", root.display());
-        std::fs::create_dir_all(root).with_context(cannot)?;
-        let folder = Self { root: root.to_owned() };
+        let folder = Self { root: root.to_owned(), _lock: output_folder::lock(root)? };
         let text = manifest.to_csv();
         let (header, wanted) = rows(&text);
         let mut described = folder.described(header)?;
@@ -130,5 +132,13 @@ mod tests {
         let manifest = std::fs::read_to_string(root.path().join(MANIFEST)).unwrap();
         assert_eq!(manifest.lines().count(), 3);
         assert_eq!(names(root.path()), ["a.epJSON", "b.epJSON", MANIFEST]);
+    }
+
+    #[test]
+    fn two_generations_at_once_do_not_share_a_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let _first = ModelFolder::open(root.path(), &table("a", 1)).unwrap();
+        let said = ModelFolder::open(root.path(), &table("b", 1)).err().unwrap().to_string();
+        assert!(said.contains("is in use by another command"), "{said}");
     }
 }

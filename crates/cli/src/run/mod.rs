@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let period = arguments.run_period(&prepared.weather)?;
     let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, task)?);
     let folder =
-        OutputFolder::stage(&arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task))?;
+        OutputFolder::claim(&arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task))?;
     let mut controller = chosen.build(&prepared, &spaces, quiet)?;
     let rollout = prepared.roll_out(&spaces, controller.as_mut(), quiet)?;
     let baseline = chosen.is_agent().then(|| Baseline::run(&prepared, &spaces, quiet)).transpose()?;
@@ -157,7 +157,7 @@ impl Author {
     /// # Errors
     /// The reason why the folder cannot be written.
     pub fn write_episode(self, folder: &Path, spaces: &Spaces, rollout: &Rollout) -> Result<Vec<PathBuf>> {
-        let folder = OutputFolder::stage(folder)?;
+        let folder = OutputFolder::claim(folder)?;
         let summary = self.write(&folder, spaces, rollout, None)?;
         folder.keep()?;
         Ok(summary.info.files)
@@ -180,7 +180,7 @@ impl Author {
             weather_sha256: Inputs::of(spaces)?.weather_sha256,
             trajectory_hash: trajectory.hash(),
         };
-        let folder = OutputFolder::stage(folder)?;
+        let folder = OutputFolder::claim(folder)?;
         let files = folder.destinations(&[trajectory_file::NAME]);
         folder.write(trajectory_file::NAME, |file| {
             trajectory_file::write(file, spaces, trajectory, &DecisionLog::default(), identity)

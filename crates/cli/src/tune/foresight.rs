@@ -18,7 +18,7 @@ use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
 use crate::arguments::task;
-use crate::output_folder::OutputFolder;
+use crate::output_folder::{self, OutputFolder};
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::workers::worker_options;
@@ -82,6 +82,7 @@ struct Item {
 /// Runs the command.
 pub fn foresight(arguments: &Arguments) -> Result<()> {
     let items = arguments.items()?;
+    let _lock = output_folder::lock(&arguments.out)?;
     let searches = arguments.out.join(SEARCHES);
     std::fs::create_dir_all(&searches)
         .with_context(|| format!("cannot write the folder {}", searches.display()))?;

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
-use crate::output_folder::OutputFolder;
+use crate::output_folder::{self, OutputFolder};
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::{interrupt, program, stdout};
@@ -79,6 +79,7 @@ struct Found {
 /// Tunes every selected class, several in parallel.
 pub fn search(arguments: &Arguments) -> Result<()> {
     let classes = arguments.classes.list()?;
+    let _lock = output_folder::lock(&arguments.out)?;
     let folder = arguments.out.join("evaluations");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot write the folder {}", folder.display()))?;

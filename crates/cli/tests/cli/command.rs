@@ -177,6 +177,10 @@ fn a_misspelled_argument_is_answered_with_the_valid_ones() {
         ("run Warehouse --steps-per-hour 7", ["7", "12"]),
         ("run Warehouse --weather nowhere.epw", ["nowhere.epw", "No such file"]),
         ("list palces", ["palces", "places"]),
+        ("run Warehouse --control setpoint", ["`setpoint`", "did you mean `setpoints`?"]),
+        ("edit m.idf --lights two", ["two", "expected a number"]),
+        ("run Warehouse --seed x", ["'x'", "expected a whole number"]),
+        ("serve Warehouse --host 1.2", ["1.2", "expected an IP address, such as 127.0.0.1"]),
     ] {
         let sandbox = Sandbox::new();
         sandbox.assert_refused(&mut sandbox.command(B2B, arguments), &words);

@@ -276,6 +276,17 @@ fn a_network_that_never_ends_ends_the_command_and_a_signal_does_within_10_s() {
 }
 
 #[test]
+fn commands_with_controllers_of_their_own_do_not_run_a_network_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("p.onnx"), endless_policy()).unwrap();
+    for command in ["run", "serve"] {
+        let output = b2b(folder.path(), &format!("{command} SingleFamilyHouse --controller p.onnx"));
+        assert_eq!(output.status.code(), Some(2), "{command}: {}", both_outputs(&output));
+        assert!(stderr(&output).contains("invalid value 'p.onnx'"), "{command}: {}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_configuration_file_does_not_permit_a_model_to_run_code() {
     let folder = folder_with("\nPythonPlugin:Instance,Plugin,Yes,module,Class;\n");
     let config = "buildings = ['m.idf']\nweather = 'w.epw'\nsteps = 400\nallow_external = true\n";
@@ -295,7 +306,7 @@ fn a_configuration_file_does_not_permit_a_model_to_run_code() {
 }
 
 #[test]
-fn evaluations_and_trainings_that_begin_at_once_in_a_new_folder_do_not_mix() {
+fn commands_that_begin_at_once_in_a_new_folder_do_not_mix() {
     let folder = tempfile::tempdir().unwrap();
     let evaluate =
         |policy| format!("evaluate RestaurantFastFood --policy {policy} --period 01-01..01-01 --out e");
@@ -305,7 +316,13 @@ fn evaluations_and_trainings_that_begin_at_once_in_a_new_folder_do_not_mix() {
         let options = "--period 01-01..01-02 --steps 2000 --environments 2";
         format!("train RestaurantFastFood --config c.toml {options} --seed {seed} --out t")
     };
-    for commands in [[evaluate("constant"), evaluate("random")], [train(1), train(2)]] {
+    // A year, so that the first has not ended when the second begins.
+    let run = |controller| {
+        format!("run SingleFamilyHouse --controller {controller} --period full_year --out r --json")
+    };
+    for commands in
+        [[evaluate("constant"), evaluate("random")], [train(1), train(2)], [run("hold"), run("off")]]
+    {
         let start = |arguments: &String| {
             let mut command = command(folder.path(), arguments);
             command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
