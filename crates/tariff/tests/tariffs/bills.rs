@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::common::{STEP, YEAR, assert_cost, day, electricity, part, prices, run};
-use b2b_tariff::{Bill, Event, Moment, PREVIEW, Prices, Tariff};
+use b2b_tariff::{Bill, Calendar, Event, Moment, PREVIEW, Prices, Tariff};
 
 /// A load that changes every step, with peaks at changing hours.
 fn wavy(at: Moment) -> f64 {
@@ -115,6 +115,23 @@ fn steps_of_an_hour_or_a_minute_are_billed_alike() {
         assert_cost(bill_of(1), bill_of(60));
         assert_cost(bill_of(6), bill_of(12));
     }
+}
+
+#[test]
+fn an_episode_that_passes_new_year_costs_as_much_as_its_parts_in_two_years() {
+    let bill_of = |calendar: Calendar, days: &[u32]| {
+        let prices = Prices::new(Tariff::named("fpl-gsdt-1").unwrap(), calendar, &[], None).unwrap();
+        let mut bill = Bill::new(days[0], days[days.len() - 1]);
+        for (day, hour) in days.iter().flat_map(|day| (0..24).map(move |hour| (*day, hour))) {
+            let power = f64::from(20 + day % 7 + hour);
+            bill.step(&prices, Moment { day, hour: f64::from(hour) }, &electricity(power), 1.0);
+        }
+        bill.total(&prices)
+    };
+    let (december, january): (Vec<u32>, Vec<u32>) = ((361..=365).collect(), (1..=9).collect());
+    let both = [&december[..], &january].concat();
+    let parts = bill_of(YEAR, &december) + bill_of(YEAR.following(), &january);
+    assert_cost(bill_of(YEAR.passing_new_year(361), &both), parts);
 }
 
 #[test]
