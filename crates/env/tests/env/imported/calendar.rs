@@ -65,9 +65,10 @@ fn office() -> Value {
 fn noons(env: &mut Env) -> (Vec<[f64; 5]>, f64) {
     let slots = env.observation_space().slots();
     let slot = |name: &str| slots.iter().position(|slot| slot.name.starts_with(name)).unwrap();
-    let named = ["day of week", "day of year", "holiday", "Room heating setpoint", "outdoor air temperature"]
-        .map(slot);
-    let next = slots.iter().position(|slot| slot.name.starts_with("Room") && slot.unit == "h").unwrap();
+    let named =
+        ["day of week", "day of year", "holiday", "Room band heating setpoint", "outdoor air temperature"]
+            .map(slot);
+    let next = slot("Room hours to next band");
     let action = env.action_space().low().to_vec();
     let hours = env.reset().unwrap()[next];
     let mut days = Vec::new();
