@@ -121,5 +121,7 @@ fn a_unit_without_outdoor_air_has_no_mixer() {
     fields.insert("maximum_outdoor_air_flow_rate".into(), json!(0.0));
     let system = edit(&mut model).unwrap();
     assert_eq!(system.ventilation(), None);
-    assert!(model.names("AirLoopHVAC:OutdoorAirSystem").is_empty());
+    for class in ["AirLoopHVAC:OutdoorAirSystem", "OutdoorAir:Mixer"] {
+        assert!(model.names(class).is_empty(), "{class}");
+    }
 }
