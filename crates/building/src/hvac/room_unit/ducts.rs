@@ -117,10 +117,14 @@ fn largest(unit: &Fields, ending: &str) -> f64 {
 }
 
 /// Puts the mixer of a unit into an outdoor air system with the unit's largest flow of outdoor air, and returns its component
-/// and the node of the mixed air. A unit without a mixer, or with one that is closed, has none.
+/// and the node of the mixed air. A unit without a mixer has none; a mixer without outdoor air is removed.
 fn outdoor_air(model: &mut Model, air_loop: &AirLoop, unit: &Fields) -> Result<Option<(Component, String)>> {
     let flow = largest(unit, "outdoor_air_flow_rate");
-    let Some(mixer) = text(unit, "outdoor_air_mixer_name").filter(|_| flow > 0.0) else { return Ok(None) };
+    let Some(mixer) = text(unit, "outdoor_air_mixer_name") else { return Ok(None) };
+    if flow <= 0.0 {
+        model.remove(MIXER, mixer);
+        return Ok(None);
+    }
     let fields = model.require(MIXER, mixer)?;
     let node = |field: &str| required(fields, MIXER, mixer, field);
     let mixed = node("mixed_air_node_name")?;

@@ -18,6 +18,8 @@ use super::system::{FromModel, System, ZoneState};
 use super::unitary::{self, Unitary};
 use super::ventilation::Ventilation;
 use crate::morphology::NodeType;
+use crate::shape::Shape;
+use crate::zone;
 use crate::{Model, Result};
 
 /// The classes of units in a room.
@@ -27,6 +29,10 @@ const UNITS: [&str; 4] = [
     "ZoneHVAC:FourPipeFanCoil",
     "AirLoopHVAC:UnitarySystem",
 ];
+
+/// Design flow, in air changes of the room per hour, above which the room follows a command within seconds: it cannot be held
+/// by a command a step, but by the engine's own control.
+const MOST_AIR_CHANGES: f64 = 60.0;
 
 /// A unit in the room that it serves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,8 +98,24 @@ impl FromModel for RoomUnit {
         let (zone, object) = candidate.equipment()?;
         let air_loop = ducts::put_on_air_loop(model, zone, object)?;
         let unit = unitary::make_controllable(model, &air_loop, air_density)?;
-        Ok(Self { object: object.clone(), unit })
+        match air_changes(model, zone, unit.flow.high / air_density)? {
+            changes if changes > MOST_AIR_CHANGES => Err(candidate.unsupported(&format!(
+                "its design flow changes the air of its room {changes:.0} times an hour; up to {MOST_AIR_CHANGES} can be \
+                 held by commands"
+            ))),
+            _ => Ok(Self { object: object.clone(), unit }),
+        }
     }
+}
+
+/// Returns the air changes per hour of a zone by a flow, m³/s; 0 for a zone without a volume.
+fn air_changes(model: &Model, zone: &str, flow: f64) -> Result<f64> {
+    let zones = zone::zones(model)?;
+    let Some(number) = zones.iter().position(|other| other.name.eq_ignore_ascii_case(zone)) else {
+        return Ok(0.0);
+    };
+    let volume = Shape::of(model)?.volume(number) * zones[number].multiplier;
+    Ok(if volume > 0.0 { 3600.0 * flow / volume } else { 0.0 })
 }
 
 #[cfg(test)]

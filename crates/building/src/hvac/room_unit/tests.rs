@@ -121,5 +121,18 @@ fn a_unit_without_outdoor_air_has_no_mixer() {
     fields.insert("maximum_outdoor_air_flow_rate".into(), json!(0.0));
     let system = edit(&mut model).unwrap();
     assert_eq!(system.ventilation(), None);
-    assert!(model.names("AirLoopHVAC:OutdoorAirSystem").is_empty());
+    for class in ["AirLoopHVAC:OutdoorAirSystem", "OutdoorAir:Mixer"] {
+        assert!(model.names(class).is_empty(), "{class}");
+    }
+}
+
+#[test]
+fn a_unit_that_changes_the_air_of_its_room_every_minute_is_refused() {
+    let mut model = fan_coil();
+    let zone = model.require_mut("Zone", "Room").unwrap();
+    zone.insert("volume".into(), json!(0.3 * 60.0 + 1.0));
+    assert!(edit(&mut model.clone()).is_ok());
+    model.require_mut("Zone", "Room").unwrap().insert("volume".into(), json!(0.3 * 60.0 - 1.0));
+    let error = edit(&mut model).unwrap_err().to_string();
+    assert!(error.contains("`FC`") && error.contains("64 times an hour"), "{error}");
 }
