@@ -96,8 +96,10 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
 def single_env(
     *, acting: str | None = None, observation: str | None = None, rescale_action: bool | None = None, **arguments: Any
 ) -> gymnasium.Env[Any, Any]:
-    """Makes the environment of an id. Actions are in [-1, 1] unless ``rescale_action`` is ``False``: Gymnasium's checker
-    requires that, and so do most learners."""
+    """Makes the environment of an id.
+
+    Actions are in [-1, 1] unless ``rescale_action`` is ``False``: Gymnasium's checker and most learners require that.
+    """
     plain = _is_plain(acting, observation)
     env = BuildingEnv(rescale_action=plain if rescale_action is None else rescale_action, **arguments)
     return ActingEnv(env, acting, observation or "features") if acting is not None else env
