@@ -63,15 +63,12 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     Random draws follow the seed of ``reset``.
     """
-    acting, observation = arguments.pop("acting", None), arguments.pop("observation", None)
-    check_names("make_env", arguments, (BuildingEnv, gymnasium.make))
+    check_names("make_env", arguments, (single_env, BuildingEnv, gymnasium.make))
+    arguments = {"rescale_action": False, **arguments}
     if building_type is None:
-        env: gymnasium.Env[Any, Any] = BuildingEnv(**arguments)
-    else:
-        env_id, building = _env_id(building_type)
-        env = gymnasium.make(env_id, **{"rescale_action": False, **building, **arguments})
-    acts = env if _is_plain(acting, observation) else ActingEnv(env, acting, observation or "features")
-    return cast(BuildingEnv, acts)
+        return cast(BuildingEnv, single_env(**arguments))
+    env_id, building = _env_id(building_type)
+    return cast(BuildingEnv, gymnasium.make(env_id, **{**building, **arguments}))
 
 
 @with_arguments_of(BuildingVectorEnv, acting=None, observation=None)
@@ -87,18 +84,40 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or
       ``Disabled``.
     """
-    acting, observation = arguments.pop("acting", None), arguments.pop("observation", None)
-    check_names("make_vec", arguments, (BuildingVectorEnv, gymnasium.make_vec))
-    if acting is not None:
-        arguments.setdefault("autoreset_mode", "SameStep")
+    check_names("make_vec", arguments, (vector_env, BuildingVectorEnv, gymnasium.make_vec))
+    arguments = {"rescale_action": False, **arguments}
     if building_type is None:
-        envs = BuildingVectorEnv(None, num_envs, **arguments)
-    else:
-        env_id, building = _env_id(building_type)
-        arguments = {"rescale_action": False, **building, **arguments}
-        envs = cast(BuildingVectorEnv, gymnasium.make_vec(env_id, num_envs=num_envs, **arguments))
-    act = envs if _is_plain(acting, observation) else ActingVectorEnv(envs, acting, observation or "features")
-    return cast(BuildingVectorEnv, act)
+        return cast(BuildingVectorEnv, vector_env(num_envs=num_envs, **arguments))
+    env_id, building = _env_id(building_type)
+    envs = gymnasium.make_vec(env_id, num_envs=num_envs, **{**building, **arguments})
+    return cast(BuildingVectorEnv, envs)
+
+
+def single_env(
+    *, acting: str | None = None, observation: str | None = None, rescale_action: bool | None = None, **arguments: Any
+) -> gymnasium.Env[Any, Any]:
+    """Makes the environment of an id.
+
+    Actions are in [-1, 1] unless ``rescale_action`` is ``False``: Gymnasium's checker and most learners require that.
+    """
+    plain = _is_plain(acting, observation)
+    env = BuildingEnv(rescale_action=plain if rescale_action is None else rescale_action, **arguments)
+    return ActingEnv(env, acting, observation or "features") if acting is not None else env
+
+
+def vector_env(
+    *, acting: str | None = None, observation: str | None = None, rescale_action: bool | None = None, **arguments: Any
+) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    """Makes the vector environment of an id, as :func:`single_env`."""
+    plain = _is_plain(acting, observation)
+    if not plain:
+        arguments.setdefault("autoreset_mode", "SameStep")
+    envs = BuildingVectorEnv(rescale_action=plain if rescale_action is None else rescale_action, **arguments)
+    return ActingVectorEnv(envs, acting, observation or "features") if acting is not None else envs
+
+
+# Gymnasium reads the render modes from the maker.
+single_env.metadata = BuildingEnv.metadata  # type: ignore[attr-defined]
 
 
 def register_envs() -> None:
@@ -109,10 +128,9 @@ def register_envs() -> None:
             if f"b2b/{name}-{version}" not in gymnasium.registry:
                 gymnasium.register(
                     f"b2b/{name}-{version}",
-                    entry_point="building2building.env:BuildingEnv",
-                    vector_entry_point="building2building.vector:BuildingVectorEnv",
-                    # Gymnasium's checker requires actions in [-1, 1], and so do most learners.
-                    kwargs={"building_type": name, "rescale_action": True, "task": task},
+                    entry_point="building2building.registration:single_env",
+                    vector_entry_point="building2building.registration:vector_env",
+                    kwargs={"building_type": name, "task": task},
                     disable_env_checker=True,
                     order_enforce=False,
                 )

@@ -1,6 +1,7 @@
 """Environments as agents of ``b2b train`` see them."""
 
 import building2building as b2b
+import gymnasium
 import numpy as np
 import pytest
 from building2building.errors import SettingError
@@ -51,6 +52,23 @@ def test_a_batch_has_the_rewards_of_single_environments():
     envs.close()
 
 
+def test_an_id_takes_an_acting_as_make_env_does():
+    arguments = {"building_id": "OfficeSmall-0042", "acting": "supervisory:60", **DAY}
+    env = gymnasium.make("b2b/OfficeSmall-v1", **arguments)
+    made = b2b.make_env("OfficeSmall-0042", acting="supervisory:60", **DAY)
+    again = gymnasium.make(env.spec)
+    rewards = []
+    for each in (env, made, again):
+        observation, _ = each.reset(seed=0)
+        assert observation.shape == made.observation_space.shape and each.metadata == made.metadata
+        rewards.append(each.step(np.full(each.action_space.shape, 0.5))[1])
+        each.close()
+    assert rewards[0] == rewards[1] == rewards[2]
+    envs = gymnasium.make_vec("b2b/OfficeSmall-v1", 1, **arguments)
+    assert envs.single_action_space == made.action_space
+    envs.close()
+
+
 def test_an_acting_that_is_not_possible_is_an_error():
     for arguments, said in [
         ({"acting": "supervisory:20"}, "15, 30 or 60"),
@@ -60,3 +78,5 @@ def test_an_acting_that_is_not_possible_is_an_error():
     ]:
         with pytest.raises(SettingError, match=said):
             b2b.make_env("OfficeSmall-0042", **DAY, **arguments)
+        with pytest.raises(SettingError, match=said):
+            gymnasium.make("b2b/OfficeSmall-v1", building_id="OfficeSmall-0042", **DAY, **arguments)
