@@ -8,6 +8,7 @@ use anyhow::Result;
 use b2b_agent::protobuf::{bytes, integer, text};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use rustix::process::{Signal, kill_process};
 
 use crate::Campaign;
 use crate::ledger::copy;
@@ -33,12 +34,13 @@ type Outcome = (Ended, Option<String>);
 
 type Kind = fn(&mut Attack<'_>) -> Result<Outcome>;
 
-const KINDS: [(&str, Kind); 5] = [
+const KINDS: [(&str, Kind); 6] = [
     ("code in the current folder", |attack| attack.code_in_the_current_folder()),
     ("links in the way", |attack| attack.links_in_the_way()),
     ("endless networks", |attack| attack.endless_network()),
     ("flipped bits", |attack| attack.flipped_bit()),
     ("two at once", |attack| attack.two_at_once()),
+    ("two runs in one folder", |attack| attack.two_runs()),
 ];
 
 /// Attacks the commands until a deadline.
@@ -145,13 +147,39 @@ impl Attack<'_> {
         let first = self.program.start(self.folder, "", &evaluate("constant"))?;
         std::thread::sleep(Duration::from_millis(self.random.random_range(0..200)));
         let second = self.program.start(self.folder, "", &evaluate("random"))?;
-        let (first, second) = (first.end(LIMIT)?, second.end(LIMIT)?);
-        let succeeded = [&first, &second].into_iter().filter(|ended| ended.code() == Some(0)).count();
-        let broken = (succeeded != 1).then(|| {
-            format!("{succeeded} of 2 succeeded\nfirst: {}\nsecond: {}", first.errors, second.errors)
-        });
-        Ok((first, broken.or_else(|| second.broken(false))))
+        Ok(only_one(first.end(LIMIT)?, &second.end(LIMIT)?))
     }
+
+    /// Two different runs in one new folder. The first is paused while it writes to the folder, until the second has ended.
+    fn two_runs(&mut self) -> Result<Outcome> {
+        let out = self.folder.join("out");
+        let run = |controller: &str| {
+            words(&format!("run SingleFamilyHouse --controller {controller} --period 01-01..01-31 --out out"))
+        };
+        let mut first = self.program.start(self.folder, "", &run("hold"))?;
+        while !out.exists() && !first.has_ended()? {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let paused = first.processes();
+        let send = |signal| {
+            for process in &paused {
+                // Fails if the process has just ended.
+                let _ = kill_process(*process, signal);
+            }
+        };
+        send(Signal::STOP);
+        let second = self.program.run(self.folder, &run("off"), LIMIT);
+        send(Signal::CONT);
+        Ok(only_one(first.end(2 * LIMIT)?, &second?))
+    }
+}
+
+/// Returns the end of the first of two commands for one folder, and what is wrong unless exactly one succeeded.
+fn only_one(first: Ended, second: &Ended) -> Outcome {
+    let succeeded = [&first, second].into_iter().filter(|ended| ended.code() == Some(0)).count();
+    let broken = (succeeded != 1)
+        .then(|| format!("{succeeded} of 2 succeeded\nfirst: {}\nsecond: {}", first.errors, second.errors));
+    (first, broken.or_else(|| second.broken(false)))
 }
 
 /// Returns a network of thousands of products of large matrices.

@@ -278,6 +278,7 @@ fn interrupted_commands_that_start_processes_leave_nothing_behind() {
     for arguments in [
         "check RestaurantFastFood-0001 --jobs 1",
         "bench vector --type RestaurantFastFood --environments 2 --days 20",
+        "collect own/restaurant-v0 RestaurantFastFood --out datasets --jobs 1",
     ] {
         let sandbox = Sandbox::new();
         let mut command = sandbox.command(B2B, arguments);

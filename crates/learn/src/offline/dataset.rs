@@ -122,6 +122,32 @@ impl Dataset {
 pub(super) struct NewDataset {
     destination: PathBuf,
     staging: TempDir,
+    /// Dropped after the staging folder, which may be in one of them.
+    _parents: NewFolders,
+}
+
+/// Folders that were created, deepest first. Those that are empty in the end are removed.
+#[derive(Debug)]
+struct NewFolders(Vec<PathBuf>);
+
+impl NewFolders {
+    /// Creates a folder and its parents.
+    fn create(folder: &Path) -> std::io::Result<Self> {
+        let absent = std::path::absolute(folder)?;
+        let absent = absent.ancestors().take_while(|each| !each.exists()).map(Path::to_owned).collect();
+        let new = Self(absent);
+        std::fs::create_dir_all(folder)?;
+        Ok(new)
+    }
+}
+
+impl Drop for NewFolders {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // Fails if the folder is not empty.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
 }
 
 impl NewDataset {
@@ -135,9 +161,9 @@ impl NewDataset {
         }
         let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty());
         let parent = parent.unwrap_or(Path::new("."));
-        std::fs::create_dir_all(parent).map_err(at(parent))?;
+        let parents = NewFolders::create(parent).map_err(at(parent))?;
         let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
-        let new = Self { destination: destination.to_owned(), staging };
+        let new = Self { destination: destination.to_owned(), staging, _parents: parents };
         std::fs::create_dir(new.whole()).map_err(at(parent))?;
         Ok(new)
     }
@@ -286,6 +312,8 @@ mod tests {
         assert!(said.contains("small-v0 exists"), "{said}");
         drop(NewDataset::create(&root.path().join("b2b/other-v0")).unwrap());
         assert_eq!(std::fs::read_dir(root.path().join("b2b")).unwrap().count(), 1);
+        drop(NewDataset::create(&root.path().join("own/houses/all-v0")).unwrap());
+        assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 1, "no empty folder is left");
         assert_every_flipped_bit_is_an_error(&path);
         std::fs::write(path.join("data/1/part-0.parquet"), "damaged").unwrap();
         assert!(dataset.read(1).unwrap_err().to_string().contains("part-0.parquet"));
