@@ -50,7 +50,10 @@ fn a_step_allocates_nothing() {
     ] {
         steps_allocate_nothing(&house, task);
     }
-    steps_allocate_nothing(&Case::at_home(BuildingType::OfficeSmall), "operate");
+    // Units, an air loop with terminals, and a zone that is only heated.
+    for building in [BuildingType::OfficeSmall, BuildingType::OfficeMedium, BuildingType::Warehouse] {
+        steps_allocate_nothing(&Case::at_home(building), "operate");
+    }
     steps_allocate_nothing(&Case::under_setpoints(BuildingType::SingleFamilyHouse), "operate");
 }
 
