@@ -88,6 +88,12 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         self.action_space = batch_space(self.single_action_space, env.num_envs)
         self.metadata = _named(env.metadata, first)
 
+    def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the batch without acting, such as ``layout_of``."""
+        if name.startswith("_") or name == "env":
+            raise AttributeError(name)
+        return getattr(self.env, name)
+
     def _pilot(self, index: int) -> _core.Pilot:
         """Returns the pilot of an environment's building; raises if its spaces are not the batch's."""
         pilot = _core.Pilot(self.env.layout_of(index).spaces, *self._names)

@@ -37,6 +37,7 @@ def test_a_batch_has_the_rewards_of_single_environments():
     envs = b2b.make_vec("OfficeSmall-0042", 2, acting="supervisory:30", **DAY)
     observations, _ = envs.reset(seed=0)
     assert observations.shape == envs.observation_space.shape
+    assert envs.autoreset_mode == envs.metadata["autoreset_mode"] and len(envs.layout_of(1).action) > 0
     actions = np.stack([np.zeros(envs.single_action_space.shape), np.full(envs.single_action_space.shape, 0.5)])
     totals = np.zeros(2)
     for half_hour in range(48):

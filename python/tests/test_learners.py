@@ -72,6 +72,7 @@ def test_sb3_sees_the_last_observation_of_an_episode():
 
 
 def test_a_setting_that_would_have_no_effect_is_an_error():
+    import stable_baselines3
     from building2building.sb3 import make_sb3_vec
 
     for normalize in (True, False):
@@ -84,6 +85,10 @@ def test_a_setting_that_would_have_no_effect_is_an_error():
         make_sb3_vec(envs, 2)
     made = make_sb3_vec(envs)
     assert made.scale is None and made.action_space.low.tolist() == [-1] * made.action_space.shape[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        learner = stable_baselines3.PPO("MlpPolicy", made, n_steps=24, batch_size=24, seed=0, device="cpu").learn(48)
+    assert [each["l"] for each in learner.ep_info_buffer] == [24, 24]
     made.close()
 
 
