@@ -1,5 +1,6 @@
-//! Building blocks for all crates: atomic file writes, folder locks, temporary folders that are removed with their
-//! owner, digests, random streams, the calendar, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
+//! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if they
+//! stay empty, digests, random streams, the calendar, suggestions for misspelled names, and the fingerprint of the machine's
+//! arithmetic.
 
 pub mod aside;
 pub mod calendar;
@@ -7,6 +8,7 @@ pub mod digest;
 pub mod digest_list;
 pub mod folder_lock;
 pub mod machine;
+pub mod new_folders;
 pub mod random;
 pub mod scratch;
 pub mod seal;

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use b2b_base::folder_lock::FolderLock;
+use b2b_base::new_folders::NewFolders;
 use tempfile::TempDir;
 
 /// A folder of output files. Files are staged in the destination, or next to it if it does not exist, and moved into
 /// place by [`OutputFolder::keep`]. Dropping the folder before that removes them.
 pub struct OutputFolder {
-    staging: Option<TempDir>,
+    staging: TempDir,
     destination: PathBuf,
-    /// Parent folders that were created for the destination, deepest first.
-    created: Vec<PathBuf>,
+    /// Dropped after the staging folder, which may be in one of them.
+    created: NewFolders,
     /// Lock of the destination, if it was claimed.
     _lock: Option<FolderLock>,
 }
@@ -24,7 +25,7 @@ pub struct OutputFolder {
 /// # Errors
 /// Another process has the lock, or the folder cannot be written.
 pub fn lock(folder: &Path) -> Result<FolderLock> {
-    let cannot = || format!("cannot write the folder {}", folder.display());
+    let cannot = || cannot_write(folder);
     std::fs::create_dir_all(folder).with_context(cannot)?;
     FolderLock::acquire(folder).with_context(cannot)?.with_context(|| {
         format!(
@@ -39,36 +40,40 @@ impl OutputFolder {
     pub fn stage(destination: &Path) -> Result<Self> {
         let path = check(destination)?;
         let parent = if path.is_dir() { &path } else { path.parent().unwrap_or(&path) };
-        Self::staged_in(parent, destination, absent(parent), None)
+        let created = NewFolders::create(parent).with_context(|| cannot_write(destination))?;
+        Self::staged_in(parent, destination, created, None)
     }
 
     /// As [`OutputFolder::stage`], and locks the destination until the folder is dropped. Errors if another process writes
     /// to it.
     pub fn claim(destination: &Path) -> Result<Self> {
         let path = check(destination)?;
-        let created = absent(&path);
-        let lock = lock(destination)?;
-        Self::staged_in(&path, destination, created, Some(lock))
+        let created = NewFolders::create(&path).with_context(|| cannot_write(destination))?;
+        match lock(destination) {
+            Ok(lock) => Self::staged_in(&path, destination, created, Some(lock)),
+            Err(error) => {
+                // The other process has the folder.
+                created.keep();
+                Err(error)
+            }
+        }
     }
 
     fn staged_in(
         parent: &Path,
         destination: &Path,
-        created: Vec<PathBuf>,
+        created: NewFolders,
         lock: Option<FolderLock>,
     ) -> Result<Self> {
-        let cannot = || format!("cannot write the folder {}", destination.display());
-        let mut folder = Self { staging: None, destination: destination.to_owned(), created, _lock: lock };
-        std::fs::create_dir_all(parent).with_context(cannot)?;
         let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-");
-        folder.staging = Some(staging.with_context(cannot)?);
-        Ok(folder)
+        let staging = staging.with_context(|| cannot_write(destination))?;
+        Ok(Self { staging, destination: destination.to_owned(), created, _lock: lock })
     }
 
     /// Writes one file to the staging folder.
     pub fn write(&self, name: &str, content: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
         let write = || {
-            let mut file = BufWriter::new(File::create(self.staging().join(name))?);
+            let mut file = BufWriter::new(File::create(self.staging.path().join(name))?);
             content(&mut file)?;
             file.flush()?;
             Ok(file.get_ref().sync_all()?)
@@ -83,14 +88,14 @@ impl OutputFolder {
     }
 
     /// Moves the files to the destination, replacing files with the same names.
-    pub fn keep(mut self) -> Result<()> {
-        let cannot = || format!("cannot write the folder {}", self.destination.display());
+    pub fn keep(self) -> Result<()> {
+        let cannot = || cannot_write(&self.destination);
         std::fs::create_dir_all(&self.destination).with_context(cannot)?;
-        for file in std::fs::read_dir(self.staging()).with_context(cannot)? {
+        for file in std::fs::read_dir(self.staging.path()).with_context(cannot)? {
             let file = file.with_context(cannot)?;
             std::fs::rename(file.path(), self.destination.join(file.file_name())).with_context(cannot)?;
         }
-        self.created.clear();
+        self.created.keep();
         Ok(())
     }
 
@@ -104,10 +109,6 @@ impl OutputFolder {
         folder.write(&name.to_string_lossy(), content)?;
         folder.keep()
     }
-
-    fn staging(&self) -> &Path {
-        self.staging.as_ref().expect("made by `stage` and dropped last").path()
-    }
 }
 
 /// Returns the absolute path of a destination. Errors if it cannot be a folder that results name.
@@ -119,22 +120,11 @@ fn check(destination: &Path) -> Result<PathBuf> {
     if destination.exists() && !destination.is_dir() {
         bail!("--out expects a folder, but {shown} is a file");
     }
-    std::path::absolute(destination).with_context(|| format!("cannot write the folder {shown}"))
+    std::path::absolute(destination).with_context(|| cannot_write(destination))
 }
 
-/// Returns the folders of a path that do not exist, deepest first.
-fn absent(path: &Path) -> Vec<PathBuf> {
-    path.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect()
-}
-
-impl Drop for OutputFolder {
-    fn drop(&mut self) {
-        self.staging = None;
-        for folder in &self.created {
-            // Fails if the folder is no longer empty because something else uses it.
-            let _ = std::fs::remove_dir(folder);
-        }
-    }
+fn cannot_write(folder: &Path) -> String {
+    format!("cannot write the folder {}", folder.display())
 }
 
 #[cfg(test)]
@@ -179,7 +169,7 @@ mod tests {
         std::fs::create_dir(&path).unwrap();
         let staged = OutputFolder::stage(&path).unwrap();
         assert_eq!(names(root.path()), ["own"], "nothing is written next to it");
-        assert!(staged.staging().starts_with(&path));
+        assert!(staged.staging.path().starts_with(&path));
         drop(staged);
         std::fs::set_permissions(root.path(), std::fs::Permissions::from_mode(0o500)).unwrap();
         OutputFolder::write_file(&path.join("x.txt"), |file| Ok(file.write_all(b"x")?)).unwrap();

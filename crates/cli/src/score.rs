@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use b2b_base::calendar::Calendar;
 use b2b_building::Period;
 use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
@@ -249,7 +250,11 @@ impl Trajectory {
     /// Returns the steps per hour. Errors if the episode is not complete.
     fn steps_per_hour(&self, path: &Path) -> Result<u32> {
         // A trajectory does not say whether its year had a 29 February.
-        let hours = [0, 1].map(|leap_day| (self.period.days() as usize + leap_day) * 24);
+        let with_leap_day = match self.period {
+            Period::Days(period) => period.in_calendar(Calendar::new(0, true)).days(),
+            Period::TwoWeeks(_) => self.period.days() + 1,
+        };
+        let hours = [self.period.days(), with_leap_day].map(|days| 24 * days as usize);
         let Some(hours) = hours.into_iter().find(|hours| self.steps > 0 && self.steps.is_multiple_of(*hours))
         else {
             bail!(

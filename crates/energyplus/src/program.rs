@@ -25,8 +25,8 @@ pub struct Ended {
     pub confinement: Confinement,
 }
 
-/// Runs a program with arguments in a folder to its end. Where the kernel can, the program writes only in this folder, starts no other, and
-/// does not connect to a network.
+/// Runs a program with arguments in a folder to its end. Where the kernel can, the program writes only in this folder, starts
+/// no other, and does not connect to a network.
 ///
 /// # Errors
 /// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; those of starting it.

@@ -10,7 +10,7 @@ use b2b_climate::{Place, Site};
 use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
-use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
+use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Term, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -167,5 +167,15 @@ pub fn random_episode_from(env: &mut Env, seed: u64) -> (Vec<f64>, Trajectory) {
         if step.truncated {
             return (first, trajectory);
         }
+    }
+}
+
+/// Asserts that the energy of an episode is what the engine's meters say.
+pub fn energy_is_the_engines(env: &Env) {
+    let meters = env.engine_meters().unwrap();
+    for (ours, engine) in
+        [Term::Electricity, Term::Gas].map(|term| env.metrics().total(term)).into_iter().zip(meters)
+    {
+        assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
     }
 }

@@ -6,24 +6,14 @@ use b2b_building::hvac::Quantity;
 use b2b_building::{Conditioning, Controls};
 use b2b_energyplus::Level;
 use b2b_env::authority::{Verdict, measure};
-use b2b_env::{Env, Term};
 
-use crate::case::{Case, random_episode};
+use crate::case::{Case, energy_is_the_engines, random_episode};
 
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 const DAY: &str = "01-09..01-09";
 
 fn kinds(case: &Case, id: &str) -> usize {
     case.building.systems.iter().filter(|system| system.kind().id() == id).count()
-}
-
-fn energy_is_the_engines(env: &Env) {
-    let meters = env.engine_meters().unwrap();
-    for (ours, engine) in
-        [Term::Electricity, Term::Gas].map(|term| env.metrics().total(term)).into_iter().zip(meters)
-    {
-        assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
-    }
 }
 
 #[test]

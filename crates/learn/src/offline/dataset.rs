@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use b2b_base::digest_list::DigestList;
+use b2b_base::new_folders::NewFolders;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -124,30 +125,6 @@ pub(super) struct NewDataset {
     staging: TempDir,
     /// Dropped after the staging folder, which may be in one of them.
     _parents: NewFolders,
-}
-
-/// Folders that were created, deepest first. Those that are empty in the end are removed.
-#[derive(Debug)]
-struct NewFolders(Vec<PathBuf>);
-
-impl NewFolders {
-    /// Creates a folder and its parents.
-    fn create(folder: &Path) -> std::io::Result<Self> {
-        let absent = std::path::absolute(folder)?;
-        let absent = absent.ancestors().take_while(|each| !each.exists()).map(Path::to_owned).collect();
-        let new = Self(absent);
-        std::fs::create_dir_all(folder)?;
-        Ok(new)
-    }
-}
-
-impl Drop for NewFolders {
-    fn drop(&mut self) {
-        for folder in &self.0 {
-            // Fails if the folder is not empty.
-            let _ = std::fs::remove_dir(folder);
-        }
-    }
 }
 
 impl NewDataset {

@@ -4,11 +4,11 @@
 //! gain that is too large for it shows: heating or cooling and idling alternate, step by step. An engineer would turn the gain
 //! down until they do not, and so does this: in occupied mode and in the others apart, whose flows differ.
 
-/// Least change of the temperature within a step that counts, K.
+/// Least change of the temperature within a step that counts, K: a thermometer does not show smaller ones.
 const CHANGE: f64 = 0.2;
-/// Steps that are looked back upon.
+/// Last steps in which reversals are counted.
 const STEPS: u32 = 12;
-/// Reversals in these steps that make a loop hunt. A zone that people and the sun disturb reverses a few times.
+/// Reversals in these steps from which a loop hunts. People and the sun reverse a zone a few times.
 const REVERSALS: u32 = 6;
 /// Factor by which the gains of a loop that hunts shrink.
 const SHRINKING: f64 = 0.7;
@@ -48,7 +48,7 @@ impl Hunting {
             self.reversals = 0;
             *share = (*share * SHRINKING).max(LEAST);
         }
-        (self.last, self.change) = (temperature, if change.is_finite() { change } else { 0.0 });
+        (self.last, self.change) = (temperature, change);
         *share
     }
 }

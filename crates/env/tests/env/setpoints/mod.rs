@@ -6,12 +6,12 @@ use b2b_building::hvac::Quantity;
 use b2b_building::hvac::setpoints::LEAST_GAP;
 use b2b_building::{BuildingType, Conditioning, Controls};
 use b2b_energyplus::{Event, Level, Run};
+use b2b_env::Term;
 use b2b_env::authority::{Limit, Verdict, measure};
-use b2b_env::{Env, Term};
 use room::room;
 use serde_json::Value;
 
-use crate::case::{Case, Dice};
+use crate::case::{Case, Dice, energy_is_the_engines};
 
 const DAY: &str = "01-09..01-09";
 
@@ -37,15 +37,6 @@ fn held(case: &Case, day: &str, quantity: Quantity, value: f64) -> Vec<f64> {
     }
     assert_eq!(env.message_count(Level::Severe), 0);
     means
-}
-
-fn energy_is_the_engines(env: &Env) {
-    let meters = env.engine_meters().unwrap();
-    for (ours, engine) in
-        [Term::Electricity, Term::Gas].map(|term| env.metrics().total(term)).into_iter().zip(meters)
-    {
-        assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
-    }
 }
 
 #[test]
