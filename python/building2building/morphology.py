@@ -29,6 +29,8 @@ class NodeType(str, Enum):
     HEATING_ONLY_ZONE = "heating_only_zone"
     UNCONTROLLED_ZONE = "uncontrolled_zone"
     SETPOINT_ZONE = "setpoint_zone"
+    DAMPER_ZONE = "damper_zone"
+    FOLLOWING_ZONE = "following_zone"
 
 
 class SystemKind(str, Enum):

@@ -76,8 +76,11 @@ impl Subject {
             (None, None, _) => what,
         };
         let days = if self.placement.keep_design_days { "+own-design-days" } else { "" };
-        let programs = if self.placement.transition.is_some() { "+transition" } else { "" };
-        Ok(identity + interface + days + programs)
+        let programs = match &self.placement.transition {
+            Some(folder) => format!("+transition-{}", &digest_of_listing(folder)?[..12]),
+            None => String::new(),
+        };
+        Ok(identity + interface + days + &programs)
     }
 
     /// Finds the site of the building.
@@ -108,7 +111,7 @@ impl Subject {
 
 /// Raised when a change to import, conversion or sizing changes the episodes of users' models, so that results and baselines
 /// from before are not reused.
-const IMPORT_REVISION: u32 = 4;
+const IMPORT_REVISION: u32 = 5;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {
@@ -119,6 +122,18 @@ fn hash_of_model(path: &Path) -> Result<String> {
     }
     let hashes = named.iter().map(|file| hash_of(file)).collect::<Result<Vec<_>>>()?;
     Ok(sha256(model + &hashes.concat()))
+}
+
+/// Returns a digest of the names and the sizes of the files in a folder.
+fn digest_of_listing(folder: &Path) -> Result<String> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(at(folder))? {
+        let entry = entry.map_err(at(folder))?;
+        let size = entry.metadata().map_err(at(folder))?.len();
+        files.push(format!("{}:{size}\n", entry.file_name().display()));
+    }
+    files.sort();
+    Ok(sha256(files.concat()))
 }
 
 /// Returns the SHA-256 of a file.
@@ -144,6 +159,22 @@ mod tests {
         let id = Subject::at_home("OfficeSmall-42".parse().unwrap());
         assert_eq!(id.identity().unwrap(), "OfficeSmall-0042");
         assert!(["train", "test"].contains(&id.split().as_str()));
+    }
+
+    #[test]
+    fn the_identity_of_a_model_changes_with_the_programs_that_convert_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("model.idf");
+        std::fs::write(&model, "Version,9.6;").unwrap();
+        let with = |version: &str| {
+            let programs = folder.path().join(version);
+            std::fs::create_dir(&programs).unwrap();
+            std::fs::write(programs.join(format!("Transition-{version}")), version).unwrap();
+            let mut subject = Subject::at_home(BuildingName::Model(model.clone()));
+            subject.placement.transition = Some(programs);
+            subject.identity().unwrap()
+        };
+        assert_ne!(with("V9-6-0-to-V22-1-0"), with("V22-1-0-to-V22-2-0"));
     }
 
     #[test]

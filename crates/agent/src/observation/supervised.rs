@@ -127,7 +127,7 @@ impl<'a> SupervisedNode<'a> {
         let name = match self.owner {
             Owner::Zone(zone) if what.ends_with(" loop") => Some(building.zones[zone].name.as_str()),
             Owner::Zone(zone) => systems
-                .find(|(_, (_, layout))| layout.zones.len() == 1 && layout.zones[0].index == zone)
+                .find(|(_, (system, layout))| !system.has_air_handler() && layout.zones[0].index == zone)
                 .map(|(_, (system, _))| system.name()),
             Owner::AirLoop(own) => systems.nth(own).map(|(_, (system, _))| system.name()),
             _ => None,
@@ -165,8 +165,14 @@ pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     match node_type {
         NodeType::AirLoop => Shift::AIR_LOOP.to_vec(),
         NodeType::UnitaryZone => [Shift::UNIT, Shift::ZONE].concat(),
-        NodeType::VavZone | NodeType::HeatingOnlyZone | NodeType::SetpointZone => Shift::ZONE.to_vec(),
-        NodeType::Weather | NodeType::Calendar | NodeType::Energy | NodeType::UncontrolledZone => Vec::new(),
+        NodeType::VavZone | NodeType::DamperZone | NodeType::HeatingOnlyZone | NodeType::SetpointZone => {
+            Shift::ZONE.to_vec()
+        }
+        NodeType::Weather
+        | NodeType::Calendar
+        | NodeType::Energy
+        | NodeType::UncontrolledZone
+        | NodeType::FollowingZone => Vec::new(),
     }
 }
 

@@ -48,7 +48,7 @@ impl System for HeatingOnly {
         Conditioning::Heating
     }
 
-    fn node_type(&self) -> NodeType {
+    fn node_type(&self, _: usize) -> NodeType {
         NodeType::HeatingOnlyZone
     }
 
@@ -108,7 +108,7 @@ pub(super) fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> 
 }
 
 /// Returns the engine variable of a heater's heating rate: its coil's, or its own if it has no coil.
-fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> {
+pub(super) fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> {
     let coil = text(model.require(&heater.class, &heater.name)?, "heating_coil_name");
     Ok(match coil {
         Some(coil) => EngineVariable::new("Heating Coil Heating Rate", coil),

@@ -86,7 +86,7 @@ mod tests {
         Terminal {
             zone: zone.to_owned(),
             damper: actuator(&format!("{zone} damper")),
-            reheat: actuator(&format!("{zone} reheat")),
+            reheat: Some(actuator(&format!("{zone} reheat"))),
             design_flow: 1.0,
             heating_opening: 1.0,
         }
@@ -95,6 +95,7 @@ mod tests {
     fn systems() -> [Box<dyn System>; 3] {
         let unit = Unitary {
             zone: "core".to_owned(),
+            followers: Vec::new(),
             flow: actuator("flow"),
             supply_temperature: actuator("unit supply"),
             ventilation: None,
@@ -111,29 +112,38 @@ mod tests {
                 damper: None,
                 outdoor_air: EngineVariable::new("", ""),
             },
-            terminals: vec![terminal("East"), terminal("West")],
+            terminals: vec![
+                terminal("East"),
+                Terminal { reheat: None, ..terminal("South") },
+                terminal("West"),
+            ],
         };
         let heater = HeatingOnly { zone: "Hall".to_owned(), setpoint: actuator("setpoint") };
         [Box::new(unit), Box::new(air_loop), Box::new(heater)]
     }
 
-    const ZONES: [&str; 5] = ["Attic", "West", "Core", "Hall", "East"];
+    const ZONES: [&str; 6] = ["Attic", "West", "Core", "Hall", "South", "East"];
 
     #[test]
     fn named_offsets_are_those_of_the_actuators() {
         let [unit, air_loop, heater] = systems();
+        let of_terminals: Vec<_> =
+            air_loop.as_any().downcast_ref::<AirLoop>().unwrap().of_terminals().collect();
         let name = |system: &dyn System, offset: usize| system.actuators()[offset].name.clone();
         assert_eq!(name(&*unit, Unitary::FLOW), "flow");
         assert_eq!(name(&*unit, Unitary::SUPPLY_TEMPERATURE), "unit supply");
         assert_eq!(name(&*air_loop, AirLoop::SUPPLY_TEMPERATURE), "supply");
         assert_eq!(name(&*air_loop, AirLoop::OUTDOOR_AIR), "outdoor");
-        for (index, zone) in ["East", "West"].into_iter().enumerate() {
-            assert_eq!(name(&*air_loop, AirLoop::damper(index)), format!("{zone} damper"));
-            assert_eq!(name(&*air_loop, AirLoop::reheat(index)), format!("{zone} reheat"));
+        for (zone, (damper, reheat)) in ["East", "South", "West"].into_iter().zip(of_terminals) {
+            assert_eq!(name(&*air_loop, damper), format!("{zone} damper"));
+            match reheat {
+                Some(reheat) => assert_eq!(name(&*air_loop, reheat), format!("{zone} reheat")),
+                None => assert_eq!(zone, "South"),
+            }
         }
         assert_eq!(
-            [0, 1, 2, 3, 4, 5].map(|actuator| air_loop.zone_of(actuator)),
-            [None, None, Some(0), Some(0), Some(1), Some(1)]
+            [0, 1, 2, 3, 4, 5, 6].map(|actuator| air_loop.zone_of(actuator)),
+            [None, None, Some(0), Some(0), Some(1), Some(2), Some(2)]
         );
         assert_eq!(name(&*heater, HeatingOnly::SETPOINT), "setpoint");
     }
@@ -142,17 +152,17 @@ mod tests {
     fn ranges_follow_each_other_and_zones_are_resolved_whatever_their_case() {
         let layouts = SystemLayout::of_all(&systems(), &ZONES).unwrap();
         let ranges: Vec<_> = layouts.iter().map(|layout| layout.actions.clone()).collect();
-        assert_eq!(ranges, [0..2, 2..8, 8..9]);
+        assert_eq!(ranges, [0..2, 2..9, 9..10]);
         let zones: Vec<Vec<[usize; 2]>> = layouts
             .iter()
             .map(|layout| layout.zones.iter().map(|zone| [zone.index, zone.controlled]).collect())
             .collect();
-        assert_eq!(zones, [vec![[2, 1]], vec![[4, 3], [1, 0]], vec![[3, 2]]]);
+        assert_eq!(zones, [vec![[2, 1]], vec![[5, 4], [4, 3], [1, 0]], vec![[3, 2]]]);
     }
 
     #[test]
     fn an_unknown_zone_is_an_error_with_its_name() {
-        let error = SystemLayout::of_all(&systems(), &ZONES[..4]).unwrap_err().to_string();
+        let error = SystemLayout::of_all(&systems(), &ZONES[..5]).unwrap_err().to_string();
         assert!(error.contains("Zone") && error.contains("`East`"), "{error}");
     }
 }

@@ -35,7 +35,7 @@ pub use sequence::Sequence;
 pub use setpoints::{SetpointZone, separate};
 pub(crate) use setpoints::{Switch, switches_of_all};
 pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
-pub use unitary::{HeatPump, Packaged, Unitary};
+pub use unitary::{Follower, HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 
 /// Every kind of system, in the order in which they claim a part of a model.

@@ -29,6 +29,11 @@ pub trait System: Object + Debug + Send + Sync {
     /// Names of the zones that it serves.
     fn zones(&self) -> Vec<&str>;
 
+    /// The number of its first zones whose temperatures its actuators control; the others share what these get.
+    fn zones_with_loops(&self) -> usize {
+        self.zones().len()
+    }
+
     /// Actuators, in the order of the action.
     fn actuators(&self) -> Vec<&Actuator>;
 
@@ -42,8 +47,8 @@ pub trait System: Object + Debug + Send + Sync {
         Conditioning::HeatingAndCooling
     }
 
-    /// The node type of its zones in the [morphology](crate::morphology), with the quantities of its actuators in its zones.
-    fn node_type(&self) -> NodeType;
+    /// The node type of one of its zones in the [morphology](crate::morphology), with the quantities of its actuators there.
+    fn node_type(&self, zone: usize) -> NodeType;
 
     /// Its outdoor air, if it has any.
     fn ventilation(&self) -> Option<&Ventilation> {
@@ -145,7 +150,7 @@ impl<T: FromModel> Object for T {
     }
 }
 
-impl dyn System {
+impl dyn System + '_ {
     /// Returns whether it has an air handler with actuators of its own, beside those of its zones.
     pub fn has_air_handler(&self) -> bool {
         (0..self.actuators().len()).any(|actuator| self.zone_of(actuator).is_none())

@@ -27,6 +27,7 @@ pub use owner::Owner;
 pub use universe::{Attribute, COMMON, LocalSlot, LocalSpaces, NodeType, Observed, Universe};
 
 use crate::description::{Description, ZoneDescription};
+use crate::hvac::{System, SystemLayout};
 use crate::{Conditioning, PreparedBuilding};
 
 /// One building as a graph.
@@ -199,10 +200,11 @@ fn air_loops<'a>(
 }
 
 fn zone_type(building: &PreparedBuilding, zone: usize) -> NodeType {
-    match building.laid_out_systems().find(|(_, layout)| layout.serves(zone)) {
-        None => NodeType::UncontrolledZone,
-        Some((system, _)) => system.node_type(),
-    }
+    let of_system = |(system, layout): (&dyn System, &SystemLayout)| {
+        let served = layout.zones.iter().position(|served| served.index == zone)?;
+        Some(system.node_type(served))
+    };
+    building.laid_out_systems().find_map(of_system).unwrap_or(NodeType::UncontrolledZone)
 }
 
 fn values(space: &[LocalSlot<Attribute>], value: impl Fn(Attribute) -> f64) -> Vec<f64> {

@@ -26,6 +26,10 @@ pub enum NodeType {
     UncontrolledZone,
     /// A zone whose equipment follows the heating and the cooling setpoint of its thermostat.
     SetpointZone,
+    /// A zone with a terminal of a central air loop, and no heat of its own: damper.
+    DamperZone,
+    /// A zone that shares the air of a unitary system, which the thermostat of another zone controls. Observations only.
+    FollowingZone,
 }
 
 /// Observed quantities.
@@ -205,7 +209,7 @@ impl Default for Universe {
 
 impl NodeType {
     /// Every type, in order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Weather,
         Self::Calendar,
         Self::Energy,
@@ -215,6 +219,8 @@ impl NodeType {
         Self::HeatingOnlyZone,
         Self::UncontrolledZone,
         Self::SetpointZone,
+        Self::DamperZone,
+        Self::FollowingZone,
     ];
 
     /// Name.
@@ -229,6 +235,8 @@ impl NodeType {
             Self::HeatingOnlyZone => "heating-only zone",
             Self::UncontrolledZone => "uncontrolled zone",
             Self::SetpointZone => "setpoint zone",
+            Self::DamperZone => "damper zone",
+            Self::FollowingZone => "following zone",
         }
     }
 
@@ -253,7 +261,9 @@ impl NodeType {
             Self::Weather | Self::Calendar | Self::Energy => &[],
             Self::AirLoop => AIR_LOOP,
             Self::UnitaryZone | Self::SetpointZone => UNITARY_ZONE.as_slice(),
-            Self::VavZone | Self::HeatingOnlyZone => HEATED_ZONE.as_slice(),
+            Self::VavZone | Self::HeatingOnlyZone | Self::DamperZone | Self::FollowingZone => {
+                HEATED_ZONE.as_slice()
+            }
             Self::UncontrolledZone => ZONE.as_slice(),
         }
     }
@@ -265,7 +275,12 @@ impl NodeType {
             Self::Calendar => CALENDAR,
             Self::Energy => ENERGY,
             Self::AirLoop => &[],
-            Self::UnitaryZone | Self::VavZone | Self::HeatingOnlyZone | Self::SetpointZone => CONTROLLED_ZONE,
+            Self::UnitaryZone
+            | Self::VavZone
+            | Self::HeatingOnlyZone
+            | Self::SetpointZone
+            | Self::DamperZone
+            | Self::FollowingZone => CONTROLLED_ZONE,
             Self::UncontrolledZone => &[AIR_TEMPERATURE],
         }
     }
@@ -278,7 +293,10 @@ impl NodeType {
             Self::VavZone => TERMINAL,
             Self::HeatingOnlyZone => HEATER,
             Self::SetpointZone => THERMOSTAT,
-            Self::Weather | Self::Calendar | Self::Energy | Self::UncontrolledZone => &[],
+            Self::DamperZone => DAMPER,
+            Self::Weather | Self::Calendar | Self::Energy | Self::UncontrolledZone | Self::FollowingZone => {
+                &[]
+            }
         }
     }
 }
@@ -316,6 +334,7 @@ const UNIT: &[LocalSlot<Quantity>] = &[
 ];
 const TERMINAL: &[LocalSlot<Quantity>] =
     &[slot(Quantity::DamperOpening, "1", 0.0, 1.0), slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0)];
+const DAMPER: &[LocalSlot<Quantity>] = &[slot(Quantity::DamperOpening, "1", 0.0, 1.0)];
 const HEATER: &[LocalSlot<Quantity>] = &[slot(Quantity::HeatingSetpoint, "°C", 5.0, 35.0)];
 const THERMOSTAT: &[LocalSlot<Quantity>] =
     &[slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0), slot(Quantity::CoolingSetpoint, "°C", 15.0, 35.0)];
@@ -417,7 +436,7 @@ mod tests {
             assert_eq!(has(Observed::AirTemperature), node_type.is_zone());
             assert_eq!(
                 has(Observed::TargetTemperature),
-                node_type.is_zone() && !node_type.action().is_empty()
+                node_type.is_zone() && node_type != NodeType::UncontrolledZone
             );
             for slot in node_type.action() {
                 assert_eq!(slot.unit, slot.quantity.unit());

@@ -152,6 +152,8 @@ fn style(node_type: NodeType) -> (MarkerSymbol, Rgb) {
         NodeType::HeatingOnlyZone => (MarkerSymbol::Circle, Rgb::new(219, 39, 119)),
         NodeType::UncontrolledZone => (MarkerSymbol::Circle, Rgb::new(165, 170, 178)),
         NodeType::SetpointZone => (MarkerSymbol::Circle, Rgb::new(190, 110, 30)),
+        NodeType::FollowingZone => (MarkerSymbol::Circle, Rgb::new(130, 165, 240)),
+        NodeType::DamperZone => (MarkerSymbol::Circle, Rgb::new(82, 196, 160)),
     }
 }
 

@@ -92,7 +92,8 @@ impl Guideline36 {
         let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let floor_area = spaces.building.zones[layout.zones[0].index].floor_area;
             let sequences = Sequences::of(system, floor_area, parameters, climate_zone.as_deref());
-            record::add(&mut record, system.name(), sequences.entries(), &system.zones());
+            let zones = &system.zones()[..system.zones_with_loops()];
+            record::add(&mut record, system.name(), sequences.entries(), zones);
             let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
             ControlledSystem { sequences, actions: layout.actions.clone(), zones }
         };
@@ -224,7 +225,9 @@ impl Sequences {
     ) {
         match self {
             Self::AirLoop(own) => own.act(site, zones, action, hours),
-            Self::SingleZone(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
+            Self::SingleZone(own) => {
+                in_one(zones).iter().for_each(|zone| own.act(site, zone, action, hours));
+            }
             Self::Thermostat(own) => zones.take(1).for_each(|zone| own.act(site, zone, action, hours)),
         }
     }
@@ -241,4 +244,13 @@ impl Sequences {
             }
         }
     }
+}
+
+/// Returns the points of a unit that serves several zones: the temperature of the first one, which has the thermostat, in the
+/// band of a zone with people.
+fn in_one<'z>(zones: impl Iterator<Item = &'z ZoneInput>) -> Option<ZoneInput> {
+    zones.copied().reduce(|first, other| match other.people && !first.people {
+        true => ZoneInput { temperature: first.temperature, ..other },
+        false => first,
+    })
 }

@@ -131,7 +131,7 @@ impl Supervision {
             for shift in shifts.iter().filter(follows) {
                 own.add(shift.point(described.name(), owner), Place { system, zone: None });
             }
-            for (number, served) in layout.zones.iter().enumerate() {
+            for (number, served) in layout.zones.iter().take(described.zones_with_loops()).enumerate() {
                 let zone = &spaces.building.zones[served.index];
                 let bites = |shift: &&Shift| match shift {
                     Shift::CoolingSetpoint => zone.conditioning == Conditioning::HeatingAndCooling,

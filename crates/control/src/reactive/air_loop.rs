@@ -77,6 +77,10 @@ pub(super) struct AirLoop {
 #[derive(Clone, Debug)]
 struct Terminal {
     slots: ZoneSlots,
+    /// Number of the actuator of its damper.
+    damper: usize,
+    /// Number of the actuator of its reheat setpoint.
+    coil: Option<usize>,
     design_flow: f64,
     /// Largest useful opening in heating.
     heating_opening: f64,
@@ -96,8 +100,11 @@ impl AirLoop {
         hours: f64,
         parameters: &AirLoopParameters,
     ) -> Self {
-        let terminals = air_loop.terminals.iter().zip(zones).map(|(terminal, slots)| Terminal {
+        let terminals = air_loop.terminals.iter().zip(air_loop.of_terminals()).zip(zones);
+        let terminals = terminals.map(|((terminal, (damper, coil)), slots)| Terminal {
             slots,
+            damper,
+            coil,
             design_flow: terminal.design_flow,
             heating_opening: terminal.heating_opening,
             cooling: Pi::new(parameters.gains, [0.0, 1.0], hours, parameters.restart_jump),
@@ -126,8 +133,8 @@ impl AirLoop {
 
     /// Records the action that was used instead of the last one.
     pub(super) fn follow(&mut self, used: &[f64]) {
-        for (index, terminal) in self.terminals.iter_mut().enumerate() {
-            terminal.raised = (used[hvac::AirLoop::reheat(index)] - terminal.reheat).max(0.0);
+        for terminal in &mut self.terminals {
+            terminal.raised = terminal.coil.map_or(0.0, |coil| (used[coil] - terminal.reheat).max(0.0));
         }
     }
 
@@ -136,7 +143,7 @@ impl AirLoop {
         let mut heat = 0.0;
         let mut requests = 0.0;
         let rule = &self.parameters.trim_respond;
-        for (index, terminal) in self.terminals.iter_mut().enumerate() {
+        for terminal in &mut self.terminals {
             let (temperature, target) =
                 (observation[terminal.slots.temperature], terminal.slots.target.of(observation));
             let error = temperature - target;
@@ -147,9 +154,11 @@ impl AirLoop {
             let min_opening = self.parameters.min_opening;
             let heating = (self.parameters.heating_gain * -error).clamp(0.0, terminal.heating_opening);
             let opening = min_opening + (1.0 - min_opening) * demand.max(heating);
-            action[hvac::AirLoop::damper(index)] = opening;
+            action[terminal.damper] = opening;
             terminal.reheat = target - self.parameters.deadband;
-            action[hvac::AirLoop::reheat(index)] = terminal.reheat;
+            if let Some(coil) = terminal.coil {
+                action[coil] = terminal.reheat;
+            }
             flow += opening * terminal.design_flow;
             heat += opening * terminal.design_flow * temperature;
         }

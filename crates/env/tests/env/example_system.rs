@@ -38,7 +38,7 @@ impl System for PackagedHeater {
         Conditioning::Heating
     }
 
-    fn node_type(&self) -> NodeType {
+    fn node_type(&self, _: usize) -> NodeType {
         NodeType::HeatingOnlyZone
     }
 
@@ -76,7 +76,8 @@ impl FromModel for PackagedHeater {
 
 /// A small hotel whose guest rooms have packaged terminal air conditioners.
 fn hotel() -> Case {
-    let kinds: Vec<Kind> = KINDS.into_iter().chain([Kind::of::<PackagedHeater>()]).collect();
+    // Ahead of the kinds that would claim these units.
+    let kinds: Vec<Kind> = [Kind::of::<PackagedHeater>()].into_iter().chain(KINDS).collect();
     Case::imported_with(&kinds, "RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO, |_| ())
 }
 

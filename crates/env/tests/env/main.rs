@@ -16,4 +16,5 @@ mod role_observation;
 mod room_unit;
 mod setpoints;
 mod tasks;
+mod terminals;
 mod ventilation;

@@ -47,8 +47,9 @@ pub struct Terminal {
     pub zone: String,
     /// [`Quantity::DamperOpening`](crate::hvac::Quantity::DamperOpening).
     pub damper: Actuator,
-    /// [`Quantity::HeatingSetpoint`](crate::hvac::Quantity::HeatingSetpoint), of the reheat coil.
-    pub reheat: Actuator,
+    /// [`Quantity::HeatingSetpoint`](crate::hvac::Quantity::HeatingSetpoint), which the reheat coil holds, or a heater of the
+    /// zone; `None` for a zone with neither.
+    pub reheat: Option<Actuator>,
     /// Design flow, kg/s.
     pub design_flow: f64,
     /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
@@ -62,14 +63,14 @@ impl AirLoop {
     /// Number of the actuator of the outdoor air flow.
     pub const OUTDOOR_AIR: usize = 1;
 
-    /// Number of the actuator of the damper of a terminal.
-    pub const fn damper(terminal: usize) -> usize {
-        2 + 2 * terminal
-    }
-
-    /// Number of the actuator of the reheat setpoint of a terminal.
-    pub const fn reheat(terminal: usize) -> usize {
-        Self::damper(terminal) + 1
+    /// Numbers of the actuators of every terminal: damper and reheat setpoint.
+    pub fn of_terminals(&self) -> impl Iterator<Item = (usize, Option<usize>)> {
+        self.terminals.iter().scan(2, |next, terminal| {
+            let damper = *next;
+            let reheat = terminal.reheat.as_ref().map(|_| damper + 1);
+            *next += 1 + usize::from(reheat.is_some());
+            Some((damper, reheat))
+        })
     }
 }
 
@@ -83,16 +84,19 @@ impl System for AirLoop {
     }
 
     fn actuators(&self) -> Vec<&Actuator> {
-        let terminals = self.terminals.iter().flat_map(|terminal| [&terminal.damper, &terminal.reheat]);
+        let terminals = self.terminals.iter().flat_map(|terminal| {
+            let Terminal { damper, reheat, .. } = terminal;
+            std::iter::once(damper).chain(reheat)
+        });
         [&self.supply_temperature, &self.outdoor_air].into_iter().chain(terminals).collect()
     }
 
     fn zone_of(&self, actuator: usize) -> Option<usize> {
-        actuator.checked_sub(Self::damper(0)).map(|of_terminals| of_terminals / 2)
+        self.of_terminals().position(|(damper, reheat)| actuator == damper || Some(actuator) == reheat)
     }
 
-    fn node_type(&self) -> NodeType {
-        NodeType::VavZone
+    fn node_type(&self, zone: usize) -> NodeType {
+        if self.terminals[zone].reheat.is_some() { NodeType::VavZone } else { NodeType::DamperZone }
     }
 
     fn ventilation(&self) -> Option<&Ventilation> {
@@ -104,7 +108,7 @@ impl System for AirLoop {
         let minimum = self.ventilation.min_outdoor_air.min(self.fan_flow);
         let design: f64 = self.terminals.iter().map(|terminal| terminal.design_flow).sum();
         let opening = (minimum / design).min(1.0);
-        let dampers = (0..self.terminals.len()).map(|terminal| (Self::damper(terminal), opening));
+        let dampers = self.of_terminals().map(|(damper, _)| (damper, opening));
         std::iter::once((Self::OUTDOOR_AIR, minimum)).chain(dampers).collect()
     }
 
@@ -115,11 +119,13 @@ impl System for AirLoop {
     fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]) {
         action[Self::SUPPLY_TEMPERATURE] = WARM_UP_SUPPLY;
         action[Self::OUTDOOR_AIR] = WARM_UP_OUTDOOR_AIR * self.fan_flow;
-        for terminal in 0..self.terminals.len() {
+        for (terminal, (damper, reheat)) in self.of_terminals().enumerate() {
             let zone = zone(terminal);
             let cooling = (zone.temperature - zone.target) / WARM_UP_BAND;
-            action[Self::damper(terminal)] = (WARM_UP_OPENING + cooling).clamp(WARM_UP_OPENING, 1.0);
-            action[Self::reheat(terminal)] = zone.target;
+            action[damper] = (WARM_UP_OPENING + cooling).clamp(WARM_UP_OPENING, 1.0);
+            if let Some(reheat) = reheat {
+                action[reheat] = zone.target;
+            }
         }
     }
 

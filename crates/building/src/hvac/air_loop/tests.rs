@@ -4,11 +4,13 @@ use serde_json::{Value, json};
 
 use super::components::{AIR_SPECIFIC_HEAT, DX_COOLING, OUTDOOR_AIR_SYSTEM, WATER_HEATING};
 use super::supply_temperature::{HEATING_COIL_RISE, NEUTRAL_SUPPLY_TEMPERATURE};
-use super::terminal::TERMINAL;
+use super::terminal::{NO_REHEAT, REHEAT};
 use super::*;
 use crate::hvac::schedules::ALWAYS_ON;
+use crate::hvac::system::System as _;
 use crate::hvac::thermostat::OUT_OF_REACH;
 use crate::model::{items, number, text};
+use crate::morphology::NodeType;
 
 const DENSITY: f64 = 1.2;
 
@@ -67,10 +69,10 @@ fn add_terminal(model: &mut Model, zone: &str, order: u32) {
         "air_inlet_node_name": name("in"), "maximum_air_flow_rate": 1.5, "damper_heating_action": "Reverse",
         "constant_minimum_air_flow_fraction": 0.3, "zone_minimum_air_flow_input_method": "Constant",
         "reheat_coil_object_type": "Coil:Heating:Electric", "reheat_coil_name": name("Coil")});
-    model.insert(TERMINAL, &name("Box"), fields);
+    model.insert(REHEAT, &name("Box"), fields);
     model.insert("Coil:Heating:Electric", &name("Coil"), json!({"availability_schedule_name": "Day"}));
     let unit =
-        json!({"idf_order": order, "air_terminal_object_type": TERMINAL, "air_terminal_name": name("Box")});
+        json!({"idf_order": order, "air_terminal_object_type": REHEAT, "air_terminal_name": name("Box")});
     model.insert("ZoneHVAC:AirDistributionUnit", &name("Unit"), unit);
     let list = json!({"equipment": [{"zone_equipment_name": name("Unit"),
         "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit"}]});
@@ -130,7 +132,7 @@ fn only_the_scheduled_setpoint_remains_on_the_branch() {
 fn a_terminal_follows_its_schedule_and_only_heats() {
     let mut model = office();
     make_controllable(&mut model, "L", DENSITY).unwrap();
-    let terminal = model.require(TERMINAL, "A Box").unwrap();
+    let terminal = model.require(REHEAT, "A Box").unwrap();
     assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], "A Damper Opening");
     assert_eq!(terminal["zone_minimum_air_flow_input_method"], "Scheduled");
     assert_eq!(terminal["damper_heating_action"], "Normal");
@@ -140,6 +142,39 @@ fn a_terminal_follows_its_schedule_and_only_heats() {
     assert_eq!(value("A Cooling Setpoint"), Some(OUT_OF_REACH));
     let coil = field(&model, "Coil:Heating:Electric", "A Coil", "availability_schedule_name");
     assert_eq!(coil, ALWAYS_ON);
+}
+
+/// Replaces the terminal of zone A by one without reheat.
+fn without_reheat(model: &mut Model) {
+    let mut fields = model.remove(REHEAT, "A Box").unwrap();
+    fields.retain(|field, _| !field.contains("reheat") && !field.contains("damper"));
+    model.insert(NO_REHEAT, "A Box", Value::Object(fields));
+    let unit = model.require_mut("ZoneHVAC:AirDistributionUnit", "A Unit").unwrap();
+    unit.insert("air_terminal_object_type".into(), json!(NO_REHEAT));
+}
+
+#[test]
+fn a_terminal_without_reheat_has_a_damper_and_the_heater_of_its_zone() {
+    let mut model = office();
+    without_reheat(&mut model);
+    let heated = model.clone();
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert_eq!(field(&model, NO_REHEAT, "A Box", "zone_minimum_air_flow_input_method"), "Scheduled");
+    assert!(air_loop.terminals[0].reheat.is_none() && air_loop.terminals[1].reheat.is_some());
+    assert_eq!(air_loop.of_terminals().collect::<Vec<_>>(), [(2, None), (3, Some(4))]);
+    assert_eq!([2, 3, 4].map(|actuator| air_loop.zone_of(actuator)), [Some(0), Some(1), Some(1)]);
+    assert_eq!([0, 1].map(|zone| air_loop.node_type(zone)), [NodeType::DamperZone, NodeType::VavZone]);
+
+    let mut model = heated;
+    let heater = json!({"heating_design_capacity": 1000.0});
+    model.insert("ZoneHVAC:Baseboard:Convective:Electric", "A Heater", heater);
+    let list = model.require_mut("ZoneHVAC:EquipmentList", "A List").unwrap();
+    list["equipment"].as_array_mut().unwrap().push(json!({"zone_equipment_name": "A Heater",
+        "zone_equipment_object_type": "ZoneHVAC:Baseboard:Convective:Electric"}));
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    let setpoint = air_loop.terminals[0].reheat.as_ref().unwrap();
+    assert_eq!(setpoint.key, "A Heating Setpoint");
+    assert_eq!(setpoint.heat.as_ref().unwrap().key, "A Heater");
 }
 
 #[test]
@@ -183,7 +218,7 @@ fn an_unsupported_component_is_named() {
     };
     let error = refused(DX_COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
     assert!(error.contains("`Cool`"), "{error}");
-    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Steam");
+    let error = refused(REHEAT, "B Box", "reheat_coil_object_type", "Coil:Heating:Steam");
     assert!(error.contains("`B Box`"), "{error}");
     let error = refused("Fan:VariableVolume", "Fan", "maximum_flow_rate", "Autosize");
     assert!(error.contains("`Fan`") && error.contains("size the model first"), "{error}");

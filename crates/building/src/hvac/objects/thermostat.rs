@@ -124,6 +124,18 @@ pub fn cooling_setpoint(zone: &str) -> String {
     format!("{zone} Cooling Setpoint")
 }
 
+/// Returns whether a unit or a setpoint manager is controlled by the thermostat of a zone.
+pub(in crate::hvac) fn governs(model: &Model, zone: &str) -> bool {
+    let is_control = |field: &str| field.contains("control") && field.contains("zone");
+    let names = |fields: &Fields| {
+        fields.iter().any(|(field, value)| {
+            is_control(field) && value.as_str().is_some_and(|name| name.eq_ignore_ascii_case(zone))
+        })
+    };
+    let mut classes = model.classes().filter(|class| !class.starts_with("AvailabilityManager"));
+    classes.any(|class| model.objects(class).into_iter().any(|(_, fields)| names(fields)))
+}
+
 /// Replaces each thermostat that controls a list of zones by one per zone. A thermostat that another object refers to is
 /// kept.
 pub(in crate::hvac) fn split_thermostats(model: &mut Model) {

@@ -61,8 +61,8 @@ impl System for RoomUnit {
         self.unit.actuators()
     }
 
-    fn node_type(&self) -> NodeType {
-        self.unit.node_type()
+    fn node_type(&self, zone: usize) -> NodeType {
+        self.unit.node_type(zone)
     }
 
     fn ventilation(&self) -> Option<&Ventilation> {

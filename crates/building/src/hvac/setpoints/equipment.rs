@@ -6,6 +6,7 @@ use crate::hvac::air_loop_graph::supply_components;
 use crate::hvac::capacity::air_loop_of;
 use crate::hvac::heating_only::refuse_powerless;
 use crate::hvac::references::{Reference, is_one_of};
+use crate::hvac::thermostat::governs;
 use crate::hvac::zone_equipment::{HEATERS, UNCONTROLLED, VENTILATION, is_distribution, zone_equipment};
 use crate::model::{Fields, text};
 use crate::{Error, Model, Result};
@@ -56,18 +57,6 @@ fn is_deaf(model: &Model, zone: &str) -> Result<bool> {
     let air_loop = air_loop_of(model, zone)?;
     let follows = air_loop.is_some_and(|air_loop| follows_all_zones(model, &air_loop));
     Ok(!follows && !governs(model, zone))
-}
-
-/// Returns whether a unit or a setpoint manager is controlled by the thermostat of a zone.
-fn governs(model: &Model, zone: &str) -> bool {
-    let is_control = |field: &str| field.contains("control") && field.contains("zone");
-    let names = |fields: &Fields| {
-        fields.iter().any(|(field, value)| {
-            is_control(field) && value.as_str().is_some_and(|name| name.eq_ignore_ascii_case(zone))
-        })
-    };
-    let mut classes = model.classes().filter(|class| !class.starts_with("AvailabilityManager"));
-    classes.any(|class| model.objects(class).into_iter().any(|(_, fields)| names(fields)))
 }
 
 /// Returns whether the supply air of a loop follows the loads of all its zones.

@@ -82,7 +82,7 @@ impl System for SetpointZone {
         }
     }
 
-    fn node_type(&self) -> NodeType {
+    fn node_type(&self, _: usize) -> NodeType {
         match self.cooling {
             Some(_) => NodeType::SetpointZone,
             None => NodeType::HeatingOnlyZone,

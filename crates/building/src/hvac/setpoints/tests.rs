@@ -58,7 +58,7 @@ fn a_zone_gets_both_setpoints_at_every_hour_whatever_its_author_uses() {
     let [system] = &found.systems[..] else { panic!("{found:?}") };
     let quantities: Vec<_> = system.actuators().iter().map(|actuator| actuator.quantity).collect();
     assert_eq!(quantities, [Quantity::HeatingSetpoint, Quantity::CoolingSetpoint]);
-    assert_eq!(system.node_type(), NodeType::SetpointZone);
+    assert_eq!(system.node_type(0), NodeType::SetpointZone);
     assert!(found.uncontrolled.iter().all(|item| item.follows_setpoints), "{:?}", found.uncontrolled);
     let thermostat = model.require("ZoneControl:Thermostat", "T").unwrap();
     assert_eq!(thermostat["control_1_object_type"], "ThermostatSetpoint:DualSetpoint");
@@ -70,7 +70,7 @@ fn a_zone_that_nothing_cools_has_a_heating_setpoint_alone() {
     let found = found(&mut model);
     assert_eq!(found.systems[0].actuators().len(), 1);
     assert_eq!(found.systems[0].conditioning(), Conditioning::Heating);
-    assert_eq!(found.systems[0].node_type(), NodeType::HeatingOnlyZone);
+    assert_eq!(found.systems[0].node_type(0), NodeType::HeatingOnlyZone);
     let cooling = model.require("Schedule:Constant", "Z Cooling Setpoint").unwrap();
     assert_eq!(cooling["hourly_value"], OUT_OF_REACH, "above every heating setpoint");
 }

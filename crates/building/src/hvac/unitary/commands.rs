@@ -10,9 +10,11 @@ use crate::hvac::setpoint_managers::remove_setpoint_managers;
 use crate::model::Model;
 use crate::{Error, Result};
 
+/// The terminal of a zone that shares the air of a unit with others.
+pub(super) const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
 /// The terminals that a unit can feed.
-pub(super) const TERMINALS: [&str; 2] =
-    ["AirTerminal:SingleDuct:ConstantVolume:NoReheat", "AirTerminal:SingleDuct:VAV:NoReheat"];
+pub(super) const TERMINALS: [&str; 2] = [CONSTANT, VARIABLE];
 
 /// The control schedules of a zone's unit.
 pub(super) struct Schedules {
@@ -70,11 +72,10 @@ pub(super) fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &
     );
 }
 
-/// Makes the minimum flow of the terminal follow the command: with the cooling setpoint of the zone out of reach, it never
-/// requests more.
-pub(super) fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
-    const VARIABLE: &str = TERMINALS[1];
-    let ServedZone { unit: distribution, terminal: Reference { class, name }, .. } = &unit.served;
+/// Makes the minimum flow of the terminal of a zone follow the command: with the cooling setpoint of the zone out of reach, it
+/// never requests more.
+pub(super) fn follow_flow(model: &mut Model, served: &ServedZone, schedule: &str) -> Result<Terminal> {
+    let ServedZone { unit: distribution, terminal: Reference { class, name }, .. } = served;
     if !is_one_of(class, &TERMINALS) {
         return Err(Error::unsupported(
             class,

@@ -1,4 +1,5 @@
-//! Unitary systems: one unit, one zone, controlled by air flow and supply air temperature.
+//! Unitary systems: one unit, controlled by air flow and supply air temperature. It serves the zone with its thermostat, and
+//! may serve others, whose terminals share its air in proportion to their design flows.
 //!
 //! Every packaged unit is rewritten as one kind that follows both commands exactly: a
 //! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
@@ -18,7 +19,7 @@ mod unit;
 
 pub use commands::{supply_air_flow_fraction, supply_air_temperature};
 pub use packaged::{HeatPump, Packaged};
-pub use system::Unitary;
+pub use system::{Follower, Unitary};
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::air_loop_graph::supply_components;
@@ -46,23 +47,34 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let packaged = Packaged::of(model, &unit, air_density)?;
     let schedules = Schedules::insert(model, &unit.served.zone);
     always_on(model, air_loop)?;
-    own_thermostat(model, &unit.served.zone, 0.0, OUT_OF_REACH)?;
+    for served in std::iter::once(&unit.served).chain(&unit.followers) {
+        own_thermostat(model, &served.zone, 0.0, OUT_OF_REACH)?;
+    }
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
     let follow = |air: &OutdoorAir| {
         air.follow(model, air_loop, [unit.inlet(), &nodes.fan], unit.outlet(), air_density)
     };
     let ventilation = unit.outdoor_air.as_ref().map(follow).transpose()?;
-    let terminal = follow_flow(model, &unit, &schedules.flow)?;
+    let terminal = follow_flow(model, &unit.served, &schedules.flow)?;
+    let mut followers = Vec::with_capacity(unit.followers.len());
+    for follower in &unit.followers {
+        let terminal = follow_flow(model, follower, &schedules.flow)?;
+        let design_flow = terminal.design_flow * air_density;
+        followers.push(Follower { zone: follower.zone.clone(), design_flow });
+    }
+    let design_flow =
+        followers.iter().map(|f| f.design_flow).sum::<f64>() + terminal.design_flow * air_density;
+    let whole = if followers.is_empty() { &terminal.outlet } else { unit.outlet() };
     let flow = Actuator {
-        high: terminal.design_flow * air_density,
-        scale: 1.0 / (terminal.design_flow * air_density),
+        high: design_flow,
+        scale: 1.0 / design_flow,
         ..Actuator::of_schedule(
             schedules.flow,
             format!("{} supply air flow", unit.served.zone),
             Quantity::SupplyAirFlow,
             [0.0, 0.0],
-            EngineVariable::new("System Node Mass Flow Rate", &terminal.outlet),
+            EngineVariable::new("System Node Mass Flow Rate", whole),
         )
     };
     let supply_temperature = Actuator::of_schedule(
@@ -72,7 +84,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         [SUPPLY_TEMPERATURE.0, SUPPLY_TEMPERATURE.1],
         EngineVariable::new("System Node Temperature", unit.outlet()),
     );
-    Ok(Unitary { flow, supply_temperature, ventilation, packaged, zone: unit.served.zone })
+    Ok(Unitary { flow, supply_temperature, ventilation, packaged, zone: unit.served.zone, followers })
 }
 
 /// Returns whether an air loop has a unit or the parts of one.

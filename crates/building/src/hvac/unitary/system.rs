@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Packaged, has_unit, make_controllable};
 use crate::hvac::actuator::Actuator;
-use crate::hvac::capacity::{Capacity, SystemEquipment, air_loop_of};
+use crate::hvac::capacity::{Capacity, Equipment, SystemEquipment, air_loop_of};
 use crate::hvac::kind::{Candidate, KindName};
 use crate::hvac::sequence::Sequence;
 use crate::hvac::system::{FromModel, System, ZoneState};
@@ -22,12 +22,24 @@ const WARM_UP_LIFT: f64 = 20.0;
 /// Supply air temperature below target at full cooling during warm-up, K.
 const WARM_UP_DROP: f64 = 8.0;
 
+/// A zone that shares the air of a unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Follower {
+    /// The zone.
+    pub zone: String,
+    /// Design flow of its terminal, kg/s.
+    pub design_flow: f64,
+}
+
 /// A unitary system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unitary {
-    /// Zone it serves.
+    /// Zone whose thermostat controls it.
     pub zone: String,
-    /// [`Quantity::SupplyAirFlow`](crate::hvac::Quantity::SupplyAirFlow).
+    /// Other zones that it serves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub followers: Vec<Follower>,
+    /// [`Quantity::SupplyAirFlow`](crate::hvac::Quantity::SupplyAirFlow), of all zones together.
     pub flow: Actuator,
     /// [`Quantity::SupplyAirTemperature`](crate::hvac::Quantity::SupplyAirTemperature).
     pub supply_temperature: Actuator,
@@ -50,15 +62,22 @@ impl System for Unitary {
     }
 
     fn zones(&self) -> Vec<&str> {
-        vec![&self.zone]
+        std::iter::once(&self.zone)
+            .chain(self.followers.iter().map(|f| &f.zone))
+            .map(String::as_str)
+            .collect()
+    }
+
+    fn zones_with_loops(&self) -> usize {
+        1
     }
 
     fn actuators(&self) -> Vec<&Actuator> {
         vec![&self.flow, &self.supply_temperature]
     }
 
-    fn node_type(&self) -> NodeType {
-        NodeType::UnitaryZone
+    fn node_type(&self, zone: usize) -> NodeType {
+        if zone == 0 { NodeType::UnitaryZone } else { NodeType::FollowingZone }
     }
 
     fn ventilation(&self) -> Option<&Ventilation> {
@@ -86,7 +105,10 @@ impl System for Unitary {
     fn equipment(&self, model: &Model) -> Result<SystemEquipment> {
         let name = air_loop_of(model, &self.zone)?.unwrap_or_else(|| self.zone.clone());
         let unit = Capacity::of_air_loop(model, &name)?.with_flow(self.flow.high.max(0.0));
-        Ok(SystemEquipment::of_one(&name, unit))
+        let of_follower = |f: &Follower| Equipment { design_flow: f.design_flow, ..Equipment::default() };
+        let mut equipment = SystemEquipment::of_one(&name, unit);
+        equipment.zones.extend(self.followers.iter().map(of_follower));
+        Ok(equipment)
     }
 }
 

@@ -4,10 +4,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::commands::CONSTANT;
 use super::cooling_coil::{CURVES, PART_LOAD_CURVE};
 use super::*;
 use crate::hvac::schedules::ALWAYS_ON;
+use crate::hvac::system::System as _;
 use crate::model::{items, text};
+use crate::morphology::NodeType;
 
 /// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
 fn rooftop() -> Model {
@@ -199,6 +202,75 @@ fn the_minimum_flow_of_the_terminal_is_the_command() {
     assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], unit.flow.key.as_str());
     let unit = model.require("ZoneHVAC:AirDistributionUnit", "ADU").unwrap();
     assert_eq!(unit["air_terminal_object_type"], "AirTerminal:SingleDuct:VAV:NoReheat");
+}
+
+/// The rooftop unit with a second zone, `Annex`, on its splitter.
+fn rooftop_of_two() -> Model {
+    let mut model = rooftop();
+    let annex = json!({
+        "ZoneHVAC:EquipmentConnections": {"zone_name": "Annex", "zone_conditioning_equipment_list_name": "Annex"},
+        "ZoneHVAC:EquipmentList": {"equipment": [{
+            "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit", "zone_equipment_name": "Annex"}]},
+        "ZoneHVAC:AirDistributionUnit": {"air_terminal_object_type": CONSTANT, "air_terminal_name": "Annex"},
+        CONSTANT: {"air_inlet_node_name": "Annex terminal", "air_outlet_node_name": "Annex inlet",
+            "maximum_air_flow_rate": 0.1},
+        "Zone": {"idf_order": 0},
+        "ZoneControl:Thermostat": {"zone_or_zonelist_name": "Annex"},
+    });
+    for (class, fields) in annex.as_object().unwrap() {
+        model.insert(class, "Annex", fields.clone());
+    }
+    let splitter = model.require_mut("AirLoopHVAC:ZoneSplitter", "Splitter").unwrap();
+    splitter["nodes"].as_array_mut().unwrap().push(json!({"outlet_node_name": "Annex terminal"}));
+    model
+}
+
+#[test]
+fn a_unit_of_two_zones_gives_both_the_same_share_of_their_design_flows() {
+    let mut model = rooftop_of_two();
+    let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
+    assert_eq!(unit.zones(), ["Zone", "Annex"], "the zone with the thermostat is first");
+    assert_eq!(unit.zones_with_loops(), 1);
+    assert!((unit.flow.high - 1.2 * (0.5 + 0.1)).abs() < 1e-12, "{}", unit.flow.high);
+    assert_eq!(
+        unit.flow.effect.key, unit.supply_temperature.effect.key,
+        "the flow at the outlet of the unit"
+    );
+    for terminal in ["Terminal", "Annex"] {
+        let fields = model.require("AirTerminal:SingleDuct:VAV:NoReheat", terminal).unwrap();
+        assert_eq!(fields["minimum_air_flow_fraction_schedule_name"], supply_air_flow_fraction("Zone"));
+    }
+    let cooling = model.require("Schedule:Constant", "Annex Cooling Setpoint").unwrap();
+    assert_eq!(cooling["hourly_value"], OUT_OF_REACH, "no load of the annex moves its terminal");
+    assert_eq!([0, 1].map(|zone| unit.node_type(zone)), [NodeType::UnitaryZone, NodeType::FollowingZone]);
+}
+
+#[test]
+fn zones_of_a_unit_with_dampers_or_heaters_of_their_own_are_named() {
+    let refused = |edit: fn(&mut Model)| {
+        let mut model = rooftop_of_two();
+        edit(&mut model);
+        make_controllable(&mut model, "Loop", 1.2).unwrap_err().to_string()
+    };
+    let deaf = refused(|model| {
+        let unit = model.require_mut("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+        unit.remove("controlling_zone_or_thermostat_location");
+    });
+    assert!(deaf.contains("no thermostat of its zones (Annex, Zone)"), "{deaf}");
+    let damper = refused(|model| {
+        model.replace_references(CONSTANT, "AirTerminal:SingleDuct:VAV:NoReheat");
+        let fields = model.remove(CONSTANT, "Annex").unwrap();
+        model.insert("AirTerminal:SingleDuct:VAV:NoReheat", "Annex", Value::Object(fields));
+        let fields = model.remove(CONSTANT, "Terminal").unwrap();
+        model.insert("AirTerminal:SingleDuct:VAV:NoReheat", "Terminal", Value::Object(fields));
+    });
+    assert!(damper.contains("`Annex`") && damper.contains("expected AirTerminal"), "{damper}");
+    let heated = refused(|model| {
+        let list = model.require_mut("ZoneHVAC:EquipmentList", "Annex").unwrap();
+        list["equipment"].as_array_mut().unwrap().push(json!({"zone_equipment_name": "Baseboard",
+            "zone_equipment_object_type": "ZoneHVAC:Baseboard:Convective:Electric"}));
+    });
+    assert!(heated.contains("`Baseboard`"), "{heated}");
 }
 
 #[test]

@@ -2,10 +2,13 @@
 
 use std::collections::HashSet;
 
+use super::commands::CONSTANT;
 use super::outdoor_air::OutdoorAir;
 use crate::hvac::air_loop_graph::{Component, branches, components};
 use crate::hvac::distribution::{ServedZone, served_zones};
 use crate::hvac::references::{Reference, is_one_of, nodes_of, parts, reference, required};
+use crate::hvac::thermostat::governs;
+use crate::hvac::zone_equipment::{HEATERS as ZONE_HEATERS, zone_equipment};
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
 
@@ -28,7 +31,10 @@ pub(super) struct Unit {
     /// The unit itself and the nodes at its ends.
     pub(super) component: Component,
     pub(super) demand_inlet: String,
+    /// The zone whose thermostat controls the unit.
     pub(super) served: ServedZone,
+    /// The other zones, whose terminals share its air.
+    pub(super) followers: Vec<ServedZone>,
     pub(super) outdoor_air: Option<OutdoorAir>,
     /// Its original nodes, inside and at its ends, in lower case.
     pub(super) old_nodes: HashSet<String>,
@@ -50,12 +56,14 @@ impl Unit {
         })?;
         let mut old_nodes =
             inner_nodes(model, model.require(&component.object.class, &component.object.name)?)?;
+        let (served, followers) = zones_of(model, air_loop)?;
         old_nodes.extend([component.inlet.clone(), component.outlet.clone(), demand_inlet.clone()]);
         Ok(Self {
             air_loop: air_loop.to_owned(),
             branch,
             demand_inlet,
-            served: only_zone(model, air_loop)?,
+            served,
+            followers,
             outdoor_air: OutdoorAir::find(model, &component.inlet),
             old_nodes: old_nodes.iter().map(|node| node.to_lowercase()).collect(),
             component,
@@ -123,13 +131,36 @@ fn demand_inlet(model: &Model, air_loop: &str, fields: &Fields) -> Result<String
     }
 }
 
-/// Returns the one zone of an air loop.
-fn only_zone(model: &Model, air_loop: &str) -> Result<ServedZone> {
-    let served = served_zones(model, air_loop)?;
-    let [zone] = <[ServedZone; 1]>::try_from(served).map_err(|served| {
-        let zones: Vec<_> = served.iter().map(|s| s.zone.as_str()).collect();
-        let why = format!("its unitary system serves several zones ({}); one is supported", zones.join(", "));
-        Error::unsupported("AirLoopHVAC", air_loop, &why)
-    })?;
-    Ok(zone)
+/// Returns the zone whose thermostat controls the unit of an air loop, and the other zones.
+fn zones_of(model: &Model, air_loop: &str) -> Result<(ServedZone, Vec<ServedZone>)> {
+    let mut served = served_zones(model, air_loop)?;
+    if served.len() > 1 {
+        let Some(control) = served.iter().position(|served| governs(model, &served.zone)) else {
+            let zones: Vec<_> = served.iter().map(|served| served.zone.as_str()).collect();
+            let why =
+                format!("no thermostat of its zones ({}) controls its unitary system", zones.join(", "));
+            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+        };
+        served.swap(0, control);
+    }
+    let followers = served.split_off(1);
+    followers.iter().try_for_each(|follower| require_follower(model, follower))?;
+    Ok((served.remove(0), followers))
+}
+
+/// Rejects a zone that does not simply share the air of a unit: with a damper or a heater under its own thermostat.
+fn require_follower(model: &Model, follower: &ServedZone) -> Result<()> {
+    let Reference { class, name } = &follower.terminal;
+    if !class.eq_ignore_ascii_case(CONSTANT) {
+        let why = format!("one of several terminals on a unitary system; expected {CONSTANT}");
+        return Err(Error::unsupported(class, name, &why));
+    }
+    match zone_equipment(model, &follower.zone)?.iter().find(|item| is_one_of(&item.class, &ZONE_HEATERS)) {
+        None => Ok(()),
+        Some(heater) => {
+            let why =
+                "its zone shares the air of a unitary system with another, whose thermostat controls it";
+            Err(Error::unsupported(&heater.class, &heater.name, why))
+        }
+    }
 }

@@ -46,6 +46,10 @@ pub(super) struct AirLoop {
 struct ServedZone {
     zone: Zone,
     terminal: TerminalRules,
+    /// Number of the actuator of its damper.
+    damper: usize,
+    /// Number of the actuator of its reheat setpoint, and the setpoint at which the coil is off, °C.
+    coil: Option<(usize, f64)>,
     /// Design flow, kg/s.
     design_flow: f64,
 }
@@ -74,13 +78,16 @@ impl AirLoop {
             limits.filter(|(index, _)| *index == actuator).map(|(_, limit)| limit).fold(0.0, f64::max)
         };
         let rules = ZoneRules { margins: [parameters.heating_margin, parameters.cooling_margin], ..rules };
-        let zones = air_loop.terminals.iter().enumerate().map(|(index, terminal)| ServedZone {
+        let zones = air_loop.terminals.iter().zip(air_loop.of_terminals());
+        let zones = zones.map(|(terminal, (damper, reheat))| ServedZone {
             zone: Zone::new(rules),
             terminal: TerminalRules {
-                minimum: limit(hvac::AirLoop::damper(index)).max(parameters.min_flow),
+                minimum: limit(damper).max(parameters.min_flow),
                 heating_max: parameters.heating_flow.min(terminal.heating_opening),
-                coil: [terminal.reheat.low, terminal.reheat.high],
+                coil: terminal.reheat.as_ref().map(|coil| [coil.low, coil.high]),
             },
+            damper,
+            coil: reheat.zip(terminal.reheat.as_ref().map(|coil| coil.low)),
             design_flow: terminal.design_flow,
         });
         let limit_of_zone = HighLimit::of_zone(climate_zone);
@@ -155,7 +162,7 @@ impl AirLoop {
     /// Writes the commands of the terminals.
     fn command_terminals(&self, mode: Mode, action: &mut [f64]) -> Flow {
         let (mut flow, mut heat, mut mean, mut most) = (0.0, 0.0, 0.0, 0.0_f64);
-        for (index, served) in self.zones.iter().enumerate() {
+        for served in &self.zones {
             let need = served.zone.need();
             let command = served.terminal.step(TerminalInput {
                 mode,
@@ -165,12 +172,14 @@ impl AirLoop {
                 heating_aim: served.zone.aims().heating,
                 supply: self.setpoint,
             });
-            action[hvac::AirLoop::damper(index)] = command.opening;
-            action[hvac::AirLoop::reheat(index)] = command.reheat;
+            action[served.damper] = command.opening;
+            if let Some((coil, off)) = served.coil {
+                action[coil] = command.heat.unwrap_or(off);
+            }
             let own = command.opening * served.design_flow;
             flow += own;
             heat += own * need.temperature;
-            most = most.max(served.terminal.needs_heat(command, need.temperature));
+            most = most.max(command.needs_heat(need.temperature));
             mean += need.temperature / self.zones.len() as f64;
         }
         if flow > 0.0 {

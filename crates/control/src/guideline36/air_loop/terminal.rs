@@ -1,4 +1,4 @@
-//! A terminal with reheat under dual-maximum logic (Guideline 36, 5.6.4 and 5.6.5).
+//! A terminal with reheat under dual-maximum logic, or without (Guideline 36, 5.5 and 5.6).
 //!
 //! The actuators are the damper, as a share of the design flow, and the setpoint that the reheat coil holds in its zone by
 //! itself. The guideline's discharge temperature, which rises over the first half of the heating loop, cannot be commanded:
@@ -24,8 +24,8 @@ pub(super) struct TerminalRules {
     pub(super) minimum: f64,
     /// Largest flow in heating (Vheat-max).
     pub(super) heating_max: f64,
-    /// Bounds of the coil's setpoint, °C; it is off at the lower one.
-    pub(super) coil: [f64; 2],
+    /// Bounds of the coil's setpoint, °C; it is off at the lower one. `None` for a terminal that only cools.
+    pub(super) coil: Option<[f64; 2]>,
 }
 
 /// State of a zone and its air handler.
@@ -49,8 +49,8 @@ pub(super) struct TerminalInput {
 pub(super) struct TerminalCommand {
     /// Damper opening, 0 to 1.
     pub(super) opening: f64,
-    /// Setpoint of the reheat coil, °C.
-    pub(super) reheat: f64,
+    /// Temperature to which the zone is to be heated, °C: the setpoint of its coil. `None` where the coil is off.
+    pub(super) heat: Option<f64>,
 }
 
 impl TerminalRules {
@@ -60,20 +60,14 @@ impl TerminalRules {
         let central_heat = mode.heats() && supply >= temperature + WARM;
         let opening = match outputs {
             Outputs { heating, .. } if heating > 0.0 && central_heat => heating,
-            Outputs { heating, .. } if heating > 0.0 => self.reheating(mode, heating),
+            Outputs { heating, .. } if heating > 0.0 && self.coil.is_some() => self.reheating(mode, heating),
             Outputs { cooling, .. } if cooling > 0.0 => self.cooling(mode, cooling, supply < temperature),
             _ => self.minimum(mode),
         };
-        let coil_heats = input.may_heat && !central_heat && opening > 0.0;
-        let reheat = if coil_heats { input.heating_aim + COIL_LEAD } else { self.coil[0] };
-        TerminalCommand { opening, reheat: reheat.clamp(self.coil[0], self.coil[1]) }
-    }
-
-    /// Returns how far a zone needs heat under a command, 0 to 1: fully from just above the setpoint of its coil down.
-    pub(super) fn needs_heat(&self, command: TerminalCommand, temperature: f64) -> f64 {
-        let [first, last] = NEED;
-        let above = temperature - command.reheat;
-        if command.reheat > self.coil[0] { ((last - above) / (last - first)).clamp(0.0, 1.0) } else { 0.0 }
+        let [off, highest] = self.coil.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let setpoint = (input.heating_aim + COIL_LEAD).clamp(off, highest);
+        let heats = input.may_heat && !central_heat && opening > 0.0 && setpoint > off;
+        TerminalCommand { opening, heat: heats.then_some(setpoint) }
     }
 
     /// Returns the least opening in a mode (Vmin*).
@@ -95,11 +89,19 @@ impl TerminalRules {
     }
 }
 
+impl TerminalCommand {
+    /// Returns how far a zone needs heat, 0 to 1: fully from just above the setpoint of its coil down.
+    pub(super) fn needs_heat(self, temperature: f64) -> f64 {
+        let [first, last] = NEED;
+        self.heat.map_or(0.0, |setpoint| ((last - (temperature - setpoint)) / (last - first)).clamp(0.0, 1.0))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const RULES: TerminalRules = TerminalRules { minimum: 0.15, heating_max: 0.5, coil: [10.0, 30.0] };
+    const RULES: TerminalRules = TerminalRules { minimum: 0.15, heating_max: 0.5, coil: Some([10.0, 30.0]) };
     const INPUT: TerminalInput = TerminalInput {
         mode: Mode::Occupied,
         outputs: Outputs { heating: 0.0, cooling: 0.0 },
@@ -129,21 +131,18 @@ mod tests {
         for (opening, expected) in openings.into_iter().zip([0.15, 0.325, 0.5]) {
             assert!((opening - expected).abs() < 1e-12, "{openings:?}");
         }
-        assert!((step(Mode::Occupied, 0.0, 0.0).reheat - 21.1).abs() < 1e-9, "the coil leads the loop");
+        let setpoint = step(Mode::Occupied, 0.0, 0.0).heat.unwrap();
+        assert!((setpoint - 21.1).abs() < 1e-9, "the coil leads the loop");
     }
 
     #[test]
     fn a_zone_needs_no_heat_half_a_kelvin_above_its_coil_or_without_it() {
-        let command = TerminalCommand { opening: 0.15, reheat: 21.1 };
-        let needs = [20.0, 21.2, 21.4, 21.6].map(|temperature| RULES.needs_heat(command, temperature));
+        let command = TerminalCommand { opening: 0.15, heat: Some(21.1) };
+        let needs = [20.0, 21.2, 21.4, 21.6].map(|temperature| command.needs_heat(temperature));
         for (need, expected) in needs.into_iter().zip([1.0, 1.0, 0.5, 0.0]) {
             assert!((need - expected).abs() < 1e-9, "{needs:?}");
         }
-        assert_eq!(
-            RULES.needs_heat(TerminalCommand { reheat: 10.0, ..command }, 9.0),
-            0.0,
-            "the coil is off"
-        );
+        assert_eq!(TerminalCommand { heat: None, ..command }.needs_heat(9.0), 0.0, "the coil is off");
     }
 
     #[test]
@@ -152,15 +151,31 @@ mod tests {
             let outputs = Outputs { heating: 0.6, cooling: 0.0 };
             RULES.step(TerminalInput { mode: Mode::WarmUp, supply: 35.0, outputs, temperature, ..INPUT })
         };
-        assert_eq!(warm(18.0), TerminalCommand { opening: 0.6, reheat: 10.0 });
+        assert_eq!(warm(18.0), TerminalCommand { opening: 0.6, heat: None });
         let weak = warm(33.0);
-        assert!((weak.opening - 0.34).abs() < 1e-12 && weak.reheat > 21.0, "without central heat: {weak:?}");
+        assert!(
+            (weak.opening - 0.34).abs() < 1e-12 && weak.heat > Some(21.0),
+            "without central heat: {weak:?}"
+        );
     }
 
     #[test]
     fn a_terminal_is_closed_and_cold_without_people_and_need() {
         for mode in [Mode::Unoccupied, Mode::WarmUp, Mode::CoolDown, Mode::Setup, Mode::Setback] {
-            assert_eq!(step(mode, 0.0, 0.0), TerminalCommand { opening: 0.0, reheat: 10.0 });
+            assert_eq!(step(mode, 0.0, 0.0), TerminalCommand { opening: 0.0, heat: None });
         }
+    }
+
+    #[test]
+    fn without_a_coil_heating_raises_the_flow_only_of_warm_air() {
+        let rules = TerminalRules { coil: None, ..RULES };
+        let heated = |mode, supply| {
+            let outputs = Outputs { heating: 0.8, cooling: 0.0 };
+            rules.step(TerminalInput { mode, supply, outputs, temperature: 19.0, ..INPUT })
+        };
+        let cold = heated(Mode::Occupied, 13.0);
+        assert_eq!(cold.opening, 0.15, "more cold air would not heat");
+        assert_eq!(cold.needs_heat(19.0), 1.0, "the air handler does not cool what it supplies");
+        assert_eq!(heated(Mode::WarmUp, 35.0).opening, 0.8);
     }
 }

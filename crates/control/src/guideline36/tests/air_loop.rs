@@ -28,7 +28,7 @@ fn model() -> Model {
     let terminal = |number: usize| Terminal {
         zone: format!("Room {number}"),
         damper: actuator(Quantity::DamperOpening, [0.0, 1.0]),
-        reheat: actuator(Quantity::HeatingSetpoint, [10.0, 30.0]),
+        reheat: Some(actuator(Quantity::HeatingSetpoint, [10.0, 30.0])),
         design_flow: TERMINAL_FLOW,
         heating_opening: 1.0,
     };
