@@ -53,6 +53,9 @@ fn a_packaged_heat_pump_follows_its_commands_and_ventilates_whatever_they_are() 
 fn fan_coils_beside_dedicated_outdoor_air_are_driven_and_their_energy_is_that_of_the_meters() {
     let case = Case::imported("RefBldgLargeHotelNew2004_Chicago.idf", CHICAGO);
     assert_eq!(kinds(&case, "room_unit"), 9);
+    let outdoor_air =
+        case.building.uncontrolled.iter().find(|item| item.object.class == "AirLoopHVAC").unwrap();
+    assert!(outdoor_air.reason.contains("dedicated outdoor air"), "{}", outdoor_air.reason);
     let follows = case.building.uncontrolled.iter().filter(|item| item.follows_setpoints).count();
     assert_eq!(follows, 0, "{:?}", case.building.uncontrolled);
     let mut env = case.env("07-10..07-10");

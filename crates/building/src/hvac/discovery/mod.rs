@@ -18,7 +18,9 @@ use super::setpoints::{SetpointZone, passes_regardless};
 use super::system::System;
 use super::thermostat::{has_thermostat, split_thermostats};
 use super::ventilation::Ventilation;
-use super::zone_equipment::{UNCONTROLLED, VENTILATION, is_beside, is_distribution, zone_equipment};
+use super::zone_equipment::{
+    DISTRIBUTION, UNCONTROLLED, VENTILATION, is_beside, is_distribution, zone_equipment,
+};
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
 
@@ -296,11 +298,17 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
         }
         for equipment in zone_equipment(model, &zone.zone)? {
             let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
-            if !own && !is_beside(&equipment.class) {
-                let why =
-                    format!("one of its zones also has a {} under the same thermostat", equipment.class);
-                return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+            if own || is_beside(&equipment.class) {
+                continue;
             }
+            let terminal = Reference { class: DISTRIBUTION.into(), name: zone.unit.clone() };
+            let why = match passes_regardless(model, &zone.zone, &terminal)? {
+                true => {
+                    "it does not follow the thermostats of its zones, as dedicated outdoor air".to_owned()
+                }
+                false => format!("one of its zones also has a {} under the same thermostat", equipment.class),
+            };
+            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
         }
     }
     Ok(())

@@ -14,6 +14,8 @@ pub(in crate::hvac) const HEATERS: [&str; 5] = [
 ];
 /// Exhaust fan of a zone.
 const EXHAUST: &str = "Fan:ZoneExhaust";
+/// The terminal of an air loop, as equipment of its zone.
+pub(in crate::hvac) const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
 /// Zone equipment that moves air without controlling a temperature.
 pub(in crate::hvac) const VENTILATION: [&str; 2] = [EXHAUST, "ZoneHVAC:EnergyRecoveryVentilator"];
 /// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant heater
@@ -27,7 +29,7 @@ pub(in crate::hvac) fn is_beside(class: &str) -> bool {
 
 /// Returns whether equipment is the terminal of an air loop.
 pub(in crate::hvac) fn is_distribution(class: &str) -> bool {
-    class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
+    class.eq_ignore_ascii_case(DISTRIBUTION)
 }
 
 /// Returns the equipment of a zone, in the order of its equipment list; empty for a zone without equipment.
