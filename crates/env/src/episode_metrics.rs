@@ -210,7 +210,7 @@ episode_metrics! {
         /// hours above or below the comfort band, mean over the zones with heating and cooling
         hours_outside_band: f64 = "hours_outside_band", "h", Metrics::hours_outside_band,
             Display::lower("outside comfort band (h)", 1.0, 1);
-        /// deviation beyond the comfort band, integrated over time, mean over the controlled zones; in zones without cooling, only below the target
+        /// deviation beyond the comfort band, integrated over time, mean over the controlled zones; without cooling, only below
         discomfort: f64 = "discomfort_k_h", "K h", Metrics::discomfort,
             Display::lower("discomfort outside the band (K·h)", 1.0, 1);
     }
@@ -233,26 +233,26 @@ episode_metrics! {
         /// share of occupied zone-hours above the comfort band, without zones that have no cooling
         occupied_too_warm: Option<f64> = "occupied_too_warm_share", "1", Metrics::occupied_too_warm,
             Display::lower("occupied hours too warm (%)", 100.0, 1);
-        /// operation only, as BOPTEST defines it: thermal discomfort, the deviation outside the band integrated over time, per zone
+        /// operation: deviation outside the band, integrated over time, per zone
         tdis_tot: Option<f64> = "tdis_tot", "K h", Metrics::zone_discomfort,
             Display::lower("thermal discomfort (K·h per zone)", 1.0, 2);
-        /// operation with `+co2` only, as BOPTEST: CO₂ above the limit integrated over time, per zone
+        /// operation with `+co2`: CO₂ above the limit, integrated over time, per zone
         idis_tot: Option<f64> = "idis_tot", "ppm h", Metrics::zone_bad_air,
             Display::lower("CO₂ above the limit (ppm·h per zone)", 1.0, 0);
-        /// operation only, as BOPTEST: HVAC energy
+        /// operation: HVAC energy
         ener_tot: Option<f64> = "ener_tot", "kWh/m²", Metrics::operation_energy,
             Display::lower("HVAC energy (kWh/m²)", 1.0, 2);
-        /// operation only, as BOPTEST: cost of HVAC energy
+        /// operation: cost of HVAC energy
         cost_tot: Option<f64> = "cost_tot", "currency/m²", Metrics::operation_cost,
             Display::lower("cost (currency/m²)", 1.0, 3);
-        /// operation only, as BOPTEST: emissions of HVAC energy
+        /// operation: emissions of HVAC energy
         emis_tot: Option<f64> = "emis_tot", "kg CO₂/m²", Metrics::operation_emissions, None;
-        /// operation only, as BOPTEST: largest mean electric demand of a quarter of an hour
+        /// operation: largest quarter-hour mean of electric demand
         pele_tot: Option<f64> = "pele_tot", "kW/m²", |metrics| metrics.operation_peak(0),
             Display::lower("peak electric demand, 15 min (W/m²)", 1000.0, 1);
-        /// operation only, as BOPTEST: largest mean demand of gas and other fuels in a quarter of an hour
+        /// operation: the same of gas and other fuels
         pgas_tot: Option<f64> = "pgas_tot", "kW/m²", |metrics| metrics.operation_peak(1), None;
-        /// operation only, as BOPTEST: largest mean demand of district heat in a quarter of an hour
+        /// operation: the same of district heat
         pdih_tot: Option<f64> = "pdih_tot", "kW/m²", |metrics| metrics.operation_peak(2), None;
     }
 }

@@ -26,7 +26,7 @@ fn the_page_of_tariffs_lists_the_shipped_ones() {
 
 fn tariffs() -> String {
     let mut table = String::from(
-        "| tariff | utility and rate | place | for | has | source, in force |\n|---|---|---|---|---|---|\n",
+        "| tariff | utility and rate | place | for | has | in force |\n|---|---|---|---|---|---|\n",
     );
     for tariff in Tariff::names().map(|name| Tariff::named(name).unwrap()) {
         let whom = match tariff.customers {
@@ -34,27 +34,27 @@ fn tariffs() -> String {
             Customers::Businesses => "businesses",
             Customers::Any => "comparisons",
         };
-        let source = linked(&tariff.source.document, tariff.source.url.as_deref());
-        let Tariff { name, title, place, source: own, .. } = &tariff;
+        let Tariff { name, title, place, source, .. } = &tariff;
         let traits = tariff.traits().join(", ");
-        writeln!(table, "| `{name}` | {title} | {place} | {whom} | {traits} | {source}, {} |", own.date)
-            .unwrap();
+        let date = linked(&source.date, source.url.as_deref());
+        writeln!(table, "| `{name}` | {title} | {place} | {whom} | {traits} | {date} |").unwrap();
     }
     table
 }
 
 fn profiles() -> String {
-    let mut table = String::from("| profile | of | source, year |\n|---|---|---|\n");
+    let mut table = String::from("| profile | of | year |\n|---|---|---|\n");
     for profile in Emissions::names().map(|name| Emissions::named(name).unwrap()) {
         let Emissions { name, title, place, source, .. } = &profile;
-        let document = linked(&source.document, source.url.as_deref());
-        writeln!(table, "| `{name}` | {title}: {place} | {document}, {} |", source.date).unwrap();
+        let date = linked(&source.date, source.url.as_deref());
+        writeln!(table, "| `{name}` | {title}: {place} | {date} |").unwrap();
     }
     table
 }
 
-fn linked(document: &str, url: Option<&str>) -> String {
-    url.map_or_else(|| document.to_owned(), |url| format!("[{document}]({url})"))
+/// Returns the date of a source, with a link to its document if that has an address.
+fn linked(date: &str, url: Option<&str>) -> String {
+    url.map_or_else(|| date.to_owned(), |url| format!("[{date}]({url})"))
 }
 
 /// Returns a page with the table that has the same header replaced.
