@@ -97,14 +97,17 @@ fn by_need(zones: impl Iterator<Item = ZoneNeed> + Clone) -> Mode {
     let any = |side: Side, wide: bool| {
         zones.clone().any(|zone| zone.calls[side as usize] && zone.relaxed[side as usize] == wide)
     };
-    match () {
-        () if zones.clone().any(|zone| zone.people) => Mode::Occupied,
-        () if any(Side::Cooling, false) => Mode::CoolDown,
-        () if any(Side::Cooling, true) => Mode::Setup,
-        () if any(Side::Heating, false) => Mode::WarmUp,
-        () if any(Side::Heating, true) => Mode::Setback,
-        () => Mode::Unoccupied,
+    if zones.clone().any(|zone| zone.people) {
+        return Mode::Occupied;
     }
+    let by_call = [
+        (Mode::CoolDown, Side::Cooling, false),
+        (Mode::Setup, Side::Cooling, true),
+        (Mode::WarmUp, Side::Heating, false),
+        (Mode::Setback, Side::Heating, true),
+    ];
+    let mode = by_call.into_iter().find(|&(_, side, wide)| any(side, wide));
+    mode.map_or(Mode::Unoccupied, |(mode, ..)| mode)
 }
 
 #[cfg(test)]

@@ -150,10 +150,12 @@ fn the_supply_temperature_follows_rule_5_16_2_2() {
         for moment in week(mean, amplitude, |_| ()) {
             let cools = moment.cooling_loops.iter().any(|&output| output > 0.0);
             let share = if cools { ((moment.outdoor - 16.0) / 5.0).clamp(0.0, 1.0) } else { 0.0 };
-            let expected = match () {
-                () if is(&moment, Mode::WarmUp) || is(&moment, Mode::Setback) => 35.0,
-                () if is(&moment, Mode::CoolDown) => 12.0,
-                () => moment.highest - share * (moment.highest - 12.0),
+            let expected = if is(&moment, Mode::WarmUp) || is(&moment, Mode::Setback) {
+                35.0
+            } else if is(&moment, Mode::CoolDown) {
+                12.0
+            } else {
+                moment.highest - share * (moment.highest - 12.0)
             };
             let cold = moment.temperatures.iter().all(|&temperature| temperature < 21.1);
             let least = if cold || !is(&moment, Mode::Occupied) { expected } else { 12.0 };
