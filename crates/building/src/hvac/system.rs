@@ -151,7 +151,7 @@ impl<T: FromModel> Object for T {
 }
 
 impl dyn System + '_ {
-    /// Returns whether it has an air handler with actuators of its own, beside those of its zones.
+    /// Returns whether it has an air handler with actuators of its own, besides its zones' actuators.
     pub fn has_air_handler(&self) -> bool {
         (0..self.actuators().len()).any(|actuator| self.zone_of(actuator).is_none())
     }

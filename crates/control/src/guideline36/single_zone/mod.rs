@@ -46,7 +46,7 @@ const MEDIUM: [f64; 2] = [0.5, -6.0];
 
 /// Outdoor temperature at which heat pumps are rated, °C (AHRI 210/240).
 const RATED_OUTDOOR: f64 = 8.3;
-/// Change of a compressor's heating capacity with the outdoor temperature, 1/K: that of the engine's example curves.
+/// Change of a compressor's heating capacity with the outdoor temperature, 1/K, in the engine's example curves.
 const COMPRESSOR_SLOPE: f64 = 0.027;
 /// Lowest temperature of supply air that no coil tempers, °C (5.6.5).
 const LEAST_SUPPLY: f64 = 10.0;
