@@ -201,6 +201,6 @@ pub struct ZoneState {
 pub struct SharedFlow {
     /// Design flow of the supply fan, kg/s. It limits the flow through all dampers together.
     pub fan: f64,
-    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, regardless of the command.
     pub exhaust: f64,
 }
