@@ -77,8 +77,8 @@ struct SealedInfo<'a> {
     sha256: String,
 }
 
-/// Writes a folder: first both files aside, then moves into place the weights and the description that states their
-/// hash.
+/// Writes a folder: both files aside first; then moves them into place, the weights before the description that states
+/// their hash.
 pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
     std::fs::create_dir_all(path).map_err(at(path))?;
     let bytes = weights(actor);
@@ -168,7 +168,7 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
     let found = match &info.network {
         Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layers"),
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
-        // An agent from before a node type was added has fewer.
+        // An agent saved before a node type was added has fewer.
         Shape::Graph(network) if network.types.len() > NodeType::ALL.len() => {
             return Err("the number of node types in its network does not match");
         }

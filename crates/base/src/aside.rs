@@ -31,7 +31,7 @@ fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Resul
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // The permissions of a new file, minus the user's mask.
+        // The permissions of a new file, less the user's umask.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder)?;

@@ -10,8 +10,8 @@ const FEBRUARY_28: u32 = 59;
 /// The calendar of an episode: the day of the week of 1 January, whether there is a 29 February, and the first day of an
 /// episode that passes New Year.
 ///
-/// Days of the year are counted from 1. In an episode that passes New Year, days before its first day are those of the
-/// following year, and the day of the week goes on as the engine's does.
+/// Days of the year are counted from 1. In an episode that passes New Year, days before its first day belong to the
+/// following year, and the day of the week continues as in the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Calendar {
     /// Day of the week of 1 January, 0 (Monday) to 6 (Sunday).

@@ -10,7 +10,7 @@ use crate::sizing::needs_sizing;
 const CLASS: &str = "SizingPeriod:DesignDay";
 /// Classes of periods that equipment can be sized for.
 const PERIODS: [&str; 3] = [CLASS, "SizingPeriod:WeatherFileDays", "SizingPeriod:WeatherFileConditionType"];
-/// Difference of design temperatures from which those of a model are another climate's, K.
+/// Difference of design temperatures from which a model's count as another climate's, K.
 const FAR: f64 = 5.0;
 
 /// Replaces the periods that equipment is sized for by the design days of a weather file.
@@ -20,7 +20,7 @@ pub fn replace(model: &mut Model, site: &Site) {
     model.insert(CLASS, "Cooling 0.4 %", cooling_day(site));
 }
 
-/// Replaces the design days of a user's model by those of a weather file, unless `keep`, and notes which it has.
+/// Replaces the design days of a user's model by a weather file's, unless `keep`, and notes which ones it has.
 pub fn of_imported(model: &mut Model, site: &Site, keep: bool, notes: &mut Notes) {
     if !needs_sizing(model) {
         notes.design_days = Some("none used: the model gives the sizes of its equipment".to_owned());

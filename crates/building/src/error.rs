@@ -109,7 +109,7 @@ pub enum Error {
         /// The reason and the remedy.
         why: &'static str,
     },
-    /// The text is neither a run period nor a named two-week period.
+    /// Text that is neither a run period nor a named two-week period.
     #[error(
         "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, which \
          may be after New Year, or two weeks that the weather decides: {}",
@@ -127,7 +127,7 @@ pub enum Error {
         /// The weather file.
         weather: PathBuf,
     },
-    /// A file could not be read or written.
+    /// A file that could not be read or written.
     #[error("{path}: {source}")]
     Io {
         /// The file.
@@ -199,7 +199,7 @@ pub enum Error {
         /// Number of metered values.
         values: usize,
     },
-    /// A place or its weather file cannot be used.
+    /// A place or weather file that cannot be used.
     #[error(transparent)]
     Climate(#[from] b2b_climate::Error),
 }

@@ -29,7 +29,7 @@ pub struct Site {
     pub heating: DesignDay,
     /// The hot design day: 0.4 % dry bulb.
     pub cooling: DesignDay,
-    /// Year of the rows, if they have one in common, as those of a measured year.
+    /// Year of the rows, if they have one in common, as in a measured year.
     pub year: Option<u32>,
     /// Whether the file has a 29 February and its header says so, without which the engine leaves it out.
     pub has_leap_day: bool,

@@ -8,8 +8,9 @@ use b2b_env::{ActionSpace, ObservationSpace};
 use crate::kind::{self, AnyController, Case};
 use crate::{Controller, Result};
 
-/// Closes dampers, stops fans, and sets thermostats to their lowest heating and highest cooling setpoints. Outdoor air that the task requires for people
-/// passes unconditioned: the supply air temperature follows the outdoor temperature within its bounds.
+/// Closes dampers, stops fans, and sets thermostats to their lowest heating and highest cooling setpoints. Outdoor air
+/// that the task requires for people passes unconditioned: the supply air temperature follows the outdoor temperature
+/// within its bounds.
 #[derive(Clone, Debug)]
 pub struct Off {
     low: Vec<f64>,

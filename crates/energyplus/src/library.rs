@@ -16,7 +16,7 @@ use crate::{Error, Host, Result};
 pub struct Library {
     pub(crate) api: Arc<Api>,
     path: PathBuf,
-    /// Runs whole runs and conversions; this process if `None`.
+    /// Converts models and runs them to their end; this process does if `None`.
     pub(crate) host: Option<Arc<dyn Host>>,
 }
 
@@ -37,8 +37,8 @@ impl Library {
         Ok(Self { api: Arc::new(api), path: path.to_owned(), host: None })
     }
 
-    /// Has another process convert models and run them to their end. A [`Simulation`](crate::Simulation) that is advanced step by
-    /// step stays in this process.
+    /// Lets other processes convert models and run them to their end. A [`Simulation`](crate::Simulation) that is
+    /// advanced step by step stays in this process.
     #[must_use]
     pub fn hosted_by(self, host: Arc<dyn Host>) -> Self {
         Self { host: Some(host), ..self }

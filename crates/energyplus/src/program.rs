@@ -29,7 +29,7 @@ pub struct Ended {
 /// no other, and does not connect to a network.
 ///
 /// # Errors
-/// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; those of starting it.
+/// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; the errors of starting it.
 pub fn run_program(program: &Path, arguments: &[&str], folder: &Path, limit: Duration) -> Result<Ended> {
     let mut runs = vec![program.to_owned()];
     runs.extend(script_program(program)?);

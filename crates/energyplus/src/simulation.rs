@@ -14,7 +14,7 @@ use crate::message::{Level, Messages};
 use crate::{Error, Library, Result};
 use b2b_base::scratch::temporary_folder;
 
-/// The byte order mark of a text.
+/// Byte order mark of UTF-8.
 const MARK: &[u8; 3] = b"\xef\xbb\xbf";
 
 /// A run to be started: model, weather file and the variables to read.
@@ -119,8 +119,8 @@ impl Run {
     }
 }
 
-/// Returns a weather file, or a copy of it in a folder if it begins with a byte order mark: the engine would not recognize
-/// its first line and simulate it at another location.
+/// Returns a weather file, or, if it begins with a byte order mark, a copy without it in `folder`: the engine would not
+/// recognize the first line and would simulate another location.
 fn without_mark(weather: &Path, folder: &Path) -> Result<PathBuf> {
     let failed = |path: &Path, source| Error::Io { path: path.to_owned(), source };
     let mut first = [0; MARK.len()];

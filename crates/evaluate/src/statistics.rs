@@ -180,7 +180,7 @@ fn bootstrap(
     Some(drawn.into_iter().zip(values).map(interval).collect())
 }
 
-/// Resamples as many clusters as there are, with replacement, each with the mean of as many of its scores.
+/// Resamples the clusters of each stratum with replacement; each counts with the mean of its resampled scores.
 fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>) {
     for stratum in strata.iter().filter(|stratum| !stratum.is_empty()) {
         for _ in 0..stratum.len() {

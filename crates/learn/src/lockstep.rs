@@ -39,7 +39,7 @@ pub struct LockstepCollector {
     /// Environments that are no longer busy.
     ready: Vec<usize>,
     lost: u64,
-    /// Time spent on actions, and on the whole last rollout.
+    /// Time that the last rollout spent on actions, and its total time.
     times: [Duration; 2],
 }
 
@@ -125,7 +125,7 @@ impl LockstepCollector {
         &self.environments
     }
 
-    /// Returns the times spent on actions and on the whole last rollout, s.
+    /// Returns the time that the last rollout spent on actions, and its total time, s.
     pub fn times(&self) -> [f64; 2] {
         self.times.map(|time| time.as_secs_f64())
     }
@@ -240,7 +240,7 @@ impl LockstepCollector {
 }
 
 impl EnvProgress {
-    /// Chooses the action of a step, and records it with the observation before, in a row of the rollout.
+    /// Chooses the action of a step, and records it in a row of the rollout, with the observation before the step.
     fn act(&mut self, actor: &Actor, widths: Widths, row: usize, rollout: &mut Rollout) {
         let scratch = self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()));
         let observation = self.pilot.observed();

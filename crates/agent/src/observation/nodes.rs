@@ -26,9 +26,9 @@ pub struct NodeView {
     pub observation: AgentObservation,
     /// The assignment of features and actions to nodes.
     pub graph: Graph,
-    /// The actuator of each action, or the supervisory point.
+    /// Number of each action's actuator or supervisory point.
     pub actuators: Vec<usize>,
-    /// The owner of each.
+    /// Owner of each actuator or supervisory point.
     pub owners: Vec<Owner>,
 }
 
@@ -59,7 +59,7 @@ impl NodeSpaces {
         Self { types: types.into() }
     }
 
-    /// Returns the spaces of the first types, which an agent has from before the others were added.
+    /// Returns the spaces of the first `count` types, for an agent saved before the others were added.
     #[must_use]
     pub fn first(mut self, count: usize) -> Self {
         self.types.truncate(count);

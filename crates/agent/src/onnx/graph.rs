@@ -1,4 +1,4 @@
-//! A graph network in one building as an ONNX file.
+//! The ONNX file of a graph network in one building.
 //!
 //! Nodes are in the order of their types. Values between the layers have the shape [batch, nodes, embedding].
 
@@ -166,7 +166,7 @@ impl Export<'_> {
         self.file.named(last(self.actor), &[&chosen], &[], "action");
     }
 
-    /// Adds some columns of a layer.
+    /// Adds the columns `of` of a layer.
     fn linear(&mut self, input: &str, layer: &Layer, of: std::ops::Range<usize>) -> String {
         let parameters = &self.actor.parameters;
         let weights = self.file.tensor(&[layer.inputs, of.len()], &columns(parameters, layer, of.clone()));

@@ -98,9 +98,9 @@ impl Stratum {
     }
 }
 
-/// Returns the interquartile mean of the scores of rows on the scale on which random actions have 0 and the baseline has 1:
-/// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if none of their buildings was run under
-/// random actions.
+/// Returns the interquartile mean of scores on the scale where random actions are at 0 and the baseline is at 1:
+/// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if no building of the rows was run
+/// under random actions.
 pub fn mean_from_random(rows: &[Row], random: &[Row]) -> Option<Interval> {
     let scores = aggregate_clusters(&clusters(&from_random(rows, random)), SEED)?;
     Some(scores.interquartile_mean)

@@ -49,7 +49,7 @@ pub struct Change {
 }
 
 impl ZoneYear {
-    /// Compresses values at regular times, `per_day` on each of a number of days.
+    /// Compresses values at regular times, `per_day` on each of `days` days.
     pub(crate) fn of_samples(days: usize, per_day: usize, at: impl Fn(usize) -> Span) -> Self {
         let mut year = Self::default();
         for day in 0..days {
@@ -76,7 +76,8 @@ impl ZoneYear {
         self.days.is_empty()
     }
 
-    /// Returns the span of a day (from 1 on 1 January of the first year) and an hour of the day. Hours may be beyond the day.
+    /// Returns the span of a day (from 1 on 1 January of the first year) and an hour of the day. Hours may be past the
+    /// end of the day.
     ///
     /// # Panics
     /// If the year is empty.
@@ -146,14 +147,15 @@ pub(crate) struct Year {
     pub(crate) zones: Vec<ZoneYear>,
     /// Days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
     pub(crate) holidays: Vec<u32>,
-    /// The share of the time in which each of the switches is off.
+    /// Share of time in which each switch is off.
     pub(crate) off: Vec<f64>,
 }
 
 /// Returns the years of zones and of switches, which are names of schedules, according to the schedules of a model. The
 /// setpoints of a house are drawn from surveys, by the name of the building.
 ///
-/// A user's model has the year of its calendar and the following one; a generated building, without, the usual year.
+/// A user's model has the year of its calendar and the following one; a generated building, which has no calendar, the
+/// usual year.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].

@@ -34,10 +34,10 @@ pub struct Calibration<'a> {
 
 /// Receives the progress of a calibration's simulations.
 pub trait Progress: Sync {
-    /// A number of further simulations begin.
+    /// Announces that a number of further simulations begin.
     fn begin(&self, simulations: usize);
 
-    /// A simulation is done.
+    /// Announces that a simulation is done.
     fn done(&self);
 }
 
@@ -187,8 +187,8 @@ fn edits(parameters: &[Change], point: &[f64]) -> Edits {
     edits
 }
 
-/// Returns the bounds of the logarithm of a multiplier: as wide as the model allows. A wall cannot have a higher U-factor
-/// than its layers without insulation.
+/// Returns the widest bounds of the logarithm of a multiplier that the model allows. A wall cannot have a higher
+/// U-factor than its layers without insulation.
 fn bounds(model: &Model, change: Change) -> Result<[f64; 2]> {
     let applies = |logarithm: f64| edit::apply(&mut model.clone(), &edits(&[change], &[logarithm]));
     applies(0.0)?;

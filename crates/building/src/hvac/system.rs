@@ -151,7 +151,7 @@ impl<T: FromModel> Object for T {
 }
 
 impl dyn System + '_ {
-    /// Returns whether it has an air handler with actuators of its own, beside those of its zones.
+    /// Returns whether it has an air handler with actuators of its own, besides its zones' actuators.
     pub fn has_air_handler(&self) -> bool {
         (0..self.actuators().len()).any(|actuator| self.zone_of(actuator).is_none())
     }
@@ -201,6 +201,6 @@ pub struct ZoneState {
 pub struct SharedFlow {
     /// Design flow of the supply fan, kg/s. It limits the flow through all dampers together.
     pub fan: f64,
-    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, regardless of the command.
     pub exhaust: f64,
 }

@@ -8,9 +8,9 @@ use crate::run_period::WEEKDAYS;
 
 /// Returns the calendar of a model in a weather file.
 ///
-/// The run period of the model gives the days of the week, by its first day or by its year, as in the engine; without one,
-/// the year of the rows of the weather file, if they have one in common; otherwise they are those of generated buildings.
-/// 29 February is there if the weather file has it.
+/// The run period of the model gives the days of the week, by its first day or by its year, as in the engine; without
+/// one, the year of the rows of the weather file, if they have one in common; otherwise, they are as in generated
+/// buildings. There is a 29 February if the weather file has it.
 pub fn of(model: &Model, site: &Site) -> Calendar {
     let leap = site.has_leap_day;
     let weekday = of_model(model, leap).or_else(|| site.year.map(weekday_of_new_year));

@@ -1,6 +1,6 @@
 //! Detection of external references in a model: code that the engine would run and files that it would open.
 //!
-//! The classes and fields are those of the schema in the engine, against which `tests/building/external.rs` compares them.
+//! The classes and fields are from the engine's schema, against which `tests/building/external.rs` compares them.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -62,8 +62,7 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
 /// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values that look
 /// like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile` opens by default.
 ///
-/// # Errors
-/// Those of reading the model.
+/// # Errors The errors of reading the file.
 pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     let text = super::text::decode(&std::fs::read(path)?).0.replace('\\', "/");
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -112,7 +111,7 @@ fn files_mut(model: &mut Model) -> impl Iterator<Item = (String, String, Named, 
 
 /// Returns the path of a regular file in a folder or below it, with symbolic links resolved.
 fn within(folder: &Path, name: &str) -> Result<String, String> {
-    // The engine takes both separators for those of the system.
+    // The engine takes either separator for the system's.
     let name = if cfg!(windows) { name.to_owned() } else { name.replace('\\', "/") };
     let folder = folder.canonicalize().map_err(|error| format!("cannot be opened: {error}"))?;
     let missing = |_| {

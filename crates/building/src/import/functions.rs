@@ -1,4 +1,4 @@
-//! Functions of EMS programs that the engine does not have: those of an engine that was changed for another program.
+//! EMS functions that the engine lacks, because they belong to an engine that was changed for another program.
 
 use crate::model::{Model, items, text};
 use crate::schema::Schema;

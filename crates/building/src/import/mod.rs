@@ -10,7 +10,7 @@
 //!   setpoints of their thermostats; the equipment keeps its schedules and availability, and is listed in
 //!   [`crate::PreparedBuilding::uncontrolled`].
 //! - The temperature of every zone is observed; controlled zones count in the reward.
-//! - Energy is that of all HVAC, controlled or not, per floor area of all conditioned zones.
+//! - Energy covers all HVAC, controlled or not, per floor area of all conditioned zones.
 
 pub mod calendar;
 mod exchange;

@@ -18,12 +18,12 @@ pub struct Notes {
     pub conversion: Option<Conversion>,
     /// The design days for which equipment was sized.
     pub design_days: Option<String>,
-    /// The days of the week and 29 February, where they are not those of generated buildings.
+    /// The days of the week and 29 February, where they differ from generated buildings'.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calendar: Option<String>,
     /// Autosized fields that the engine does not size and that were left to it.
     pub left_autosized: Vec<String>,
-    /// Schedules of the model that switch off equipment, whatever the setpoints of its zones.
+    /// Schedules of the model that switch off equipment, regardless of its zones' setpoints.
     #[serde(default)]
     pub switched_off: Vec<SwitchedOff>,
     /// What may not be as the author expects.

@@ -79,7 +79,7 @@ impl Record {
         self.intervals
     }
 
-    /// Returns the year of the rows, if they have one in common, as those of a measured year.
+    /// Returns the year of the rows, if they have one in common, as in a measured year.
     pub fn year(&self) -> Option<u32> {
         self.years.filter(|[first, last]| first == last).map(|[year, _]| year)
     }

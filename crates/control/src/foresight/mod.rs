@@ -1,9 +1,9 @@
 //! Guideline 36 under a schedule of its supervisory points that was found with perfect foresight of weather, occupants and
 //! physics: the best cost at comfort that is known for an episode, not a bound.
 //!
-//! [`plan`] searches for the [`Schedule`] by running the episode again and again; [`Foresight`] carries it out. A schedule
-//! moves what an operator could move: setpoints, start times, supply air temperatures, least flows and the economizer, alike
-//! in all zones, by block of each day. The loops of the guideline do the rest.
+//! [`plan`] searches for the [`Schedule`] by running the episode again and again; [`Foresight`] carries it out. A
+//! schedule moves what an operator could move: setpoints, start times, supply air temperatures, least flows and the
+//! economizer, the same in all zones, for each block of a day. The loops of the guideline do the rest.
 
 mod kind;
 mod outcome;
@@ -42,7 +42,7 @@ pub struct Foresight {
 }
 
 impl Foresight {
-    /// Creates the sequences of a building under a schedule. After the last day, the last block lasts.
+    /// Creates the sequences of a building under a schedule. After the last day, the last block stays in effect.
     ///
     /// # Errors
     /// [`Error::Values`] if the schedule does not fit the building.
@@ -81,7 +81,7 @@ impl Controller for Foresight {
 pub struct SearchOptions {
     /// Length of a block of the day, h; a divisor of 24.
     pub block_hours: u32,
-    /// Number of rounds. Each runs 4 episodes and 2 for every pair.
+    /// Number of rounds. Each runs 4 episodes, and 2 for every pair.
     pub rounds: usize,
     /// Mirrored pairs of a round.
     pub pairs: usize,
@@ -119,8 +119,8 @@ impl SearchOptions {
     }
 }
 
-/// Searches the schedule of an episode. With a `record` file, an interrupted search resumes. `done` is called after every
-/// episode of the search.
+/// Searches for the schedule of an episode. With a `record` file, an interrupted search resumes. `done` is called after
+/// every episode of the search.
 ///
 /// # Errors
 /// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].

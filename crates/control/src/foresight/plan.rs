@@ -1,4 +1,4 @@
-//! A schedule found for an episode, with what it was found for and what it came to.
+//! A schedule found for an episode, with the search's conditions and outcome.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -18,7 +18,7 @@ pub struct Schedule {
     pub shifts: Vec<String>,
     /// Length of a block, h; a divisor of 24.
     pub block_hours: u32,
-    /// The days from the first of the episode on. A day has its blocks from midnight on, a block one value per shift.
+    /// The days of the episode in order, each with its blocks from midnight on, each with one value per shift.
     pub days: Vec<Vec<Vec<f64>>>,
 }
 

@@ -1,10 +1,10 @@
 //! The search for a schedule.
 //!
-//! What a building does on a day hardly depends on the day before, so that one episode tries something on each of its days.
-//! A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope of every day's
-//! objective; then it goes down the slopes by steps of several lengths. For each day, the best of all that was tried is the
-//! next point. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best days together
-//! have no more discomfort than under the guideline.
+//! What a building does on a day hardly depends on the day before, so one episode can try something else on each of its
+//! days. A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope of
+//! every day's objective; then it goes down the slopes by steps of several lengths. For each day, the best point tried
+//! is the next one. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best
+//! days together have no more discomfort than under the guideline.
 
 use b2b_base::random::{standard_normal, stream};
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ const LENGTHS: [f64; 3] = [0.3, 1.0, 3.0];
 const OWN_LENGTH: [f64; 2] = [0.01, 1.0];
 /// First length of a day.
 const FIRST_LENGTH: f64 = 0.2;
-/// Factors of a day's own length after no step, the shortest, the middle and the longest was best.
+/// Factors of a day's own length if no step, the shortest, the middle or the longest one was best.
 const FACTORS: [f64; 4] = [0.4, 0.5, 1.0, 2.0];
 /// Price of discomfort in scores, in days of the guideline's cost per K·h: as in the score at comfort.
 const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
@@ -33,15 +33,15 @@ const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
 const PRICES: [f64; 2] = [0.01, 10.0];
 /// Bisections of the logarithm of the price.
 const BISECTIONS: usize = 20;
-/// Discomfort above the baseline's that is none, K·h per zone.
+/// Discomfort above the baseline's that counts as none, K·h per zone.
 const SAME_DISCOMFORT: f64 = 0.05;
-/// Difference of a day's objective that is none, in days of the guideline's cost.
+/// Difference of a day's objective that counts as none, in days of the guideline's cost.
 const RESOLUTION: f64 = 2e-4;
 
 /// A point of the search: for each day, values in units of their own.
 pub(super) type Point = Vec<Vec<f64>>;
 
-/// Runs episodes under points, and returns an outcome for each.
+/// Runs an episode under each point, and returns the outcomes.
 pub(super) type Run<'a> = dyn FnMut(&[Point]) -> Result<Vec<Outcome>> + 'a;
 
 /// How to search.
@@ -117,8 +117,8 @@ fn holds(outcome: &Outcome, baseline: &Outcome) -> bool {
     outcome.discomfort() <= baseline.discomfort() + SAME_DISCOMFORT
 }
 
-/// Searches for a point with the lowest score at no more discomfort than the baseline. `parts` are sets of positions in a day,
-/// each of which is left out where it saves nothing. A baseline that uses nothing is the best there is.
+/// Searches for a point with the lowest score at no more discomfort than the baseline. `parts` are sets of positions in
+/// a day, each of which is left out where it saves nothing. A baseline that uses nothing cannot be improved.
 ///
 /// # Errors
 /// The errors of `run`.
@@ -262,7 +262,7 @@ impl Search<'_> {
         LENGTHS.iter().map(point).collect()
     }
 
-    /// Returns a day's values after a step of a length down its slope.
+    /// Returns a day's values after a step of this length down its slope.
     fn step(&self, center: &[f64], slope: &[f64], length: f64) -> Vec<f64> {
         let mean_square = slope.iter().map(|slope| slope * slope).sum::<f64>() / slope.len() as f64;
         if mean_square <= 0.0 {

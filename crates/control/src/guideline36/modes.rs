@@ -1,7 +1,7 @@
 //! Modes of a zone group (Guideline 36, 5.4.6 and 5.15).
 //!
-//! The guideline takes its occupied mode from a schedule. Here a group is occupied while people use a zone of it, since
-//! outdoor air follows them. Without people:
+//! The guideline takes its occupied mode from a schedule. Here a group is occupied while people use one of its zones,
+//! because outdoor air follows people. Without people:
 //!
 //! - With the setpoints of occupied hours, or once optimum start has begun, a zone outside them starts warm-up or
 //!   cool-down: no minimum outdoor air, and the fan runs only while a zone needs it.

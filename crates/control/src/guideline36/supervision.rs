@@ -1,4 +1,4 @@
-//! Supervision: what an operator, a planner or an agent adds to the choices of the sequences, which go on executing them at
+//! Supervision: what an operator, a planner or an agent adds to the choices of the sequences, which continue to run at
 //! every step.
 //!
 //! A shift of 0 is the guideline's own choice. Setpoints of zones move out of their band by at most the tolerance with which

@@ -30,7 +30,7 @@ pub trait Policy: Sync {
         Controls::Actuators
     }
 
-    /// Returns whether the policy observes and controls the whole building, whatever [`Interface`] it is given.
+    /// Returns whether the policy observes and controls the whole building, regardless of its [`Interface`].
     fn ignores_interface(&self) -> bool {
         false
     }

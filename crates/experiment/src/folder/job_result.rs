@@ -113,7 +113,7 @@ impl JobResult {
         (self.machine, self.rows, self.deviations) = (machine, rows, deviations);
     }
 
-    /// Returns whether it contains the data of a report.
+    /// Returns whether it has the data that a report needs.
     pub(super) fn serves(&self, report: ReportKind) -> bool {
         let has_all = self.policies().all(|(_, rows, deviations)| deviations.len() == rows.len());
         report != ReportKind::Weights || has_all

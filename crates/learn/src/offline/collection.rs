@@ -23,8 +23,8 @@ pub struct Collection<'a> {
     pub policies: &'a [Box<dyn Policy>],
 }
 
-/// Runs the episodes and writes the dataset to a folder. With several buildings, actions are from -1 to 1, because their bounds
-/// differ; with one building, in physical units.
+/// Runs the episodes and writes the dataset to a folder. With several buildings, whose bounds differ, actions are
+/// rescaled to [-1, 1]; with one, they are in physical units.
 ///
 /// # Errors
 /// [`Error::Invalid`] for buildings of several types or with different observations, for a folder that exists, and when
@@ -64,12 +64,12 @@ pub fn collect(
 }
 
 impl Collection<'_> {
-    /// Returns whether actions are written from -1 to 1, because the bounds of buildings differ.
+    /// Returns whether actions are rescaled to [-1, 1], because the bounds of several buildings differ.
     fn is_rescaled(&self) -> bool {
         self.buildings() > 1
     }
 
-    /// Runs and writes the episodes of a policy, whose spaces must have the shape of those before.
+    /// Runs and writes the episodes of a policy. Their spaces must have the same names as earlier ones.
     fn record(
         &self,
         part: usize,
@@ -96,7 +96,7 @@ impl Collection<'_> {
         Ok(written.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Writes an episode of a policy, both by number.
+    /// Writes an episode of a policy, both given by number.
     fn write(
         &self,
         (part, number): (usize, usize),

@@ -17,7 +17,7 @@ pub const CHECKPOINT: &str = "checkpoint.safetensors";
 pub(super) struct Checkpoint {
     /// Environment steps so far.
     pub(super) steps: u64,
-    /// The best agent of the evaluations so far.
+    /// Rating of the best agent in the evaluations so far.
     pub(super) best: Rating,
     /// Seconds of training so far.
     pub(super) seconds: f64,
@@ -64,7 +64,7 @@ impl Checkpoint {
         let mut travel_cost = [0.0];
         all.read_f32("travel_cost", &mut travel_cost).map_err(|error| wrong(error.to_string()))?;
         let [travel_cost] = travel_cost;
-        // A checkpoint of an earlier version has none.
+        // Checkpoints of earlier versions lack them.
         let comfort_weights = all.values_f32("comfort_weights").unwrap_or_default();
         let best = Rating { score, relative_travel };
         let (learner, collector) = (all.part("learner"), all.part("collector"));

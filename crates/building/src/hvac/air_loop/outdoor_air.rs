@@ -36,8 +36,9 @@ pub(super) fn release(
     })
 }
 
-/// As [`release`], but through a schedule of the minimum outdoor air. Exhaust fans remove air from the zones of the loop.
-/// The engine supplies at least as much outdoor air, but not against an actuator: the missing air would cost nothing.
+/// Like [`release`], but through a schedule of the minimum outdoor air. Exhaust fans remove air from the zones of the
+/// loop. The engine supplies at least as much outdoor air, but not against an actuator: the missing air would cost
+/// nothing.
 pub(super) fn schedule(
     model: &mut Model,
     air_loop: &str,

@@ -32,7 +32,7 @@ pub struct AirLoop {
     pub outdoor_air: Actuator,
     /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
     pub fan_flow: f64,
-    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, regardless of the command.
     pub exhaust_flow: f64,
     /// Its outdoor air.
     pub ventilation: Ventilation,

@@ -40,11 +40,11 @@ pub struct Discovery {
     pub systems: Vec<Box<dyn System>>,
     /// The systems and the equipment without actuators of their own.
     pub uncontrolled: Vec<Uncontrolled>,
-    /// Outdoor air of air loops without actuators of their own, each with the zones that they serve.
+    /// Outdoor air of each air loop without actuators of its own, with the zones that it serves.
     pub outdoor_air: Vec<(Ventilation, Vec<String>)>,
 }
 
-/// A system or a piece of zone equipment without actuators of its own: it keeps its own controls.
+/// A system or a piece of zone equipment without actuators of its own, which keeps its own controls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Uncontrolled {
     /// The air loop or the equipment.
@@ -185,7 +185,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Makes the thermostats of zones controllable that nothing else controls.
+    /// Makes controllable the thermostats of zones that nothing else controls.
     fn thermostats(&mut self) -> Result<()> {
         let first = self.found.systems.len();
         for zone in self.model.names("Zone") {
@@ -213,7 +213,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Returns why the equipment of a zone is not controlled whatever its parts are.
+    /// Returns why equipment of a zone cannot be controlled, regardless of its parts; `None` if they decide.
     fn objection(
         &self,
         candidate: Candidate<'_>,
@@ -365,8 +365,8 @@ fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
     }
 }
 
-/// Returns whether an EMS actuator acts on a component of a controlled system. Schedules do not count: a controlled system no
-/// longer follows those of the model.
+/// Returns whether an EMS actuator acts on a component of a controlled system. Schedules do not count: a controlled
+/// system no longer follows the model's.
 fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
     !sets_a_schedule(actuator)
         && text(actuator, "actuated_component_unique_name").is_some_and(|n| names.contains(&n.to_lowercase()))

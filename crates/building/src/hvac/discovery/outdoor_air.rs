@@ -11,7 +11,7 @@ use crate::{Model, Result};
 const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const CONTROLLER: &str = "Controller:OutdoorAir";
 
-/// Returns the outdoor air of every air loop that none of the systems is, each with the zones that it serves.
+/// Returns the outdoor air of every air loop that is not one of the systems, with the zones that it serves.
 pub(super) fn left_alone(
     model: &Model,
     systems: &[Box<dyn System>],

@@ -78,7 +78,7 @@ fn release(model: &mut Model, unit: &Fields, object: &Reference) {
     });
 }
 
-/// Rejects a unit between other nodes than those of its zone.
+/// Rejects a unit that takes or delivers air at other nodes than its zone's.
 fn refuse_other_paths(
     model: &Model,
     zone: &ZoneNodes,

@@ -33,7 +33,7 @@ impl ZoneNodes {
         self.has(model, INLETS, node)
     }
 
-    /// Returns the nodes through which the zone returns air to air loops, as those of dedicated outdoor air.
+    /// Returns the nodes through which the zone returns air to air loops, such as dedicated outdoor air.
     fn returns(&self, model: &Model) -> Vec<String> {
         let returns = text(&self.fields, RETURNS).map(|nodes| nodes_of(model, nodes)).unwrap_or_default();
         let mixers = model.objects("AirLoopHVAC:ZoneMixer").into_iter();

@@ -11,7 +11,7 @@ use crate::hvac::zone_equipment::{HEATERS, UNCONTROLLED, VENTILATION, is_distrib
 use crate::model::{Fields, text};
 use crate::{Error, Model, Result};
 
-/// A terminal that passes the air of its loop, whatever the thermostat of the zone calls for.
+/// A terminal that passes the air of its loop regardless of what the zone's thermostat calls for.
 const PASSES: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
 
 /// Returns the equipment of a zone that heats or cools it.
@@ -41,7 +41,7 @@ pub(super) fn refuse_deaf(model: &Model, zone: &str, equipment: &[Reference]) ->
 }
 
 /// Returns whether equipment of a zone is a terminal that passes the air of its loop, and the loop does not follow the
-/// thermostat of the zone, as that of dedicated outdoor air.
+/// thermostat of the zone, like dedicated outdoor air.
 pub(in crate::hvac) fn passes_regardless(model: &Model, zone: &str, item: &Reference) -> Result<bool> {
     Ok(passes(model, item) && is_deaf(model, zone)?)
 }

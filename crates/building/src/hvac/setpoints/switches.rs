@@ -1,4 +1,4 @@
-//! Schedules that switch off the equipment of zones, whatever their setpoints.
+//! Schedules that switch off the equipment of zones, regardless of their setpoints.
 
 use std::collections::HashSet;
 

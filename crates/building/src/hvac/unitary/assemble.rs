@@ -1,5 +1,5 @@
 //! Units modeled as separate components: cooling coil, heating coil and fan in series on the branch of an air loop. The
-//! heating coil may be that of a heat pump, with or without a backup.
+//! heating coil may be a heat pump's, with or without a backup.
 
 use serde_json::json;
 

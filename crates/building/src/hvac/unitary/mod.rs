@@ -1,11 +1,11 @@
 //! Unitary systems: one unit, controlled by air flow and supply air temperature. It serves the zone with its thermostat, and
 //! may serve others, whose terminals share its air in proportion to their design flows.
 //!
-//! Every packaged unit is rewritten as one kind that follows both commands exactly: a
-//! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
-//! cooling coil, feeding a terminal whose minimum flow is the command. The heating coils of a heat pump are downstream of it.
-//! Capacities, efficiencies, pressures and curves are those of the original unit; of a coil with several speeds, curves are those of the
-//! highest one, and condensers are cooled by air.
+//! Every packaged unit is rewritten as the same kind, which follows both commands exactly: a blow-through
+//! `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed cooling coil, feeding
+//! a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it. Capacities,
+//! efficiencies, pressures and curves are the original unit's; a coil with several speeds has the curves of its highest
+//! speed, and condensers are cooled by air.
 
 mod assemble;
 mod commands;

@@ -15,7 +15,7 @@ pub(super) struct OutdoorAir {
 }
 
 impl OutdoorAir {
-    /// Finds that of a unit with this inlet node, if it has any.
+    /// Finds the outdoor air of the unit with this inlet node, if it has any.
     pub(super) fn find(model: &Model, unit_inlet: &str) -> Option<Self> {
         let controllers = model.objects(CONTROLLER);
         let (name, fields) = controllers.iter().find(|(_, fields)| {

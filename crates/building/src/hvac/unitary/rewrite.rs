@@ -110,8 +110,8 @@ impl Unit {
         set_components(model, &self.branch, &on_branch)
     }
 
-    /// Returns whether the heating coils are moved out of the unit, as those of a heat pump. With an economizer, which aims at a
-    /// temperature upstream of the fan, the engine would iterate the air side a dozen times.
+    /// Returns whether the heating coils are moved out of the unit, as a heat pump's are unless it has an economizer.
+    /// That aims at a temperature upstream of the fan, and the engine would iterate the air side a dozen times.
     fn heats_apart(&self, heating: &Reference) -> bool {
         let economizes = self.outdoor_air.as_ref().is_some_and(|air| air.has_economizer);
         heating.class.eq_ignore_ascii_case(heat_pump::HEATING_COIL) && !economizes

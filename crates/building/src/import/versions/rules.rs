@@ -35,12 +35,12 @@ pub struct ClassRule {
     pub remove: Option<String>,
     /// Why its objects cannot be converted.
     pub refuse: Option<String>,
-    /// Changes of fields, in order: positions count the changes before.
+    /// Changes of fields, in order: positions include the effects of earlier changes.
     #[serde(default)]
     pub edits: Vec<Edit>,
 }
 
-/// A change of a field. Positions are those of an IDF, from 1; names are those of an epJSON.
+/// A change of a field. Positions are as in an IDF, from 1; names as in an epJSON.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 pub enum Edit {

@@ -1,9 +1,9 @@
 //! Supply air temperature setpoint of an air handler of several zones (Guideline 36, 5.16.2.2).
 //!
-//! The guideline lowers the setpoint with the outdoor temperature in occupied mode whether or not a zone cools. Without a
-//! zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset here. While
-//! no zone needs heat, it is lowered to what the mixed air is anyway: people and lights warm that for nothing. With a zone
-//! that does, the coil of the air handler costs less than reheat where reheat is electric.
+//! The guideline lowers the setpoint with the outdoor temperature in occupied mode whether or not a zone cools. Without
+//! a zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset
+//! here. While no zone needs heat, it is lowered to the temperature of the mixed air, which people and lights warm for
+//! free. With a zone that does, the coil of the air handler costs less than reheat where reheat is electric.
 
 use super::super::modes::Mode;
 use super::trim_respond::{Reset, TrimRespond};

@@ -75,7 +75,7 @@ impl TerminalRules {
         if mode == Mode::Occupied { self.minimum } else { 0.0 }
     }
 
-    /// Returns the opening in cooling: from the least one to open, if the supply air cools.
+    /// Returns the opening in cooling: from the least one to fully open, if the supply air cools.
     fn cooling(&self, mode: Mode, cooling: f64, cools: bool) -> f64 {
         let minimum = self.minimum(mode);
         if cools { minimum + (1.0 - minimum) * cooling } else { minimum }
@@ -90,7 +90,7 @@ impl TerminalRules {
 }
 
 impl TerminalCommand {
-    /// Returns how far a zone needs heat, 0 to 1: fully from just above the setpoint of its coil down.
+    /// Returns how much a zone needs heat, 0 to 1: fully below a temperature just above its coil's setpoint.
     pub(super) fn needs_heat(self, temperature: f64) -> f64 {
         let [first, last] = NEED;
         self.heat.map_or(0.0, |setpoint| ((last - (temperature - setpoint)) / (last - first)).clamp(0.0, 1.0))

@@ -19,8 +19,8 @@
 //! the loops (DeadbandSpeed 0).
 //!
 //! In a room with exhaust fans, the unit supplies what they take while its fan runs in cold weather: the rest would
-//! infiltrate. Whether they run is not known. They draw outdoor air through a closed damper, which is not to be heated while
-//! the zone cools.
+//! infiltrate. Whether they run is not known. They draw outdoor air even through a closed damper; it must not be heated
+//! while the zone cools.
 
 mod staging;
 #[cfg(test)]
@@ -46,7 +46,7 @@ const MEDIUM: [f64; 2] = [0.5, -6.0];
 
 /// Outdoor temperature at which heat pumps are rated, °C (AHRI 210/240).
 const RATED_OUTDOOR: f64 = 8.3;
-/// Change of a compressor's heating capacity with the outdoor temperature, 1/K: that of the engine's example curves.
+/// Change of a compressor's heating capacity with the outdoor temperature, 1/K, in the engine's example curves.
 const COMPRESSOR_SLOPE: f64 = 0.027;
 /// Lowest temperature of supply air that no coil tempers, °C (5.6.5).
 const LEAST_SUPPLY: f64 = 10.0;
@@ -69,7 +69,8 @@ const SUPPLY_TEMPERATURE: usize = 1;
 /// room is replaced in 4 min by the flow of its unit, and follows the supply air within a step: at 0.25/K, heating and cooling
 /// at full capacity alternate.
 const STABLE_GAIN: f64 = 0.0017;
-/// Largest gain of the cooling loop over the largest of the heating loop: full cooling is about so much less than full heating.
+/// Largest gain of the cooling loop over the largest of the heating loop: full cooling is less than full heating by
+/// about this factor.
 const COOLING_SHARE: f64 = 1.7;
 
 /// A unit.

@@ -1,8 +1,9 @@
-//! Gains that give way to a loop that hunts.
+//! Gains that shrink where a loop hunts.
 //!
-//! How far full heating takes a zone within a step depends on its capacity, its air and its walls, which no model states. A
-//! gain that is too large for it shows: heating or cooling and idling alternate, step by step. An engineer would turn the gain
-//! down until they do not, and so does this: in occupied mode and in the others apart, whose flows differ.
+//! How far full heating takes a zone within a step depends on its capacity, its air and its walls, which no model
+//! states. A gain that is too large for it shows: heating or cooling and idling alternate, step by step. An engineer
+//! would turn the gain down until they stop, and so does this, separately in occupied mode and in the others, whose
+//! flows differ.
 
 /// Least change of the temperature within a step that counts, K: a thermometer does not show smaller ones.
 const CHANGE: f64 = 0.2;

@@ -27,9 +27,9 @@ pub struct LoopGains {
 impl LoopGains {
     /// The integral time of the Modelica Buildings Library, s.
     const INTEGRAL_TIME: f64 = 900.0;
-    /// Gains of a unit of a single zone. The proportional gain of the Modelica Buildings Library, 0.1 per kelvin, leaves a zone
-    /// outside its band for an hour after people come; this one is in the middle of those at which the paper's loops are
-    /// stable, at steps of 5 min, in buildings of all types.
+    /// Gains of a unit of a single zone. The proportional gain of the Modelica Buildings Library, 0.1 per kelvin,
+    /// leaves a zone outside its band for an hour after people come; this one is in the middle of the range in which
+    /// the paper's loops are stable, at steps of 5 min, in buildings of all types.
     pub const UNIT: Self = Self { proportional: 0.25, integral_time: Self::INTEGRAL_TIME };
     /// Gains of a terminal of an air loop, likewise.
     pub const TERMINAL: Self = Self { proportional: 0.5, integral_time: Self::INTEGRAL_TIME };

@@ -20,7 +20,7 @@ const fn field(at: usize, name: &'static str) -> Field<'static> {
     Field { at, name }
 }
 
-/// The kinds, with positions before the step; those of the curves count the fields that are dropped.
+/// The kinds, with positions before the step; positions of curves count the fields that are dropped.
 const KINDS: [Kind; 4] = [
     Kind {
         name: "Sensible Heating",
