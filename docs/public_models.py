@@ -1,4 +1,4 @@
-"""Imports public EnergyPlus models and prints Markdown tables of how they are controlled.
+"""Imports public EnergyPlus models and prints how they are controlled: public-models.txt, and a table of public-models.md.
 
 Usage: python docs/public_models.py CHECKOUTS [B2B]
 
@@ -73,9 +73,11 @@ def row_of_seasons(name: str, january: dict[str, Any], july: dict[str, Any], aut
     return [name, *deviations, str(severes), *map(str, counts)]
 
 
-def print_row(cells: list[str]) -> None:
-    """Prints a row of a table."""
-    print("| " + " | ".join(cells) + " |", flush=True)
+def print_aligned(rows: list[list[str]]) -> None:
+    """Prints rows in columns; the last column is as wide as it is."""
+    widths = [max(len(cells[column]) for cells in rows) for column in range(len(rows[0]) - 1)]
+    for *cells, last in rows:
+        print("  ".join([*(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)), last]).rstrip())
 
 
 def main(checkouts: Path, b2b: str) -> None:
@@ -83,14 +85,14 @@ def main(checkouts: Path, b2b: str) -> None:
     listed = list(csv.DictReader(Path(__file__).with_suffix(".csv").open()))
     folder = checkouts / "reports"
     folder.mkdir(exist_ok=True)
-    print("| model | version | zones: actuators | setpoints | neither | RMS (K) | severe | note |")
-    print("|---|---|--:|--:|--:|--:|--:|---|")
+    rows = [["model", "version", "by actuators", "by setpoints", "neither", "RMS (K)", "severe", "note"]]
     usable, seasons = 0, []
     for number, model in enumerate(listed):
         path = checkouts / model["repository"] / model["path"]
         name = f"{model['repository']}: {path.name}"
         january = report_on(JANUARY, path, folder / f"{number}.json", b2b)
-        print_row(row(name, january))
+        print(name, file=sys.stderr, flush=True)
+        rows.append(row(name, january))
         if "error" in january:
             continue
         usable += 1
@@ -98,11 +100,12 @@ def main(checkouts: Path, b2b: str) -> None:
             july = report_on(JULY, path, folder / f"{number}-july.json", b2b)
             authority = report_on(AUTHORITY, path, folder / f"{number}-authority.json", b2b)
             seasons.append(row_of_seasons(path.name, january, july, authority))
+    print_aligned(rows)
     print(f"\n{usable} of {len(listed)} can be used.\n")
     print("| model | January: RMS (K) | July | severe | commands that follow | at capacity | fail |")
     print("|---|--:|--:|--:|--:|--:|--:|")
     for cells in seasons:
-        print_row(cells)
+        print("| " + " | ".join(cells) + " |")
 
 
 if __name__ == "__main__":

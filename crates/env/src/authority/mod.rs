@@ -26,7 +26,7 @@
 //! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
 //!
 //! - **supply temperature**: after each missed step the command moves halfway to the reached value for one step, and the
-//!   outlet changes by less than a fifth of the command change, relative to the mean of the steps before and after (plus a
+//!   outlet changes with it by less than a fifth of the command change, relative to the mean of the steps before and after (plus a
 //!   quarter of its drift between these): a coil with capacity left would follow. If the nearer command is met at once, the
 //!   coil is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
 //!   command by the end of the hold. An outlet that never moves fails: some other command at the same flow and in the same

@@ -86,7 +86,9 @@ impl Reading {
             return;
         }
         if let Some((nearer, outlet)) = self.probed.take() {
-            let moved = (outlet - 0.5 * (self.last + effect)).abs();
+            // Coils that share a plant may change the other way: what one does not need, another gets.
+            let toward = (nearer - self.row.command).signum();
+            let moved = toward * (outlet - 0.5 * (self.last + effect));
             let little = SATURATED * (nearer - self.row.command).abs();
             let met = (outlet - nearer).abs() <= little;
             self.caught_up |= met;
