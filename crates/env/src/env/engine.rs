@@ -9,9 +9,9 @@ use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{by_carrier, per_area};
 use crate::Result;
-use crate::presence::Attendance;
 use crate::spaces::Spaces;
 use crate::zones::ControlledZone;
+use crate::zones::presence::Attendance;
 
 pub(super) const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
 pub(super) const OUTDOOR: [&str; 2] =

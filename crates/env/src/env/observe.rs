@@ -4,19 +4,19 @@ use b2b_building::{Carrier, CarrierEnergy, EndUseEnergy};
 
 use super::Env;
 use super::engine::Engine;
-use crate::band::NextPair;
-use crate::calendar::{Moment, Season};
-use crate::carbon_dioxide::CarbonDioxide;
-use crate::comfort::Comfort;
-use crate::kpis::Kpis;
-use crate::observation::{Shared, Target};
+use crate::metrics::kpis::Kpis;
 use crate::preview::PREVIEW_HOURS;
 use crate::reward::{Reward, StepView, ZoneStep};
 use crate::setpoints::Asked;
+use crate::setpoints::band::NextPair;
+use crate::setpoints::calendar::{Moment, Season};
 use crate::spaces::EpisodeConfig;
+use crate::spaces::observation::{Shared, Target};
 use crate::terms::{Amounts, Measured};
-use crate::zone_air::ZoneAir;
 use crate::zones::ControlledZone;
+use crate::zones::carbon_dioxide::CarbonDioxide;
+use crate::zones::comfort::Comfort;
+use crate::zones::zone_air::ZoneAir;
 use crate::{Error, Result};
 
 /// Hours until the next change of setpoints where there is none, a week.

@@ -7,13 +7,13 @@ use std::str::FromStr;
 use b2b_tariff::Tariff;
 
 use super::{DataFile, OPERATION_WEIGHT, Task};
-use crate::band::Band;
-use crate::carbon_dioxide::CarbonDioxide;
-use crate::comfort::{Comfort, Pmv};
 use crate::preview::Preview;
 use crate::setpoints::Setpoints;
+use crate::setpoints::band::Band;
 use crate::terms::Resource;
-use crate::ventilation::Ventilation;
+use crate::zones::carbon_dioxide::CarbonDioxide;
+use crate::zones::comfort::{Comfort, Pmv};
+use crate::zones::ventilation::Ventilation;
 use crate::{Error, Result};
 
 /// The part of a task with a preview.

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::calendar::Season;
 use crate::limits::within;
 use crate::reward::ZoneStep;
+use crate::setpoints::calendar::Season;
 
 /// The comfort penalty of a reward, averaged over the controlled zones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,11 @@
 //! The controlled zones of an environment.
 
+pub(crate) mod carbon_dioxide;
+pub(crate) mod comfort;
+pub(crate) mod presence;
+pub(crate) mod ventilation;
+pub(crate) mod zone_air;
+
 use b2b_building::{Conditioning, PreparedBuilding, people};
 
 use crate::Result;

@@ -15,8 +15,8 @@
 
 use b2b_building::ZoneRole;
 
-use crate::observation::{Slot, Target};
 use crate::spaces::Spaces;
+use crate::spaces::observation::{Slot, Target};
 
 /// Number of roles.
 const ROLES: usize = ZoneRole::ALL.len();

@@ -1,5 +1,11 @@
 //! The definition of an episode and its spaces.
 
+pub(crate) mod action;
+pub(crate) mod attributes;
+pub(crate) mod morphology;
+pub(crate) mod observation;
+pub(crate) mod role_observation;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -7,8 +13,8 @@ use b2b_building::{Conditioning, Date, PreparedBuilding, RunPeriod};
 use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 
-use crate::action::ActionSpace;
-use crate::observation::ObservationSpace;
+use crate::spaces::action::ActionSpace;
+use crate::spaces::observation::ObservationSpace;
 use crate::task::Task;
 use crate::{Error, Result};
 

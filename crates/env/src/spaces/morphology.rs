@@ -3,8 +3,8 @@
 use b2b_building::Morphology;
 use b2b_building::morphology::{Layout, Node, NodeType, Observed, Owner};
 
-use crate::action::ActionSpace;
-use crate::observation::ObservationSpace;
+use crate::spaces::action::ActionSpace;
+use crate::spaces::observation::ObservationSpace;
 use crate::{Error, Result};
 
 /// The paper's two translations: `split` an observation into node observations, and `join` node actions to an action.
@@ -264,7 +264,7 @@ fn constants(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::observation::Slot;
+    use crate::spaces::observation::Slot;
 
     /// Two zones with unitary systems.
     fn morphology() -> Morphology {

@@ -1,8 +1,12 @@
 //! Running sums over an episode: key performance indicators modeled on BOPTEST's.
 
+pub(crate) mod episode_metrics;
+pub(crate) mod kpis;
+pub(crate) mod oscillation;
+
 use serde::{Deserialize, Serialize};
 
-use crate::kpis::Kpis;
+use crate::metrics::kpis::Kpis;
 use crate::reward::{Reward, StepView, ZoneStep};
 use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
@@ -283,7 +287,7 @@ fn uncomfortable(step: &ZoneStep, comfort_band: f64) -> [bool; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calendar::Season;
+    use crate::setpoints::calendar::Season;
     use crate::terms::Amounts;
 
     #[test]

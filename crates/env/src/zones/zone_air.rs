@@ -2,8 +2,8 @@
 
 use b2b_building::morphology::Observed;
 
-use crate::comfort::Comfort;
 use crate::task::Task;
+use crate::zones::comfort::Comfort;
 
 /// A quantity of the air of a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

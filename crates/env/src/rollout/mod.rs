@@ -1,9 +1,13 @@
 //! A whole episode under a controller.
 
-use crate::decisions::Decisions;
+pub(crate) mod controller;
+pub(crate) mod decisions;
+pub(crate) mod trajectory;
+
 use crate::environment::Step;
 use crate::metrics::Metrics;
-use crate::trajectory::Trajectory;
+use crate::rollout::decisions::Decisions;
+use crate::rollout::trajectory::Trajectory;
 use crate::{Controller, Environment, Error, Result};
 
 /// Watches a [`rollout`]: records it, reports progress, or stops it with an error.

@@ -23,7 +23,7 @@ pub struct CostScale {
 }
 
 static SHIPPED: LazyLock<Vec<CostScale>> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../data/cost_scale.json")).expect("a test reads the shipped file")
+    serde_json::from_str(include_str!("../../data/cost_scale.json")).expect("a test reads the shipped file")
 });
 
 impl CostScale {

@@ -1,6 +1,6 @@
 //! The interface of a controller.
 
-use crate::decisions::Decisions;
+use crate::rollout::decisions::Decisions;
 
 /// A controller: maps an observation to an action, as a policy does, and may keep state between steps.
 pub trait Controller {

@@ -1,9 +1,12 @@
 //! The reward of a step: the negative sum of a comfort penalty and an energy penalty.
 
+pub(crate) mod cost_scale;
+pub(crate) mod energy_scale;
+
 use std::fmt::Debug;
 
-use crate::band::Pair;
-use crate::calendar::Season;
+use crate::setpoints::band::Pair;
+use crate::setpoints::calendar::Season;
 use crate::terms::{Amounts, IN_INFO, TERMS, Term};
 
 /// The reward of one step, by its terms.

@@ -115,7 +115,7 @@ impl Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::band::Pair;
+    use crate::setpoints::band::Pair;
 
     fn zone(temperature: f64) -> ZoneStep {
         let pair = Pair { heating: 21.0, cooling: 24.0 };

@@ -22,7 +22,7 @@ pub struct EnergyScale {
 }
 
 static SHIPPED: LazyLock<Vec<EnergyScale>> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../data/energy_scale.json")).expect("a test reads the shipped file")
+    serde_json::from_str(include_str!("../../data/energy_scale.json")).expect("a test reads the shipped file")
 });
 
 impl EnergyScale {

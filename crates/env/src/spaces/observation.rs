@@ -5,10 +5,10 @@ use std::ops::Range;
 use b2b_building::morphology::{Observed, Owner};
 use b2b_building::{Conditioning, PreparedBuilding};
 
-use crate::band::Pair;
 use crate::preview::PREVIEW_HOURS;
+use crate::setpoints::band::Pair;
 use crate::task::Task;
-use crate::zone_air::ZoneAir;
+use crate::zones::zone_air::ZoneAir;
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]

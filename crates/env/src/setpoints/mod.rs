@@ -1,5 +1,8 @@
 //! Target temperatures: constant, by occupancy, or drawn at random for every zone and day.
 
+pub(crate) mod band;
+pub(crate) mod calendar;
+
 use std::str::FromStr;
 
 use b2b_base::random::{standard_normal, uniform};
@@ -8,10 +11,10 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::band::{Band, Bands, NextPair, Pair};
-use crate::calendar::{Moment, Season, Seasons};
 use crate::limits::within;
 use crate::random::stream;
+use crate::setpoints::band::{Band, Bands, NextPair, Pair};
+use crate::setpoints::calendar::{Moment, Season, Seasons};
 use crate::spaces::Spaces;
 
 /// Target temperatures, °C (paper, section on tasks).
