@@ -1,12 +1,10 @@
 //! Comfort bands: a heating and a cooling setpoint for every controlled zone and time.
 
 use b2b_base::calendar::Calendar;
-use b2b_building::{Conditioning, Span, ZoneYear};
+use b2b_building::{Conditioning, PreparedBuilding, Span, ZoneYear};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
-use crate::setpoints::Setpoints;
-use crate::spaces::{EpisodeConfig, Spaces};
 use crate::{Error, Result};
 
 /// Least difference of a cooling and a heating setpoint, K (Guideline 36, 5.3.2).
@@ -141,21 +139,14 @@ impl Days {
 }
 
 impl Bands {
-    /// Returns the bands of a building in an episode; `None` if its task has targets instead.
-    pub fn of(spaces: &Spaces) -> Option<Self> {
-        let Spaces { building, episode: EpisodeConfig { period, task, .. }, .. } = spaces;
-        let Setpoints::Band { band } = &task.setpoints else { return None };
+    /// The bands of a building's controlled zones. `scheduled` is whether people come and go by their schedules.
+    pub(crate) fn new(band: Band, building: &PreparedBuilding, scheduled: bool, calendar: Calendar) -> Self {
         let zones = building.zones.iter().enumerate();
         let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, zone)| {
             let cooled = zone.conditioning == Conditioning::HeatingAndCooling;
             ZoneBands { year: building.years.get(index).cloned().unwrap_or_default(), cooled }
         });
-        Some(Self {
-            band: band.clone(),
-            scheduled: task.presence.is_scheduled(),
-            calendar: period.calendar(),
-            zones: zones.collect(),
-        })
+        Self { band, scheduled, calendar, zones: zones.collect() }
     }
 
     /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and for

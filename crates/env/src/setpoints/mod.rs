@@ -15,7 +15,6 @@ use crate::limits::within;
 use crate::random::stream;
 use crate::setpoints::band::{Band, Bands, NextPair, Pair};
 use crate::setpoints::calendar::{Moment, Season, Seasons};
-use crate::spaces::Spaces;
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -239,15 +238,15 @@ struct Plan {
 }
 
 impl Targets {
-    /// Creates the targets of the controlled zones of a building at a site with these seasons.
-    pub(crate) fn of(spaces: &Spaces, seasons: Seasons) -> Self {
-        let zones = spaces.controlled_zones().count();
-        let setpoints = &spaces.episode.task.setpoints;
-        let targets = Self::with_bands(setpoints, Bands::of(spaces), spaces.building.class, zones);
-        Self { seasons, ..targets }
-    }
-
-    fn with_bands(setpoints: &Setpoints, bands: Option<Bands>, class: Option<Class>, zones: usize) -> Self {
+    /// The targets of a number of controlled zones, with the bands of a task that has them, the building's class and the
+    /// seasons of its site.
+    pub(crate) fn new(
+        setpoints: &Setpoints,
+        bands: Option<Bands>,
+        class: Option<Class>,
+        zones: usize,
+        seasons: Seasons,
+    ) -> Self {
         let own = match setpoints {
             Setpoints::Random { day, .. } => *day,
             _ => None,
@@ -255,7 +254,7 @@ impl Targets {
         Self {
             setpoints: setpoints.clone(),
             bands,
-            seasons: Seasons::default(),
+            seasons,
             day: own.unwrap_or_else(|| RandomDay::of_class(class)),
             drawn: vec![(0, Plan::default()); zones],
         }
@@ -338,7 +337,7 @@ mod tests {
 
     #[test]
     fn an_unoccupied_zone_is_set_back_by_season() {
-        let mut targets = Targets::with_bands(&"occupancy".parse().unwrap(), None, None, 1);
+        let mut targets = Targets::new(&"occupancy".parse().unwrap(), None, None, 1, Seasons::default());
         assert_eq!(targets.target(0, moment(10, 3.0), true), (true, 21.0));
         for (day, target) in [(10, 18.0), (100, 21.0), (200, 26.0), (300, 21.0)] {
             assert_eq!(targets.target(0, moment(day, 3.0), false), (false, target));
@@ -379,7 +378,9 @@ mod tests {
 
     #[test]
     fn a_random_target_depends_only_on_seed_zone_and_time() {
-        let random = |seed: u64| Targets::with_bands(&Setpoints::Random { seed, day: None }, None, None, 5);
+        let random = |seed: u64| {
+            Targets::new(&Setpoints::Random { seed, day: None }, None, None, 5, Seasons::default())
+        };
         let (mut forward, mut backward) = (random(3), random(3));
         let moments: Vec<_> =
             (1..40).flat_map(|day| [6.0, 12.0, 23.0].map(|hour| moment(day, hour))).collect();

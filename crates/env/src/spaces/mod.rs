@@ -5,6 +5,7 @@ pub(crate) mod attributes;
 pub(crate) mod morphology;
 pub(crate) mod observation;
 pub(crate) mod role_observation;
+pub(crate) mod slots;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,6 +14,8 @@ use b2b_building::{Conditioning, Date, PreparedBuilding, RunPeriod};
 use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 
+use crate::setpoints::Setpoints;
+use crate::setpoints::band::Bands;
 use crate::spaces::action::ActionSpace;
 use crate::spaces::observation::ObservationSpace;
 use crate::task::Task;
@@ -81,6 +84,15 @@ pub struct Spaces {
     pub action: ActionSpace,
     /// Names, units and bounds of the observation.
     pub observation: ObservationSpace,
+}
+
+impl Bands {
+    /// Returns the bands of a building in an episode; `None` if its task has targets instead.
+    pub fn of(spaces: &Spaces) -> Option<Self> {
+        let Spaces { building, episode: EpisodeConfig { period, task, .. }, .. } = spaces;
+        let Setpoints::Band { band } = &task.setpoints else { return None };
+        Some(Self::new(band.clone(), building, task.presence.is_scheduled(), period.calendar()))
+    }
 }
 
 impl Spaces {

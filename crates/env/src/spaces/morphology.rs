@@ -264,7 +264,7 @@ fn constants(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spaces::observation::Slot;
+    use crate::spaces::slots::Slot;
 
     /// Two zones with unitary systems.
     fn morphology() -> Morphology {

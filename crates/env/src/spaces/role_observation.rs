@@ -16,7 +16,8 @@
 use b2b_building::ZoneRole;
 
 use crate::spaces::Spaces;
-use crate::spaces::observation::{Slot, Target};
+use crate::spaces::observation::Target;
+use crate::spaces::slots::Slot;
 
 /// Number of roles.
 const ROLES: usize = ZoneRole::ALL.len();
