@@ -19,9 +19,9 @@ use serde::Serialize;
 
 use super::statistics::median;
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::table::Table;
+use crate::{terminal::interrupt, terminal::stdout};
 
 /// Measure the CPU time of forward passes and updates of graph networks, compared with flat networks and the
 /// environment

@@ -12,9 +12,9 @@ use tempfile::TempDir;
 
 use super::statistics::{mean_and_deviation, median};
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::table::Table;
+use crate::{terminal::interrupt, terminal::stdout};
 
 /// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment of two tasks
 ///

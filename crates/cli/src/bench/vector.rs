@@ -16,10 +16,10 @@ use tempfile::TempDir;
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::statistics::{median, percentile};
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::progress::spinner;
-use crate::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::progress::spinner;
+use crate::terminal::table::Table;
+use crate::{program, terminal::interrupt, terminal::stdout};
 
 /// Measure throughput, resets and memory of many environments at once
 ///

@@ -8,10 +8,10 @@ use b2b_benchmark::entry::{self, Check, Sample};
 use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::{Bars, evaluation};
-use crate::exit_code::ExitCode;
-use crate::progress::Download;
-use crate::{program, stdout};
+use crate::scoring::evaluation::{Bars, evaluation};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::Download;
+use crate::{program, terminal::stdout};
 
 /// Verify a result
 ///

@@ -12,8 +12,8 @@ use indicatif::ProgressBar;
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
-use crate::progress::{Download, counter, spinner};
-use crate::{interrupt, program, stdout};
+use crate::terminal::progress::{Download, counter, spinner};
+use crate::{program, terminal::interrupt, terminal::stdout};
 
 /// Calibrate a model to monthly metered energy
 ///

@@ -8,9 +8,9 @@ use serde_json::json;
 
 use super::report;
 use crate::arguments::jobs::Jobs;
-use crate::exit_code::ExitCode;
-use crate::progress::counter;
-use crate::{interrupt, program, stdout};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::counter;
+use crate::{program, terminal::interrupt, terminal::stdout};
 
 /// Run the remaining jobs of an experiment and write its report
 ///

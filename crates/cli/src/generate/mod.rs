@@ -17,8 +17,8 @@ use serde_json::json;
 use crate::arguments::buildings::Split;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::place_name;
-use crate::progress::{Download, counter};
-use crate::{interrupt, program, stdout, weather};
+use crate::terminal::progress::{Download, counter};
+use crate::{program, program::weather, terminal::interrupt, terminal::stdout};
 use model_folder::{MANIFEST, ModelFolder};
 
 /// Generate buildings as EnergyPlus models

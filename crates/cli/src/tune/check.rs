@@ -9,8 +9,8 @@ use b2b_env::EnergyScale;
 
 use super::rollouts::TrainingRollouts;
 use crate::arguments::buildings::Classes;
-use crate::progress::{Download, counter};
-use crate::{interrupt, program, shipped, stdout};
+use crate::terminal::progress::{Download, counter};
+use crate::{program, scoring::shipped, terminal::interrupt, terminal::stdout};
 
 /// Reproduce the results of the shipped parameters
 ///

@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use super::rollouts::rollouts;
 use crate::arguments::buildings::DatasetBuildings;
-use crate::progress::{Download, counter};
-use crate::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
+use crate::{program, terminal::interrupt, terminal::stdout};
 
 /// Compare default and tuned parameters on test buildings
 ///

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use anyhow::Result;
 use serde::Serialize;
 
-use crate::wrap;
+use crate::terminal::wrap;
 
 /// Prints a text and a newline. On a terminal, lines are wrapped to its width.
 pub fn print(text: &str) -> Result<()> {

@@ -7,8 +7,8 @@ use b2b_climate::Site;
 use b2b_dataset::Building;
 use b2b_energyplus::install::Cache;
 
-use crate::interrupt;
-use crate::progress::Download;
+use crate::terminal::interrupt;
+use crate::terminal::progress::Download;
 
 /// Downloads the weather of dataset buildings that is not in the cache.
 pub fn fetch<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<()> {

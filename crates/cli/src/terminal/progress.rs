@@ -7,7 +7,7 @@ use b2b_building::{Date, RunPeriod};
 use b2b_energyplus::install;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::interrupt;
+use crate::terminal::interrupt;
 
 /// Time between two frames of a spinner.
 const TURN: Duration = Duration::from_millis(120);

@@ -1,5 +1,8 @@
 //! Starting this program again: as a worker, or for a job of an experiment.
 
+pub(crate) mod prepare;
+pub(crate) mod weather;
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,7 +11,7 @@ use std::sync::OnceLock;
 use anyhow::Result;
 use b2b_dataset::Catalog;
 
-use crate::progress::Download;
+use crate::terminal::progress::Download;
 
 /// A program that calls [`run`](crate::run), and the arguments that precede `b2b`'s own.
 #[derive(Clone, Debug)]
@@ -56,7 +59,7 @@ pub fn catalog(download: &mut Download) -> Result<Catalog> {
     let catalog = Catalog::open(download)?;
     #[cfg(target_os = "linux")]
     let catalog = {
-        let jobs = b2b_workers::Jobs::new(crate::workers::worker_options(catalog.library().path()));
+        let jobs = b2b_workers::Jobs::new(worker_options(catalog.library().path()));
         catalog.hosted_by(std::sync::Arc::new(jobs))
     };
     Ok(catalog)
@@ -67,4 +70,11 @@ pub fn catalog(download: &mut Download) -> Result<Catalog> {
 pub fn launcher() -> b2b_workers::Launcher {
     let Program { executable, arguments } = Program::this();
     arguments.iter().fold(b2b_workers::Launcher::new(executable), |launcher, each| launcher.argument(each))
+}
+
+/// Returns the options of workers with this engine. An interrupt ends any wait for them.
+#[cfg(target_os = "linux")]
+pub fn worker_options(engine: &std::path::Path) -> b2b_workers::WorkerOptions {
+    let options = b2b_workers::WorkerOptions::new(launcher(), engine);
+    b2b_workers::WorkerOptions { interrupted: crate::terminal::interrupt::requested, ..options }
 }

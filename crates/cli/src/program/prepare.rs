@@ -8,10 +8,12 @@ use b2b_building::{Controls, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
 use b2b_env::{Env, EpisodeConfig, Spaces, Task};
+#[cfg(target_os = "linux")]
+use b2b_workers::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
 
 use crate::arguments::location::Location;
-use crate::progress::{Download, spinner};
-use crate::{interrupt, program, weather};
+use crate::terminal::progress::{Download, spinner};
+use crate::{program, program::weather, terminal::interrupt};
 
 /// A prepared building with its place and engine.
 pub struct Prepared {
@@ -86,5 +88,24 @@ impl Prepared {
     /// Returns the configuration of an episode with the building's weather.
     pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> EpisodeConfig {
         EpisodeConfig { weather: self.weather.clone(), period, steps_per_hour, task }
+    }
+}
+
+/// For worker processes.
+#[cfg(target_os = "linux")]
+impl Prepared {
+    /// Returns the options of workers with this building's engine.
+    pub fn worker_options(&self) -> WorkerOptions {
+        program::worker_options(self.library.path())
+    }
+
+    /// Returns the options of a batch of environments.
+    pub fn vec_env_options(&self) -> VecEnvOptions {
+        VecEnvOptions { workers: self.worker_options(), autoreset: Autoreset::NextStep, widths: None }
+    }
+
+    /// Returns the setting of an episode in this building.
+    pub fn setting(&self, episode: EpisodeConfig) -> Setting {
+        Setting::new(Source::Prepared(Box::new((*self.building).clone())), episode)
     }
 }

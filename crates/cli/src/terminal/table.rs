@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::wrap;
+use crate::terminal::wrap;
 
 /// Returns how many decimals show at least two digits of a value, between `least` and 6: what a building uses on a mild
 /// day is not 0.

@@ -9,10 +9,10 @@ use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
-use crate::facts::{Facts, Served};
-use crate::prepare::Prepared;
-use crate::stdout;
-use crate::table::Table;
+use crate::buildings::facts::{Facts, Served};
+use crate::program::prepare::Prepared;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// Describe a building: envelope, systems, observation and action spaces
 #[derive(clap::Args)]

@@ -9,9 +9,9 @@ use b2b_env::tariff::Tariff;
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::stdout;
-use crate::table::Table;
+use crate::program::prepare::Prepared;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// List building types, places or tariffs
 #[derive(clap::Args)]

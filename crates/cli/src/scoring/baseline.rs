@@ -14,11 +14,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::{Bars, evaluation};
-use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
-use crate::progress::Download;
-use crate::{interrupt, program, shipped, stdout};
+use crate::scoring::evaluation::{Bars, evaluation};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::Download;
+use crate::{program, scoring::shipped, terminal::interrupt, terminal::stdout};
 
 /// Compute the baseline returns that scores are normalized by
 ///

@@ -11,12 +11,12 @@ use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::controller::{Parameters, reactive};
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
-use crate::exit_code::ExitCode;
-use crate::prepare::Prepared;
-use crate::progress::{Download, counter};
+use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
-use crate::table::Table;
-use crate::{interrupt, program, stdout, with_causes};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
+use crate::{program, terminal::interrupt, terminal::stdout, with_causes};
 
 /// Size and simulate dataset buildings and report failures
 ///

@@ -12,9 +12,9 @@ use b2b_env::{EngineReport, Task};
 use serde_json::json;
 
 use crate::arguments::location::Location;
-use crate::exit_code::ExitCode;
-use crate::prepare::Prepared;
-use crate::{derived, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::exit_code::ExitCode;
+use crate::{installation::derived, terminal::stdout};
 
 /// Check the installation, or the actuator response of a building
 ///

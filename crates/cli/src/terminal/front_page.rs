@@ -1,6 +1,6 @@
 //! The help text of `b2b`: where to start, and the commands by purpose.
 
-use crate::wrap;
+use crate::terminal::wrap;
 
 /// Commands by purpose.
 #[cfg(target_os = "linux")]

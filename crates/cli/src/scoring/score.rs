@@ -13,10 +13,10 @@ use b2b_evaluate::{Baseline, Baselines, Episode, SiteInfo, Subject, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
-use crate::evaluation::{Bars, evaluation};
-use crate::progress::Download;
 use crate::run::trajectory_file::Stored;
-use crate::{program, stdout};
+use crate::scoring::evaluation::{Bars, evaluation};
+use crate::terminal::progress::Download;
+use crate::{program, terminal::stdout};
 
 /// Score a trajectory against the baseline
 ///

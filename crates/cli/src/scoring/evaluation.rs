@@ -8,8 +8,8 @@ use b2b_dataset::{BuildingName, Catalog};
 use b2b_evaluate::{Episode, Evaluation, Progress};
 use indicatif::ProgressBar;
 
-use crate::progress::counter;
-use crate::{interrupt, program, weather};
+use crate::terminal::progress::counter;
+use crate::{program, program::weather, terminal::interrupt};
 
 /// Returns an evaluation whose episodes run in worker processes of this program.
 pub fn evaluation(catalog: &Catalog, jobs: usize) -> Evaluation<'_> {

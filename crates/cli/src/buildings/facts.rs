@@ -11,8 +11,8 @@ use b2b_env::Env;
 use serde_json::{Map, Value};
 
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::table::Table;
+use crate::program::prepare::Prepared;
+use crate::terminal::table::Table;
 
 /// The description of a prepared building.
 pub struct Facts {

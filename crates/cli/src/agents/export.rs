@@ -9,8 +9,8 @@ use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
 
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::stdout;
+use crate::program::prepare::Prepared;
+use crate::terminal::stdout;
 
 /// Write an agent as an ONNX file
 ///
