@@ -41,7 +41,7 @@ fn a_resumed_tuning_gives_the_result_of_an_uninterrupted_one() {
 fn a_dataset_building_uses_the_set_of_its_class_and_the_tasks_objective_by_default() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let shipped: Value = serde_json::from_str(include_str!("../../../control/data/tuned.json")).unwrap();
+    let shipped: Value = serde_json::from_str(include_str!("../../../../control/data/tuned.json")).unwrap();
     let set = |objective: &str| {
         let of_houses = |tuned: &&Value| {
             tuned["class"]["building_type"] == "SingleFamilyHouse" && tuned["objective"] == objective

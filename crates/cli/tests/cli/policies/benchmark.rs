@@ -6,8 +6,8 @@ use std::process::Stdio;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::browser::{self, Browser};
-use crate::onnx_file::linear_policy;
+use crate::pages::browser::{self, Browser};
+use crate::policies::onnx_file::linear_policy;
 use crate::program::{assert_rejected, b2b, both_outputs, command};
 use b2b_benchmark::Problem;
 use b2b_benchmark::entry::read_result;

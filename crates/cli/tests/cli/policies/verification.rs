@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use crate::onnx_file::linear_policy;
+use crate::policies::onnx_file::linear_policy;
 use crate::program::{b2b, both_outputs, command};
 use b2b_base::digest::sha256;
 use b2b_benchmark::entry::{Check, Sample, check, read_result, verify};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::onnx_file::linear_policy;
+use crate::policies::onnx_file::linear_policy;
 use b2b_control::{Controller, Reactive, ReactiveParameters, Versions};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;

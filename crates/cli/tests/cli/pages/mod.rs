@@ -1,7 +1,9 @@
 //! Every page in a browser: at the widths of a telephone and of a desk, light and dark, without errors and without
 //! scrolling sideways.
 
-use crate::browser::{self, Browser};
+pub(crate) mod browser;
+
+use self::browser::Browser;
 use crate::program::{b2b, stderr};
 use serde_json::json;
 
