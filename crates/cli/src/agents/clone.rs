@@ -15,8 +15,9 @@ use b2b_learn::Error;
 use b2b_learn::offline::{CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata, clone_policy};
 use serde_json::json;
 
+use crate::program;
 use crate::terminal::progress::{Download, counter};
-use crate::{program, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Train an agent to imitate the policies of a dataset (behavior cloning)
 ///

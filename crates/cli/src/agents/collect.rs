@@ -10,10 +10,11 @@ use serde_json::json;
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
+use crate::program;
 use crate::scoring::evaluation::{Bars, evaluation, fetch_weather};
 use crate::terminal::progress::Download;
+use crate::terminal::stdout;
 use crate::terminal::table::Table;
-use crate::{program, terminal::stdout};
 
 /// Record episodes as a Minari dataset, for offline learning
 ///

@@ -21,7 +21,7 @@ use super::statistics::median;
 use crate::arguments::location::Location;
 use crate::program::prepare::Prepared;
 use crate::terminal::table::Table;
-use crate::{terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the CPU time of forward passes and updates of graph networks, compared with flat networks and the
 /// environment

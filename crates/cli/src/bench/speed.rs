@@ -14,7 +14,7 @@ use super::statistics::{mean_and_deviation, median};
 use crate::arguments::location::Location;
 use crate::program::prepare::Prepared;
 use crate::terminal::table::Table;
-use crate::{terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment of two tasks
 ///

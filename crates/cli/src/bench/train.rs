@@ -14,10 +14,11 @@ use serde::Serialize;
 
 use super::process::cpu_seconds;
 use super::sb3::{Python, Speed};
+use crate::program;
 use crate::program::worker_options;
 use crate::terminal::progress::{Download, spinner};
 use crate::terminal::table::Table;
-use crate::{program, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///

@@ -16,10 +16,11 @@ use tempfile::TempDir;
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::statistics::{median, percentile};
 use crate::arguments::location::Location;
+use crate::program;
 use crate::program::prepare::Prepared;
 use crate::terminal::progress::spinner;
 use crate::terminal::table::Table;
-use crate::{program, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Measure throughput, resets and memory of many environments at once
 ///

@@ -16,7 +16,8 @@ use crate::rollout::Rollout;
 use crate::terminal::exit_code::ExitCode;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
-use crate::{program, terminal::interrupt, terminal::stdout, with_causes};
+use crate::terminal::{interrupt, stdout};
+use crate::{program, with_causes};
 
 /// Size and simulate dataset buildings and report failures
 ///

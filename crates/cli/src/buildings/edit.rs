@@ -6,9 +6,10 @@ use anyhow::Result;
 use b2b_building::edit::{Change, Edits, Effect, Report, check_output, edit_file};
 use serde::Serialize;
 
+use crate::program;
 use crate::terminal::progress::Download;
+use crate::terminal::stdout;
 use crate::terminal::table::Table;
-use crate::{program, terminal::stdout};
 
 /// Change the envelope, the shape or the internal gains of a model
 ///

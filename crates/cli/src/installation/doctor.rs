@@ -12,9 +12,10 @@ use b2b_env::{EngineReport, Task};
 use serde_json::json;
 
 use crate::arguments::location::Location;
+use crate::installation::derived;
 use crate::program::prepare::Prepared;
 use crate::terminal::exit_code::ExitCode;
-use crate::{installation::derived, terminal::stdout};
+use crate::terminal::stdout;
 
 /// Check the installation, or the actuator response of a building
 ///

@@ -4,8 +4,9 @@ use anyhow::Result;
 use b2b_climate::weather::PACKAGES;
 use b2b_energyplus::install::{Cache, ENGINE, Engine, Package};
 
+use crate::installation::derived;
 use crate::terminal::progress::Download;
-use crate::{installation::derived, terminal::stdout};
+use crate::terminal::stdout;
 
 /// Download EnergyPlus and weather files, and repair damaged ones
 ///

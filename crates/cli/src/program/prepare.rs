@@ -12,8 +12,9 @@ use b2b_env::{Env, EpisodeConfig, Spaces, Task};
 use b2b_workers::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
 
 use crate::arguments::location::Location;
+use crate::program::{self, weather};
+use crate::terminal::interrupt;
 use crate::terminal::progress::{Download, spinner};
-use crate::{program, program::weather, terminal::interrupt};
 
 /// A prepared building with its place and engine.
 pub struct Prepared {

@@ -22,7 +22,7 @@ use crate::arguments::task;
 use crate::output_folder::OutputFolder;
 use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
-use crate::{terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 use summary::{RunInfo, Summary};
 use trajectory_file::Identity;
 

@@ -15,10 +15,12 @@ use rand_chacha::ChaCha8Rng;
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
 use crate::output_folder::OutputFolder;
+use crate::program;
 use crate::scoring::evaluation::{Bars, evaluation};
+use crate::scoring::shipped;
 use crate::terminal::exit_code::ExitCode;
 use crate::terminal::progress::Download;
-use crate::{program, scoring::shipped, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Compute the baseline returns that scores are normalized by
 ///

@@ -8,8 +8,9 @@ use b2b_dataset::{BuildingName, Catalog};
 use b2b_evaluate::{Episode, Evaluation, Progress};
 use indicatif::ProgressBar;
 
+use crate::program::{self, weather};
+use crate::terminal::interrupt;
 use crate::terminal::progress::counter;
-use crate::{program, program::weather, terminal::interrupt};
 
 /// Returns an evaluation whose episodes run in worker processes of this program.
 pub fn evaluation(catalog: &Catalog, jobs: usize) -> Evaluation<'_> {

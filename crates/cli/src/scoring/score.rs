@@ -13,10 +13,11 @@ use b2b_evaluate::{Baseline, Baselines, Episode, SiteInfo, Subject, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
+use crate::program;
 use crate::run::trajectory_file::Stored;
 use crate::scoring::evaluation::{Bars, evaluation};
 use crate::terminal::progress::Download;
-use crate::{program, terminal::stdout};
+use crate::terminal::stdout;
 
 /// Score a trajectory against the baseline
 ///

@@ -10,9 +10,10 @@ use serde::Serialize;
 
 use super::rollouts::rollouts;
 use crate::arguments::buildings::DatasetBuildings;
+use crate::program;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
-use crate::{program, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Compare default and tuned parameters on test buildings
 ///

@@ -15,10 +15,11 @@ use super::two_weeks::two_weeks;
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
 use crate::output_folder::OutputFolder;
+use crate::program;
 use crate::scoring::evaluation::evaluation;
 use crate::terminal::progress::Download;
+use crate::terminal::stdout;
 use crate::terminal::table::Table;
-use crate::{program, terminal::stdout};
 
 /// Measure the scales of the rewards of operation, and rank controllers under several weights of discomfort
 ///

@@ -16,9 +16,10 @@ use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
 use crate::output_folder::{self, OutputFolder};
+use crate::program;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
-use crate::{program, terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Arguments of the search.
 #[derive(clap::Args)]

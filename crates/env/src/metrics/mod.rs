@@ -6,7 +6,7 @@ pub(crate) mod oscillation;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::kpis::Kpis;
+use self::kpis::Kpis;
 use crate::reward::{Reward, StepView, ZoneStep};
 use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;

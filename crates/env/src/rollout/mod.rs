@@ -4,10 +4,10 @@ pub(crate) mod controller;
 pub(crate) mod decisions;
 pub(crate) mod trajectory;
 
+use self::decisions::Decisions;
+use self::trajectory::Trajectory;
 use crate::environment::Step;
 use crate::metrics::Metrics;
-use crate::rollout::decisions::Decisions;
-use crate::rollout::trajectory::Trajectory;
 use crate::{Controller, Environment, Error, Result};
 
 /// Watches a [`rollout`]: records it, reports progress, or stops it with an error.

@@ -10,11 +10,11 @@ use b2b_building::{BuildingType, Class, Day};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use self::band::{Band, Bands, NextPair, Pair};
+use self::calendar::{Moment, Season, Seasons};
 use crate::Result;
 use crate::limits::within;
 use crate::random::stream;
-use crate::setpoints::band::{Band, Bands, NextPair, Pair};
-use crate::setpoints::calendar::{Moment, Season, Seasons};
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

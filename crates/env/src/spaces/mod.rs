@@ -14,10 +14,10 @@ use b2b_building::{Conditioning, Date, PreparedBuilding, RunPeriod};
 use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 
+use self::action::ActionSpace;
+use self::observation::ObservationSpace;
 use crate::setpoints::Setpoints;
 use crate::setpoints::band::Bands;
-use crate::spaces::action::ActionSpace;
-use crate::spaces::observation::ObservationSpace;
 use crate::task::Task;
 use crate::{Error, Result};
 

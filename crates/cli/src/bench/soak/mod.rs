@@ -17,7 +17,7 @@ use super::process::{open_files, resident_mb};
 use crate::arguments::location::Location;
 use crate::program::prepare::Prepared;
 use crate::terminal::progress::counter;
-use crate::{terminal::interrupt, terminal::stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Run episodes of all types at once, with random actions and random resets, and report losses and leaks
 ///
