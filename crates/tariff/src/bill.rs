@@ -6,9 +6,10 @@ use crate::calendar::Moment;
 use crate::charge::Charge;
 use crate::energy::Class;
 use crate::file::Per;
+use crate::file::{MAX_CHARGES, MAX_NAMES};
 use crate::fuel::{ByFuel, Fuel};
 use crate::prices::Prices;
-use crate::tariff::{Blocks, MAX_CHARGES, MAX_NAMES};
+use crate::tariff::Blocks;
 
 /// Part of a quarter-hour that counts as rounding: half a second.
 const ROUNDING: f64 = 5e-4;

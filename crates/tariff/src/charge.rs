@@ -4,9 +4,8 @@ use b2b_base::suggestion::nearest;
 use toml::Spanned;
 
 use crate::error::Fault;
-use crate::file::{DemandFile, Ratchet};
+use crate::file::{DemandFile, MAX_CHARGES, Ratchet};
 use crate::span::{Dates, Days, Hours};
-use crate::tariff::MAX_CHARGES;
 
 /// A charge on the largest 15-minute mean of a month.
 #[derive(Clone, Debug)]

@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::calendar::{COMMON, Moment};
 use crate::error::{Fault, Result, read};
+use crate::file::Source;
 use crate::fuel::{Fuel, FuelValues, Fuels};
-use crate::tariff::Source;
 
 /// An emission profile.
 #[derive(Clone, Debug)]

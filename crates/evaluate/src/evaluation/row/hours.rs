@@ -3,7 +3,7 @@
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
-use super::recording::{ControlledZone, Recording};
+use crate::evaluation::recording::{ControlledZone, Recording};
 
 /// Hourly values of an episode in hundredths: a year fits in a small file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct Hours {
 
 impl Hours {
     /// Returns the hourly values of a recording.
-    pub(super) fn of(recording: &Recording, zones: &[ControlledZone], spaces: &Spaces) -> Self {
+    pub(in crate::evaluation) fn of(recording: &Recording, zones: &[ControlledZone], spaces: &Spaces) -> Self {
         let per_hour = spaces.episode.steps_per_hour as usize;
         let (outdoor, electricity, gas) = (
             spaces.observation.outdoor_temperature(),

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::recording::{ControlledZone, Recording};
+use crate::evaluation::recording::{ControlledZone, Recording};
 
 /// A histogram of deviations from target or band over every step and zone with both heating and cooling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ impl Deviations {
     }
 
     /// Returns the histogram of an episode. Deviations are from the targets observed before a step, as in the reward.
-    pub(super) fn of(recording: &Recording, zones: &[ControlledZone]) -> Self {
+    pub(in crate::evaluation) fn of(recording: &Recording, zones: &[ControlledZone]) -> Self {
         let mut deviations = Self::empty();
         for (before, end) in recording.steps() {
             for zone in zones.iter().filter(|zone| zone.fully_conditioned) {

@@ -1,5 +1,9 @@
 //! A row of a results table.
 
+pub(crate) mod deviations;
+pub(crate) mod hours;
+pub(crate) mod table;
+
 use b2b_env::{EpisodeMetrics, Inputs};
 use serde::{Deserialize, Serialize};
 

@@ -15,10 +15,10 @@ use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
 
-use super::finished::Lost;
-use super::info::EpisodeInfo;
-use super::row::{Row, Scored};
-use super::step_rewards::StepRewards;
+use super::{Row, Scored};
+use crate::evaluation::finished::Lost;
+use crate::evaluation::info::EpisodeInfo;
+use crate::evaluation::step_rewards::StepRewards;
 use crate::parquet_file::read_parquet;
 
 /// The metric that is stored as an integer; all others are stored as floating-point numbers.
