@@ -11,7 +11,7 @@ from gymnasium.spaces import Box
 from . import _core
 from .env import unwrap
 from .errors import need
-from .layout import Layout
+from .env.layout import Layout
 
 _pettingzoo = need("pettingzoo", "pettingzoo")
 

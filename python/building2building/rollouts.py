@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .env import unwrap
 from .errors import SettingError, need
-from .layout import Layout, index_of
-from .signatures import renamed
+from .env.layout import Layout, index_of
+from .buildings.signatures import renamed
 
 Array = NDArray[Any]
 

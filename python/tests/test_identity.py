@@ -14,7 +14,7 @@ import building2building as b2b
 import numpy as np
 import pytest
 from building2building import errors
-from building2building.identity import identity_of
+from building2building.evaluation.identity import identity_of
 
 BASE = """
 import math
@@ -167,7 +167,7 @@ def test_an_environment_is_identified_by_its_arguments_and_not_by_its_state(make
 def test_the_identity_is_the_same_in_every_process(tmp_path):
     script = tmp_path / "policy.py"
     tail = """
-    from building2building.identity import identity_of
+    from building2building.evaluation.identity import identity_of
     NAMES = {"one", "two", "three", "four"}
     chosen = lambda observation: len(NAMES & {"one", "five"})
     print(identity_of(make(1.0), ""), identity_of(Policy, ""), identity_of(chosen, ""))

@@ -320,7 +320,7 @@ def test_snapshots_branch_the_simulation(make):
 
 
 def test_a_temporary_folder_goes_with_an_error_and_with_the_next_process_after_a_killed_one():
-    from building2building.temporary import temporary_folder
+    from building2building.process.temporary import temporary_folder
 
     with pytest.raises(ZeroDivisionError), temporary_folder("test") as folder:
         (folder / "file").write_text("content")
@@ -329,7 +329,7 @@ def test_a_temporary_folder_goes_with_an_error_and_with_the_next_process_after_a
 
     code = """
         import os, signal
-        from building2building.temporary import temporary_folder
+        from building2building.process.temporary import temporary_folder
         with temporary_folder("test") as folder:
             print(folder, flush=True)
             os.kill(os.getpid(), signal.SIGKILL)

@@ -27,7 +27,11 @@ pub struct Hours {
 
 impl Hours {
     /// Returns the hourly values of a recording.
-    pub(in crate::evaluation) fn of(recording: &Recording, zones: &[ControlledZone], spaces: &Spaces) -> Self {
+    pub(in crate::evaluation) fn of(
+        recording: &Recording,
+        zones: &[ControlledZone],
+        spaces: &Spaces,
+    ) -> Self {
         let per_hour = spaces.episode.steps_per_hour as usize;
         let (outdoor, electricity, gas) = (
             spaces.observation.outdoor_temperature(),
