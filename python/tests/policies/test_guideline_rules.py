@@ -18,7 +18,7 @@ UNMET = "LocalLoopUnmetHours"
 @pytest.fixture(scope="module")
 def constrain():
     """A Python with the package, in an environment of its own: it brings a hundred others."""
-    venv = Path(__file__).parents[2] / os.environ.get("CARGO_TARGET_DIR", "target") / "python/constrain"
+    venv = Path(__file__).parents[3] / os.environ.get("CARGO_TARGET_DIR", "target") / "python/constrain"
     python = venv / "bin/python"
     if not (venv / "installed").exists():
         subprocess.run([sys.executable, "-m", "venv", "--clear", venv], check=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import building2building as b2b
 import pytest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs"
 
 #: Replacements that shorten the programs, so that a page takes seconds.

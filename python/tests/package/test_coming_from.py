@@ -13,7 +13,7 @@ import pytest
 from building2building import _core, errors, wrappers
 from building2building.buildings import select_building
 
-PAGE = Path(__file__).parents[2] / "docs/coming_from.md"
+PAGE = Path(__file__).parents[3] / "docs/coming_from.md"
 DAY = "01-01..01-01"
 #: Functions that check a row, by the beginning of its first cell.
 CHECKS = {}

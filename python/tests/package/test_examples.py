@@ -8,7 +8,7 @@ from pathlib import Path
 import building2building as b2b
 import pytest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "python/examples"
 
 
