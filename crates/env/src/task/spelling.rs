@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use b2b_base::suggestion::did_you_mean;
 use b2b_tariff::Tariff;
 
 use super::{DataFile, OPERATION_WEIGHT, Task};
@@ -186,7 +187,7 @@ fn suggestion(part: &str) -> String {
     let words = WORDS.into_iter().map(|word| (word, given)).chain(Tariff::names().map(|name| (name, part)));
     let near = words.map(|(word, given)| (strsim::damerau_levenshtein(word, given), word)).min();
     let near = near.filter(|(distance, word)| *distance > 0 && distance * 3 <= word.len());
-    near.map_or_else(String::new, |(_, word)| format!(": did you mean {word}?"))
+    did_you_mean(": ", near.map_or("", |(_, word)| word))
 }
 
 /// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.
