@@ -114,7 +114,7 @@ impl Env {
         write_model(&folder, &episode_model(&building, &episode, &meters))?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
-        let zones = controlled_zones(&spaces.building, task)?;
+        let zones = controlled_zones(&spaces.building, task.heating_only_zones, task.is_operation())?;
         let seasons = Seasons::of(&spaces.episode.weather, spaces.episode.period.calendar())?;
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
         let (model, steps_per_hour) = (spaces.building.model(), spaces.episode.steps_per_hour);

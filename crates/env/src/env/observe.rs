@@ -71,7 +71,9 @@ impl Env {
         let billed = self.billing.step(day_of_year, hour, energy);
         let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
         let hours = 1.0 / f64::from(*steps_per_hour);
-        Measured { energy, end_uses, billed, task, hour, hours, so_far: &self.metrics.terms }.amounts()
+        let cost = billed.cost.unwrap_or_else(|| task.cost(energy, hour));
+        let emissions = billed.emissions.unwrap_or_else(|| task.emissions_of(energy, hour));
+        Measured { energy, end_uses, cost, emissions, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The reward of the step just observed; adds the step to the metrics.

@@ -19,6 +19,7 @@ use crate::reward::energy_scale::EnergyScale;
 use crate::setpoints::Setpoints;
 use crate::setpoints::band::Band;
 use crate::terms::Resource;
+use crate::zones::HeatingOnlyZones;
 use crate::zones::carbon_dioxide::CarbonDioxide;
 use crate::zones::comfort::Comfort;
 use crate::zones::presence::Presence;
@@ -88,18 +89,6 @@ pub struct Task {
     /// Faults of sensors and equipment.
     #[serde(skip_serializing_if = "Faults::is_none")]
     pub faults: Faults,
-}
-
-/// Treatment of zones with heating and no cooling in the reward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum HeatingOnlyZones {
-    /// Only temperatures below target are penalized, because nothing can cool the zone: a warehouse at 35 °C in summer
-    /// is not the agent's fault.
-    #[default]
-    BelowTarget,
-    /// Deviations on both sides are penalized, as in the paper.
-    BothSides,
 }
 
 impl Default for Task {

@@ -8,8 +8,21 @@ pub(crate) mod zone_air;
 
 use b2b_building::{Conditioning, PreparedBuilding, people};
 
+use serde::{Deserialize, Serialize};
+
 use crate::Result;
-use crate::task::{HeatingOnlyZones, Task};
+
+/// Treatment of zones with heating and no cooling in the reward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeatingOnlyZones {
+    /// Only temperatures below target are penalized, because nothing can cool the zone: a warehouse at 35 °C in summer
+    /// is not the agent's fault.
+    #[default]
+    BelowTarget,
+    /// Deviations on both sides are penalized, as in the paper.
+    BothSides,
+}
 
 /// A controlled zone and how a task rewards it.
 #[derive(Clone, Copy, Debug)]
@@ -24,15 +37,19 @@ pub struct ControlledZone {
     pub least_people: f64,
 }
 
-/// Returns the controlled zones of a building under a task, in model order. In tasks of operation, a zone is occupied while
-/// it is [in use](people::least_in_use); in others, while anyone is in it.
+/// Returns the controlled zones of a building in model order. In tasks of operation, a zone is occupied while it is [in
+/// use](people::least_in_use); in others, while anyone is in it.
 ///
 /// # Errors
 /// The errors of [`people::groups`].
-pub(crate) fn controlled_zones(building: &PreparedBuilding, task: &Task) -> Result<Vec<ControlledZone>> {
-    let both_sides = task.heating_only_zones == HeatingOnlyZones::BothSides;
+pub(crate) fn controlled_zones(
+    building: &PreparedBuilding,
+    heating_only: HeatingOnlyZones,
+    is_operation: bool,
+) -> Result<Vec<ControlledZone>> {
+    let both_sides = heating_only == HeatingOnlyZones::BothSides;
     let model = building.model();
-    let groups = task.is_operation().then(|| people::groups(model)).transpose()?;
+    let groups = is_operation.then(|| people::groups(model)).transpose()?;
     let zones = building.zones.iter().enumerate();
     let zones = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(slot, zone)| {
         let fully_conditioned = zone.conditioning == Conditioning::HeatingAndCooling;
