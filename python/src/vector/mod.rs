@@ -25,7 +25,7 @@ use crate::spaces::Spaces;
 #[pyclass(frozen, module = "building2building._core")]
 pub struct VecEnv {
     owner: OwnerProcess,
-    state: Mutex<State>,
+    state: Mutex<BatchState>,
     /// Spaces of the environments, or of representatives of the buildings to draw from.
     spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
     /// For each of these, the slots of a row of observations.
@@ -34,21 +34,21 @@ pub struct VecEnv {
     actions: Vec<ActionSpace>,
 }
 
-struct State {
+struct BatchState {
     /// `None` once closed.
     envs: Option<Envs>,
     rescale: bool,
 }
 
 /// Observations, rewards, numbers (see [`InfoNumbers`]) and truncations of the batch.
-type Stepped<'py> = (
+type SteppedBatch<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray1<bool>>,
 );
 
-/// The data of [`Stepped`].
+/// The data of [`SteppedBatch`].
 struct Batch {
     observations: Vec<f32>,
     rewards: Vec<f64>,
@@ -245,7 +245,7 @@ impl VecEnv {
     }
 
     /// Runs one step of every environment.
-    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Stepped<'py>> {
+    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<SteppedBatch<'py>> {
         let (mut actions, shape) = arrays::rows(actions)?;
         let batch = self.owner.with(py, &self.state, |state| {
             let rescale = state.rescale;
@@ -336,12 +336,12 @@ impl VecEnv {
         let episodes = episodes.collect::<PyResult<Vec<_>>>()?;
         let slots = episodes.iter().map(|episode| episode.slots()).collect();
         let actions = episodes.iter().map(|episode| episode.actions().clone()).collect();
-        let state = Mutex::new(State { envs: Some(envs.with_form(form)), rescale });
+        let state = Mutex::new(BatchState { envs: Some(envs.with_form(form)), rescale });
         Ok(Self { owner: OwnerProcess::this(), state, spaces, slots, actions })
     }
 }
 
-impl State {
+impl BatchState {
     fn envs(&mut self) -> PyResult<&mut Envs> {
         let closed = || Exception::Episode.new_err("the environments are closed");
         self.envs.as_mut().ok_or_else(closed)

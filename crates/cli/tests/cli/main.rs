@@ -5,6 +5,7 @@ mod agents;
 mod buildings;
 #[cfg(unix)]
 mod command;
+mod contributing;
 #[cfg(target_os = "linux")]
 mod current_folder;
 #[cfg(target_os = "linux")]

@@ -98,7 +98,7 @@ const EXITED: u32 = 1 << 31;
 
 /// The futexes that both sides wait on.
 #[repr(C, align(64))]
-struct Bell {
+struct SlotBell {
     /// Number of commands executed by all workers; a futex.
     done: AtomicU32,
     /// The bell rings when `done` reaches this.
@@ -109,7 +109,7 @@ struct Bell {
     episodes: AtomicU32,
 }
 
-impl Bell {
+impl SlotBell {
     fn words(&self) -> handover::Bell<'_, AtomicU32> {
         handover::Bell { done: &self.done, wanted: &self.wanted }
     }
@@ -264,7 +264,7 @@ impl Region {
         self.slot(slot).fragment_steps.store(steps as u32, Ordering::Relaxed);
     }
 
-    fn bell(&self) -> &Bell {
+    fn bell(&self) -> &SlotBell {
         // SAFETY: the region begins with a page for the bell, initially zero and only accessed as atomics, for which
         // every bit pattern is valid.
         unsafe { &*self.map.as_ptr().cast() }

@@ -80,7 +80,7 @@ pub(super) fn panic_text(panic: &(dyn Any + Send)) -> String {
 }
 
 /// Why a worker cannot continue.
-type Failure = Box<dyn Error>;
+type Cause = Box<dyn Error>;
 
 struct Worker {
     region: Arc<Region>,
@@ -100,7 +100,7 @@ struct Worker {
 
 impl Worker {
     /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
-    fn prepare(&self, episode: EpisodeOrder, order: &Path) -> Result<Env, Failure> {
+    fn prepare(&self, episode: EpisodeOrder, order: &Path) -> Result<Env, Cause> {
         become_ancestor()?;
         // The model is untrusted.
         confine();
@@ -128,7 +128,7 @@ impl Worker {
     }
 
     /// Executes the commands in the slot until the episode is over or the owner has died.
-    fn serve(&self, mut env: Env) -> Result<(), Failure> {
+    fn serve(&self, mut env: Env) -> Result<(), Cause> {
         let mut action = vec![0.0; env.action_space().len()];
         let mut runner = None;
         self.report_ready(&env);
@@ -158,7 +158,7 @@ impl Worker {
     }
 
     /// Makes one step. Returns whether it was the last.
-    fn step(&self, env: &mut Env, action: &mut [f64]) -> Result<bool, Failure> {
+    fn step(&self, env: &mut Env, action: &mut [f64]) -> Result<bool, Cause> {
         let (region, slot) = (&self.region, self.slot());
         region.read_action(slot, action);
         let step = env.step(action)?;
@@ -169,7 +169,7 @@ impl Worker {
     }
 
     /// The order in the slot.
-    fn order(&self, command: Command) -> Result<FragmentOrder, Failure> {
+    fn order(&self, command: Command) -> Result<FragmentOrder, Cause> {
         let ticket = self.ticket.get();
         let text = match command {
             Command::LongFragment => std::fs::read(self.folder.join(ticket.file(LONG_ORDER)))?,
@@ -187,7 +187,7 @@ impl Worker {
         env: &mut Env,
         runner: &mut Option<RunnerOf>,
         FragmentOrder { runner: kind, order }: &FragmentOrder,
-    ) -> Result<bool, Failure> {
+    ) -> Result<bool, Cause> {
         let (region, slot, order) = (&self.region, self.slot(), order.get().as_bytes());
         if runner.as_ref().is_some_and(|runner| !runner.serves(kind, order)) {
             *runner = None;
@@ -204,7 +204,7 @@ impl Worker {
     }
 
     /// Hands the slot back. Returns whether the episode is over.
-    fn end_step(&self, env: &Env) -> Result<bool, Failure> {
+    fn end_step(&self, env: &Env) -> Result<bool, Cause> {
         let truncated = env.is_truncated();
         if truncated {
             self.write_reports(env)?;
@@ -218,7 +218,7 @@ impl Worker {
         Ok(truncated)
     }
 
-    fn write_reports(&self, env: &Env) -> Result<(), Failure> {
+    fn write_reports(&self, env: &Env) -> Result<(), Cause> {
         let ticket = self.ticket.get();
         metrics_report::write(&self.region, ticket, &self.folder, env.metrics())?;
         if self.region.options(ticket.slot).finish_run {
@@ -241,7 +241,7 @@ impl Worker {
     }
 
     /// Copies this process for each listed slot. The copies return from here, too, in their slots.
-    fn copy(&self, env: &mut Env) -> Result<(), Failure> {
+    fn copy(&self, env: &mut Env) -> Result<(), Cause> {
         self.reap();
         let own = self.ticket.get();
         for ticket in self.region.copies(own.slot) {
@@ -262,7 +262,7 @@ impl Worker {
     }
 
     /// Initializes a copy.
-    fn become_copy(&self, env: &mut Env, ticket: Ticket, opened: Result<(), Failure>) -> Result<(), Failure> {
+    fn become_copy(&self, env: &mut Env, ticket: Ticket, opened: Result<(), Cause>) -> Result<(), Cause> {
         if !self.region.attach(ticket) {
             leave(0);
         }
@@ -304,7 +304,7 @@ impl Worker {
     }
 
     /// Removes files that a dead owner cannot remove.
-    fn tidy(&self) -> Result<(), Failure> {
+    fn tidy(&self) -> Result<(), Cause> {
         let _ = std::fs::remove_dir_all(&self.folder);
         Ok(())
     }

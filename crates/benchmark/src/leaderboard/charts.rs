@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::entry::{RunResult, Stages};
+use super::Ranked;
+use crate::entry::Stages;
 use crate::problem::Stage;
 use b2b_evaluate::report::{
     Chart, Series, color, has_several_tasks, horizontal_line, label_logarithmic, labels, make_logarithmic,
@@ -11,9 +12,6 @@ use b2b_evaluate::report::{
 use b2b_evaluate::statistics::Interval;
 use b2b_evaluate::{EpisodeInfo, Scored};
 
-/// A result with its rows by stage.
-type Entry = (RunResult, Stages);
-
 /// Lowest score of a logarithmic profile, and the highest score of the profiles in results.
 const PROFILE_START: f64 = 0.1;
 const PROFILE_END: f64 = 3.0;
@@ -21,7 +19,7 @@ const PROFILE_END: f64 = 3.0;
 const HIGHEST: f64 = 20.0;
 
 /// Returns all charts of a problem's entries, in order.
-pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
+pub(super) fn all(board: &[&Ranked]) -> Vec<Value> {
     let charts = [
         returns(board),
         profiles(board),
@@ -37,8 +35,8 @@ fn chart(title: &str, note: &str, data: Vec<Value>, layout: Value) -> Chart {
 }
 
 /// Draws a bar per entry, as in the paper's figure of returns.
-fn returns(board: &[&Entry]) -> Chart {
-    let bar = |(number, (result, _)): (usize, &&Entry)| {
+fn returns(board: &[&Ranked]) -> Chart {
+    let bar = |(number, (result, _)): (usize, &&Ranked)| {
         let median = result.measures.test.scores.median;
         match median.value <= HIGHEST {
             true => json!({
@@ -106,7 +104,7 @@ fn and_beyond(note: &str, values: &[f64]) -> String {
 }
 
 /// Draws the share of buildings at or below a score, with its interval.
-fn profiles(board: &[&Entry]) -> Chart {
+fn profiles(board: &[&Ranked]) -> Chart {
     let mut data = Vec::new();
     for (number, (result, _)) in board.iter().enumerate() {
         let profile = &result.measures.profile;
@@ -178,12 +176,12 @@ fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
 }
 
 /// Returns the entries with the episodes of the test stage.
-fn series<'a>(board: &[&'a Entry]) -> Vec<Series<'a>> {
+fn series<'a>(board: &[&'a Ranked]) -> Vec<Series<'a>> {
     board.iter().map(|(result, stages)| Series { name: &result.name, episodes: test_rows(stages) }).collect()
 }
 
 /// Draws boxes with the episodes' scores by building type.
-fn by_type(board: &[&Entry]) -> Chart {
+fn by_type(board: &[&Ranked]) -> Chart {
     let mut values = Vec::new();
     let mut data = Vec::new();
     let episodes = board.iter().flat_map(|(_, stages)| test_rows(stages)).map(|(info, _)| info);
@@ -215,7 +213,7 @@ fn by_type(board: &[&Entry]) -> Chart {
 }
 
 /// Draws scores over the training steps on the test environments.
-fn curves(board: &[&Entry]) -> Option<Chart> {
+fn curves(board: &[&Ranked]) -> Option<Chart> {
     let mut data = Vec::new();
     let mut values = Vec::new();
     for (number, (result, _)) in board.iter().enumerate() {

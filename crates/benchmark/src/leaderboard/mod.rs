@@ -1,11 +1,12 @@
 //! The leaderboard: results by problem, on one page that needs no network.
 
+mod charts;
+
 use std::io::Write;
 
 use serde_json::{Value, json};
 
 use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random};
-use crate::leaderboard_charts;
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
 use b2b_evaluate::RESOLUTION;
@@ -13,7 +14,7 @@ use b2b_evaluate::Row;
 use b2b_evaluate::statistics::{Aggregate, score_text};
 
 /// A result with its rows by stage.
-type Entry = (RunResult, Stages);
+type Ranked = (RunResult, Stages);
 
 /// The score whose interquartile mean ranks the entries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,8 +39,8 @@ impl RankBy {
 ///
 /// # Errors
 /// The errors of the file.
-pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
-    let mut by_hash: Vec<(String, Vec<&Entry>)> = Vec::new();
+pub fn write(file: &mut impl Write, results: &[Ranked], rank_by: RankBy) -> std::io::Result<()> {
+    let mut by_hash: Vec<(String, Vec<&Ranked>)> = Vec::new();
     for entry in results {
         // Computed here, not taken from the result.
         let hash = entry.0.problem.hash();
@@ -48,8 +49,8 @@ pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::
             None => by_hash.push((hash, vec![entry])),
         }
     }
-    let mut boards: Vec<Vec<&Entry>> = by_hash.into_iter().map(|(_, board)| board).collect();
-    let key = |board: &[&Entry]| {
+    let mut boards: Vec<Vec<&Ranked>> = by_hash.into_iter().map(|(_, board)| board).collect();
+    let key = |board: &[&Ranked]| {
         let result = &board[0].0;
         (
             result.problem_changes.as_ref().is_none_or(|changes| !changes.is_empty()),
@@ -60,7 +61,7 @@ pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::
     };
     boards.sort_by_cached_key(|board| key(board));
     for board in &mut boards {
-        let score = |entry: &Entry| rank_by.scores(&entry.0.measures.test).interquartile_mean.value;
+        let score = |entry: &Ranked| rank_by.scores(&entry.0.measures.test).interquartile_mean.value;
         board.sort_by(|a, b| score(a).total_cmp(&score(b)).then_with(|| a.0.name.cmp(&b.0.name)));
     }
     let data = json!({
@@ -78,7 +79,7 @@ fn tile(what: &str, count: usize) -> Value {
     json!([format!("{what}{plural}"), count.to_string()])
 }
 
-fn section(board: &[&Entry]) -> Value {
+fn section(board: &[&Ranked]) -> Value {
     let result = &board[0].0;
     let problem = &result.problem;
     let changed = match result.problem_changes.as_deref() {
@@ -94,7 +95,7 @@ fn section(board: &[&Entry]) -> Value {
         "title": format!("{}, version {}{changed}", problem.name, problem.version),
         "note": format!("{}. {} Test buildings: {}. Run periods: {}. Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
             problem.test.buildings, windows.join(", "), problem.protocol.attributes, &problem.hash()[..12]),
-        "tables": tables, "drawings": leaderboard_charts::all(board),
+        "tables": tables, "drawings": charts::all(board),
     })
 }
 
@@ -121,7 +122,7 @@ fn remark(result: &RunResult) -> String {
 
 /// Returns the test episodes under random actions, from a result of the random policy or a result that measures
 /// adaptation.
-fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
+fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [Row] {
     let random = BuiltIn::random().to_string();
     let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
         Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,
@@ -132,9 +133,9 @@ fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
     found.map_or(&[], |(_, (_, rows))| rows)
 }
 
-fn scores(board: &[&Entry]) -> Value {
+fn scores(board: &[&Ranked]) -> Value {
     let random = random_rows(board);
-    let row = |(rank, (result, stages)): (usize, &&Entry)| {
+    let row = |(rank, (result, stages)): (usize, &&Ranked)| {
         let test_rows = stages.iter().find(|(stage, _)| *stage == Stage::Test).map(|(_, rows)| rows);
         let from_random = test_rows.and_then(|rows| mean_from_random(rows, random));
         let Measures { test, generalization_gap, .. } = &result.measures;
@@ -175,7 +176,7 @@ fn scores(board: &[&Entry]) -> Value {
     table("lower is better, 1 is the baseline", &header, board.iter().enumerate().map(row).collect())
 }
 
-fn strata(board: &[&Entry]) -> Option<Value> {
+fn strata(board: &[&Ranked]) -> Option<Value> {
     let rows: Vec<_> = board
         .iter()
         .flat_map(|(result, _)| result.measures.strata.iter().map(move |stratum| (result, stratum)))
@@ -216,7 +217,7 @@ fn ratio(relative_energy: Option<f64>) -> String {
     relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }
 
-fn adaptation(board: &[&Entry]) -> Option<Value> {
+fn adaptation(board: &[&Ranked]) -> Option<Value> {
     let mut rows = Vec::new();
     for (result, _) in board {
         let Some(adaptation) = &result.measures.adaptation else { continue };
@@ -242,7 +243,7 @@ fn adaptation(board: &[&Entry]) -> Option<Value> {
     (!rows.is_empty()).then(|| table("adaptation", &header, rows))
 }
 
-fn footer(results: &[Entry], rank_by: RankBy) -> String {
+fn footer(results: &[Ranked], rank_by: RankBy) -> String {
     let ranked = match rank_by {
         RankBy::Resolved => "resolved score",
         RankBy::Paper => "score",
