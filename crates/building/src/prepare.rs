@@ -5,6 +5,7 @@ mod calendar;
 use std::path::Path;
 
 use b2b_base::calendar::Calendar;
+use b2b_base::carrier::Carrier;
 use b2b_base::digest::sha256;
 use b2b_climate::Site;
 use b2b_energyplus::Library;
@@ -16,7 +17,7 @@ use crate::hvac::{
     self, Actuator, Discovery, EngineVariable, KINDS, Kind, Switch, System, SystemLayout, Uncontrolled,
     Unsupported,
 };
-use crate::hvac_energy::{self, Carrier, HvacMeter, hvac_meters};
+use crate::hvac_energy::{self, HvacMeter, hvac_meters};
 use crate::import::{Notes, switched_off};
 use crate::model::Model;
 use crate::outputs;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use b2b_base::calendar::Calendar;
-use b2b_building::{CarrierEnergy, RunPeriod};
+use b2b_building::{Carrier, CarrierEnergy, RunPeriod};
 use b2b_climate::EpwFile;
 use b2b_tariff::{Bill, Emissions, Moment, Part, Prices};
 
@@ -71,7 +71,7 @@ impl Billing {
             .map(|prices| self.bill.step(prices, at, &kwh, self.hours).total() / self.floor_area);
         let in_common_year = Moment { day: self.period.calendar().day_of_common_year(day_of_year), hour };
         let emitted = |profile: &Emissions| {
-            let carriers = b2b_tariff::Fuel::ALL.into_iter().zip(energy);
+            let carriers = Carrier::ALL.into_iter().zip(energy);
             // kg/kWh is g/Wh.
             carriers.map(|(fuel, energy)| profile.at(fuel, in_common_year) * energy).sum()
         };
