@@ -10,8 +10,8 @@ from gymnasium.spaces import Box
 
 from . import _core
 from .env import unwrap
-from .errors import need
 from .env.layout import Layout
+from .errors import need
 
 _pettingzoo = need("pettingzoo", "pettingzoo")
 

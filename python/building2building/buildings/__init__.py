@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .. import _core
-from ..process import engine
 from ..errors import BuildingError, SettingError
+from ..process import engine
 from .signatures import renamed
 
 #: Splits of the dataset.

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from .. import _core
-from . import PathLike
 from ..process.temporary import temporary_folder
+from . import PathLike
 
 
 def calibrate(

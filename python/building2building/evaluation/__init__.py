@@ -16,15 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..buildings import Building, Found, PathLike, check_control
-from ..errors import SettingError
-from .identity import identity_of
+from ..buildings.signatures import check_names, renamed, with_arguments_of
 from ..env.layout import Layout
 from ..env.morphology import Metadata, Morphology
+from ..env.tasks import task_text
+from ..errors import SettingError
+from ..process.temporary import temporary_folder
 from ..rollouts import BuiltInController, CallableController, Controller
 from ..scaling import Scale
-from ..buildings.signatures import check_names, renamed, with_arguments_of
-from ..env.tasks import task_text
-from ..process.temporary import temporary_folder
+from .identity import identity_of
 
 Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]

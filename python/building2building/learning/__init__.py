@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..buildings import PathLike
+from ..env.tasks import Task, task_text
 from ..errors import SettingError
 from ..rollouts import BuiltInController, ControlledEnv
-from ..env.tasks import Task, task_text
 
 Array = NDArray[Any]
 #: Called with the metrics of every update, as in ``progress.csv``; ends the run when it returns ``False``.

@@ -26,12 +26,12 @@ from ..buildings import (
     list_buildings,
     select_building,
 )
-from ..errors import EpisodeError, ProcessError, SettingError
 from ..env.info import Info
 from ..env.layout import Layout, rounded_inward
 from ..env.open_envs import close_at_exit
-from ..scaling import Scale
 from ..env.tasks import task_text
+from ..errors import EpisodeError, ProcessError, SettingError
+from ..scaling import Scale
 from .info import Row, step_info
 
 Array = NDArray[Any]

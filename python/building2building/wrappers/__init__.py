@@ -11,14 +11,14 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
 from ..buildings import Building, list_buildings
+from ..buildings.signatures import renamed
 from ..env import unwrap
-from ..errors import ActionError, SettingError
-from .hours_ahead import PriceSignal, WeatherForecast
 from ..env.layout import index_of
-from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
+from ..errors import ActionError, SettingError
 from ..rollouts import BuiltInController, ReactiveController
 from ..scaling import Scale
-from ..buildings.signatures import renamed
+from .hours_ahead import PriceSignal, WeatherForecast
+from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
 
 __all__ = [
     "AugmentObservationWithBuildingParams",

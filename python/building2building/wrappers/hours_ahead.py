@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..buildings import weather
 from ..env import BuildingEnv
-from ..errors import SettingError
 from ..env.info import Info
+from ..errors import SettingError
 from .observation_wrapper import Env, ObservationWrapper, Stepped
 
 Array = NDArray[Any]
