@@ -25,12 +25,13 @@ from .buildings import (
     list_engine_models,
     list_places,
 )
-from .calibration import calibrate
+from .buildings.calibration import calibrate
 from .env import BuildingEnv
+from .env.morphology import Morphology, NodeType, SystemKind
+from .env.snapshot import Snapshot
 from .errors import Error
 from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, compute_resolved_score, evaluate
 from .learning import Agent, train
-from .morphology import Morphology, NodeType, SystemKind
 from .registration import make_env, make_vec, register_envs
 from .rollouts import (
     ConstantController,
@@ -42,7 +43,6 @@ from .rollouts import (
     callable_controller,
     rollout,
 )
-from .snapshot import Snapshot
 from .vector import BuildingVectorEnv
 from .wrappers import wrap_env_for_rl
 

@@ -25,7 +25,7 @@ from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
-from .identity import identity_of
+from .evaluation.identity import identity_of
 from .learning import Agent
 from .rollouts import BuiltInController, Trajectory, rollout
 from .vector import BuildingVectorEnv

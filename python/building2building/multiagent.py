@@ -10,8 +10,8 @@ from gymnasium.spaces import Box
 
 from . import _core
 from .env import unwrap
+from .env.layout import Layout
 from .errors import need
-from .layout import Layout
 
 _pettingzoo = need("pettingzoo", "pettingzoo")
 

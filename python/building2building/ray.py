@@ -22,13 +22,14 @@ from typing import Any
 
 import ray
 
-from . import _core, command
+from . import _core
 from .buildings import Building, PathLike, list_building_types
 from .errors import EvaluationError, SettingError
 from .evaluation import Evaluation, Policy, Request, say_reused
 from .learning import Agent
 from .learning import train as train_here
-from .temporary import temporary_folder
+from .process import command
+from .process.temporary import temporary_folder
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]

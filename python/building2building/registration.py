@@ -6,11 +6,11 @@ from typing import Any, cast
 
 import gymnasium
 
-from .acting import ActingEnv, ActingVectorEnv
 from .buildings import find_building, list_building_types
+from .buildings.signatures import check_names, renamed, with_arguments_of
 from .env import BuildingEnv
 from .errors import SettingError
-from .signatures import check_names, renamed, with_arguments_of
+from .learning.acting import ActingEnv, ActingVectorEnv
 from .vector import BuildingVectorEnv
 
 #: The task of an id of each version, unless another one is given.
@@ -54,8 +54,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``reward``: a function of the step's info that replaces the task's reward;
     - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the
       reactive controllers, and ``supervisory:60`` shifts what ``guideline36`` chooses and holds each decision for an
-      hour, which is a step (:class:`~building2building.acting.ActingEnv`). ``observation`` is ``features`` then, or
-      ``raw``;
+      hour, which is a step (:class:`~building2building.learning.acting.ActingEnv`). ``observation`` is ``features``
+      then, or ``raw``;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
     - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .buildings.signatures import renamed
 from .env import unwrap
+from .env.layout import Layout, index_of
 from .errors import SettingError, need
-from .layout import Layout, index_of
-from .signatures import renamed
 
 Array = NDArray[Any]
 

@@ -18,8 +18,8 @@ need("stable_baselines3", "train")
 from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
-from .acting import ActingVectorEnv  # noqa: E402
-from .physical_actions import warn_of_learner  # noqa: E402
+from .env.physical_actions import warn_of_learner  # noqa: E402
+from .learning.acting import ActingVectorEnv  # noqa: E402
 from .registration import make_vec  # noqa: E402
 from .scaling import Scale  # noqa: E402
 from .vector import BuildingVectorEnv  # noqa: E402

@@ -11,9 +11,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays;
-use crate::catalog::locked;
-use crate::error::{Exception, of_agent, of_control};
+use crate::interpreter::arrays;
+use crate::interpreter::error::{Exception, of_agent, of_control};
+use crate::interpreter::process::locked;
 use crate::spaces::Spaces;
 
 /// A built-in controller or a trained agent.

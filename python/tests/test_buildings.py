@@ -7,7 +7,8 @@ import subprocess
 import building2building as b2b
 import numpy as np
 import pytest
-from building2building import _engine, errors
+from building2building import errors
+from building2building.process import engine
 from building_types import every_type
 
 DAY = "01-01..01-01"
@@ -63,7 +64,7 @@ def test_generated_buildings_have_the_given_parameters(make):
 
 
 def test_an_imported_model_is_an_environment(make):
-    package = _engine.folder() / "pyenergyplus/data"
+    package = engine.folder() / "pyenergyplus/data"
     building = b2b.import_building(
         package / "model/ASHRAE901_RestaurantFastFood_STD2019_Denver.idf", b2b.find_building("OfficeSmall").weather
     )

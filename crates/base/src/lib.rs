@@ -1,9 +1,10 @@
 //! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if they
-//! stay empty, digests, random streams, the calendar, suggestions for misspelled names, and the fingerprint of the machine's
+//! stay empty, digests, random streams, the calendar, energy carriers, suggestions for misspelled names, and the fingerprint of the machine's
 //! arithmetic.
 
 pub mod aside;
 pub mod calendar;
+pub mod carrier;
 pub mod digest;
 pub mod digest_list;
 pub mod folder_lock;

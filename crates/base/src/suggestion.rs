@@ -11,16 +11,20 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Stri
     near.map_or_else(String::new, |near| format!("`{near}`"))
 }
 
+/// Returns `did you mean NAME?` after a punctuation mark such as `, `, to follow a wrong name in a message; empty without a
+/// similar name.
+pub fn did_you_mean(mark: &str, near: &str) -> String {
+    if near.is_empty() { String::new() } else { format!("{mark}did you mean {near}?") }
+}
+
 /// Adds the most similar of the expected keys to serde's message about an unknown one.
 pub fn with_suggestion(message: &str) -> String {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let Some((unknown, expected)) = quoted.split_first().filter(|_| message.contains("unknown")) else {
         return message.to_owned();
     };
-    match nearest(unknown, expected.iter().copied()).as_str() {
-        "" => message.to_owned(),
-        near => format!("{message}; did you mean {near}?"),
-    }
+    let near = nearest(unknown, expected.iter().copied());
+    message.to_owned() + &did_you_mean("; ", &near)
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use b2b_base::suggestion::did_you_mean;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -12,7 +14,7 @@ pub enum Error {
         name: String,
     },
     /// An unknown problem.
-    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", did_you_mean(", ", near))]
     UnknownProblem {
         /// The name given.
         text: String,

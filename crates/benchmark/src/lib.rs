@@ -8,7 +8,6 @@
 pub mod entry;
 mod error;
 pub mod leaderboard;
-mod leaderboard_charts;
 pub mod problem;
 
 pub use error::{Error, Result};

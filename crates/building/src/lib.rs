@@ -22,13 +22,14 @@ pub mod sizing;
 pub mod user_file;
 mod zone_role;
 
+pub use b2b_base::carrier::{Carrier, CarrierEnergy};
 pub use band::{Change, Span, ZoneYear};
 pub use building_type::{BuildingType, Day, Prototype, TypeData};
 pub use class::Class;
 pub use description::Description;
 pub(crate) use energy::{hvac_energy, monthly_energy, output_database, outputs};
 pub use error::{Error, Result};
-pub use hvac_energy::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter};
+pub use hvac_energy::{EndUse, EndUseEnergy, HvacMeter};
 pub use model::{Model, construction, opening, people, shape, zone};
 pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;

@@ -22,7 +22,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 const GRACE: Duration = Duration::from_secs(15);
 
 /// Program and material of an attack.
-struct Attack<'a> {
+struct Trick<'a> {
     program: &'a Program,
     material: &'a Material,
     folder: &'a Path,
@@ -30,9 +30,9 @@ struct Attack<'a> {
 }
 
 /// The end of a command, and the guarantee that it violated.
-type Outcome = (Ended, Option<String>);
+type Tried = (Ended, Option<String>);
 
-type Kind = fn(&mut Attack<'_>) -> Result<Outcome>;
+type Kind = fn(&mut Trick<'_>) -> Result<Tried>;
 
 const KINDS: [(&str, Kind); 6] = [
     ("code in the current folder", |attack| attack.code_in_the_current_folder()),
@@ -48,7 +48,7 @@ pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Camp
     while Instant::now() < deadline {
         let (kind, attack) = *pick(&KINDS, &mut random);
         let folder = tempfile::tempdir()?;
-        let mut trick = Attack { program, material, folder: folder.path(), random: &mut random };
+        let mut trick = Trick { program, material, folder: folder.path(), random: &mut random };
         let (ended, broken) = attack(&mut trick)?;
         let broken = ended.broken(false).or(broken);
         ledger.judge(kind, broken, ended.code(), folder.path())?;
@@ -56,13 +56,13 @@ pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Camp
     Ok(())
 }
 
-impl Attack<'_> {
+impl Trick<'_> {
     fn run(&self, arguments: &str) -> Result<Ended> {
         self.program.run(self.folder, &words(arguments), LIMIT)
     }
 
     /// Modules that an interpreter would import from the current folder.
-    fn code_in_the_current_folder(&mut self) -> Result<Outcome> {
+    fn code_in_the_current_folder(&mut self) -> Result<Tried> {
         let mark = self.folder.join("ran");
         let code = format!("open({:?}, 'a').close()\n", mark.display().to_string());
         std::fs::create_dir(self.folder.join("pip"))?;
@@ -78,7 +78,7 @@ impl Attack<'_> {
     }
 
     /// Links to somebody else's file in places where a command writes.
-    fn links_in_the_way(&mut self) -> Result<Outcome> {
+    fn links_in_the_way(&mut self) -> Result<Tried> {
         let theirs = self.folder.join("theirs");
         std::fs::write(&theirs, "theirs")?;
         let out = self.folder.join("out");
@@ -103,7 +103,7 @@ impl Attack<'_> {
     }
 
     /// A policy that never ends, and a signal.
-    fn endless_network(&mut self) -> Result<Outcome> {
+    fn endless_network(&mut self) -> Result<Tried> {
         std::fs::write(self.folder.join("p.onnx"), endless_network())?;
         let arguments = words("evaluate SingleFamilyHouse --policy p.onnx --period 01-01..01-01 --out out");
         let mut run = self.program.start(self.folder, "", &arguments)?;
@@ -113,7 +113,7 @@ impl Attack<'_> {
     }
 
     /// A flipped bit in a file that is read again.
-    fn flipped_bit(&mut self) -> Result<Outcome> {
+    fn flipped_bit(&mut self) -> Result<Tried> {
         let (name, arguments) = *pick(
             &[
                 ("evaluation/episodes.parquet", "evaluate compare evaluation evaluation --out page.html"),
@@ -140,7 +140,7 @@ impl Attack<'_> {
     }
 
     /// Two different evaluations in one new folder.
-    fn two_at_once(&mut self) -> Result<Outcome> {
+    fn two_at_once(&mut self) -> Result<Tried> {
         let evaluate = |policy: &str| {
             words(&format!("evaluate SingleFamilyHouse --policy {policy} --period 01-01..01-01 --out out"))
         };
@@ -151,7 +151,7 @@ impl Attack<'_> {
     }
 
     /// Two different runs in one new folder. The first is paused while it writes to the folder, until the second has ended.
-    fn two_runs(&mut self) -> Result<Outcome> {
+    fn two_runs(&mut self) -> Result<Tried> {
         let out = self.folder.join("out");
         let run = |controller: &str| {
             words(&format!("run SingleFamilyHouse --controller {controller} --period 01-01..01-31 --out out"))
@@ -175,7 +175,7 @@ impl Attack<'_> {
 }
 
 /// Returns the end of the first of two commands for one folder, and what is wrong unless exactly one succeeded.
-fn only_one(first: Ended, second: &Ended) -> Outcome {
+fn only_one(first: Ended, second: &Ended) -> Tried {
     let succeeded = [&first, second].into_iter().filter(|ended| ended.code() == Some(0)).count();
     let broken = (succeeded != 1)
         .then(|| format!("{succeeded} of 2 succeeded\nfirst: {}\nsecond: {}", first.errors, second.errors));

@@ -2,75 +2,55 @@
 //!
 //! A library, because the Python package provides the command as well.
 
-mod arguments;
 #[cfg(target_os = "linux")]
-mod baseline;
+mod agents;
+mod arguments;
 mod bench;
 #[cfg(target_os = "linux")]
 mod benchmark;
+mod buildings;
 mod calibrate;
-mod check;
-#[cfg(target_os = "linux")]
-mod clone;
-#[cfg(target_os = "linux")]
-mod collect;
 mod compare;
 mod dataset;
-mod derived;
-mod doctor;
-mod edit;
 #[cfg(target_os = "linux")]
 mod evaluate;
 #[cfg(target_os = "linux")]
-mod evaluation;
-mod exit_code;
-#[cfg(target_os = "linux")]
 mod experiment;
-#[cfg(target_os = "linux")]
-mod export;
-mod facts;
-mod front_page;
 mod generate;
 mod import;
-mod interrupt;
-mod list;
+mod installation;
 mod output_folder;
-mod prepare;
 mod program;
-mod progress;
 mod rollout;
 mod run;
 #[cfg(target_os = "linux")]
-mod score;
+mod scoring;
 #[cfg(target_os = "linux")]
 mod serve;
-mod setup;
-#[cfg(target_os = "linux")]
-mod shipped;
-mod show;
-mod stdout;
-mod suggestion;
-mod table;
+mod terminal;
 mod time_series;
 #[cfg(target_os = "linux")]
 mod train;
 #[cfg(target_os = "linux")]
 mod tune;
 mod view;
-mod weather;
-#[cfg(target_os = "linux")]
-mod workers;
-mod wrap;
 
 use std::ffi::OsString;
 
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use exit_code::ExitCode;
+#[cfg(target_os = "linux")]
+use agents::{clone, collect, export};
+use buildings::{check, edit, list, show};
+use installation::{doctor, setup};
 pub use program::Program;
 pub use rollout::Rollout;
 pub use run::Author;
+#[cfg(target_os = "linux")]
+use scoring::{baseline, score};
+pub use terminal::exit_code::ExitCode;
+use terminal::{front_page, interrupt, stdout, suggestion, wrap};
 
 /// Building simulations as reinforcement-learning environments, powered by EnergyPlus
 #[derive(Parser)]

@@ -13,9 +13,9 @@ use b2b_env::{
 use b2b_workers::EpisodeReport;
 use cpu_time::ProcessTime;
 
-use crate::interrupt;
-use crate::prepare::Prepared;
-use crate::progress::{Days, date_text};
+use crate::program::prepare::Prepared;
+use crate::terminal::interrupt;
+use crate::terminal::progress::{Days, date_text};
 
 /// A complete episode with the report of its engine.
 pub struct Rollout {

@@ -10,8 +10,8 @@ use b2b_env::Task;
 use b2b_serve::{Options, Subject, SubjectOptions, serve as serve_subject};
 
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::stdout;
+use crate::program::prepare::Prepared;
+use crate::terminal::stdout;
 
 /// Serve a building behind BOPTEST's REST calls
 ///

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use b2b_base::suggestion::did_you_mean;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -16,7 +18,7 @@ pub enum Error {
     /// A place without a known weather file.
     #[error(
         "unknown place `{name}`{}; expected one of {}, or the path of an EPW file",
-        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default(),
+        did_you_mean(": ", near.unwrap_or_default()),
         known.join(", ")
     )]
     UnknownPlace {

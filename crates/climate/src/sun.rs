@@ -9,7 +9,7 @@ const SAMPLES: u32 = 12;
 
 /// A place on earth and its clock.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct Position {
     /// Degrees north.
     pub latitude: f64,
     /// Degrees east.
@@ -29,7 +29,7 @@ pub(super) struct Sun {
 
 impl Sun {
     /// The sun over the hour that ends at `hour` (1 to 24), standard time, of a day of the year from 1.
-    pub fn over(place: Place, day_of_year: u32, hour: u32) -> Self {
+    pub fn over(place: Position, day_of_year: u32, hour: u32) -> Self {
         let day = Day::of(place, day_of_year);
         let sample = |i| f64::from(hour - 1) + (f64::from(i) + 0.5) / f64::from(SAMPLES);
         let cosines = (0..SAMPLES).map(|i| day.cosine(sample(i)).max(0.0));
@@ -92,7 +92,7 @@ struct Day {
 }
 
 impl Day {
-    fn of(place: Place, day_of_year: u32) -> Self {
+    fn of(place: Position, day_of_year: u32) -> Self {
         let angle = day_angle(day_of_year);
         let (sin_l, cos_l) = libm::sincos(place.latitude.to_radians());
         let (sin_d, cos_d) = libm::sincos(declination(angle));
@@ -114,7 +114,7 @@ impl Day {
 mod tests {
     use super::*;
 
-    const MONTREAL: Place = Place { latitude: 45.47, longitude: -73.75, time_zone: -5.0 };
+    const MONTREAL: Position = Position { latitude: 45.47, longitude: -73.75, time_zone: -5.0 };
 
     #[test]
     fn the_noon_altitude_at_the_solstices_is_known() {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use b2b_base::suggestion::{did_you_mean, nearest};
 use b2b_building::BuildingType;
 use b2b_building::parameter::OutOfBounds;
 
@@ -60,7 +61,7 @@ pub enum Error {
     /// An unknown parameter of a building type.
     #[error(
         "unknown parameter `{name}` of {building_type}{}; expected one of {known}",
-        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
+        did_you_mean(": ", near.unwrap_or_default())
     )]
     UnknownParameter {
         /// The name.
@@ -154,8 +155,5 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Returns the most similar interface, as a question; empty if none is similar.
 fn near_control(text: &str) -> String {
-    match b2b_base::suggestion::nearest(text, ["actuators", "setpoints"]).as_str() {
-        "" => String::new(),
-        near => format!(": did you mean {near}?"),
-    }
+    did_you_mean(": ", &nearest(text, ["actuators", "setpoints"]))
 }

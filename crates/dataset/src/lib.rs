@@ -20,14 +20,11 @@ mod control;
 mod error;
 mod ground_temperatures;
 pub mod house;
-mod hypercube;
 mod id;
 pub mod manifest;
 mod preparation;
-mod preparation_cache;
 mod sample;
 mod setting;
-mod split;
 
 use std::sync::OnceLock;
 
@@ -38,10 +35,10 @@ pub use error::{Error, Result};
 pub use id::{BUILDINGS_PER_TYPE, BuildingId};
 pub use manifest::manifest;
 pub use preparation::Preparation;
-pub use preparation_cache::prepared_folder;
+pub use preparation::cache::prepared_folder;
+pub use sample::split::Split;
 pub use sample::{Places, sample};
 pub use setting::Setting;
-pub use split::Split;
 
 use b2b_building::BuildingType;
 
@@ -90,7 +87,7 @@ fn draw(building_type: BuildingType) -> Vec<Row> {
     let stream = format!("{GENERATOR_VERSION}/{building_type}");
     let buildings = sample::draw(building_type, &stream, BUILDINGS_PER_TYPE as usize, 0, &Places::All, &[])
         .expect("points of the unit cube at known places make buildings");
-    let split = split::split(&buildings, &stream);
+    let split = sample::split::split(&buildings, &stream);
     let row = |(building, number)| Row {
         id: BuildingId::new(building_type, number).expect("as many buildings as numbers"),
         split: if split.test[number as usize - 1] { Split::Test } else { Split::Train },

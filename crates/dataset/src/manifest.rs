@@ -159,7 +159,8 @@ fn cells(name: &str, building: &Building) -> Cells {
     match building {
         Building::Commercial { parameters, .. } => {
             cells.insert("climate_zone", building.location().ashrae_zone().unwrap_or_default().to_owned());
-            cells.extend(commercial(parameters));
+            let values = parameters.values().map(|value| value.to_string());
+            cells.extend(CommercialParameters::NAMES.into_iter().zip(values));
         }
         Building::House(sample) => cells.extend(house(sample)),
     }
@@ -167,31 +168,6 @@ fn cells(name: &str, building: &Building) -> Cells {
         cells.insert("weather_sha256", file.sha256.clone());
     }
     cells
-}
-
-fn commercial(parameters: &CommercialParameters) -> Vec<(&'static str, String)> {
-    let CommercialParameters {
-        wall_u,
-        roof_u,
-        window_u,
-        window_shgc,
-        window_to_wall,
-        infiltration,
-        x_scale,
-        y_scale,
-        north_axis,
-    } = parameters;
-    vec![
-        ("wall_u", wall_u.to_string()),
-        ("roof_u", roof_u.to_string()),
-        ("infiltration", infiltration.to_string()),
-        ("x_scale", x_scale.to_string()),
-        ("y_scale", y_scale.to_string()),
-        ("north_axis", north_axis.to_string()),
-        ("window_u", window_u.to_string()),
-        ("window_shgc", window_shgc.to_string()),
-        ("window_to_wall", window_to_wall.to_string()),
-    ]
 }
 
 fn house(sample: &HouseSample) -> Vec<(&'static str, String)> {

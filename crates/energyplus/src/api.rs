@@ -67,6 +67,5 @@ functions! {
     fn getMeterHandle(State, *const c_char) -> c_int;
     fn getMeterValue(State, c_int) -> f64;
     fn getActuatorHandle(State, *const c_char, *const c_char, *const c_char) -> c_int;
-    fn getActuatorValue(State, c_int) -> f64;
     fn setActuatorValue(State, c_int, f64);
 }

@@ -277,12 +277,6 @@ impl Simulation {
         unsafe { (self.run.api().setActuatorValue)(self.run.state(), actuator.0, value) }
     }
 
-    /// Returns the value to which an actuator was last set.
-    pub fn actuator_value(&self, actuator: Actuator) -> f64 {
-        // SAFETY: the state is live; the engine checks the range of the handle.
-        unsafe { (self.run.api().getActuatorValue)(self.run.state(), actuator.0) }
-    }
-
     /// Returns the clock of EnergyPlus.
     pub fn clock(&self) -> Clock {
         let (api, state) = (self.run.api(), self.run.state());

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use b2b_base::calendar::Calendar;
-use b2b_building::{CarrierEnergy, RunPeriod};
+use b2b_building::{Carrier, CarrierEnergy, RunPeriod};
 use b2b_climate::EpwFile;
 use b2b_tariff::{Bill, Emissions, Moment, Part, Prices};
 
@@ -35,25 +35,20 @@ pub struct Billed {
 }
 
 impl Billing {
-    /// Returns the bill of a task; without tariff and profile it bills nothing.
+    /// Returns the bill of an episode in a building with this floor area, m²; without tariff and profile it bills nothing.
     ///
     /// # Errors
     /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.
-    pub(crate) fn new(
-        task: &Task,
-        weather: &Path,
-        period: RunPeriod,
-        floor_area: f64,
-        steps_per_hour: u32,
-    ) -> Result<Self> {
+    pub(crate) fn new(episode: &EpisodeConfig, floor_area: f64) -> Result<Self> {
+        let EpisodeConfig { weather, period, steps_per_hour, task } = episode;
         let emissions = task.emission_profile.as_ref().map(|profile| profile.emissions());
         Ok(Self {
             prices: prices(task, weather, period.calendar())?,
             emissions: emissions.transpose()?,
-            bill: Self::empty(period),
-            period,
+            bill: Self::empty(*period),
+            period: *period,
             floor_area,
-            hours: 1.0 / f64::from(steps_per_hour),
+            hours: 1.0 / f64::from(*steps_per_hour),
         })
     }
 
@@ -76,7 +71,7 @@ impl Billing {
             .map(|prices| self.bill.step(prices, at, &kwh, self.hours).total() / self.floor_area);
         let in_common_year = Moment { day: self.period.calendar().day_of_common_year(day_of_year), hour };
         let emitted = |profile: &Emissions| {
-            let carriers = b2b_tariff::Fuel::ALL.into_iter().zip(energy);
+            let carriers = Carrier::ALL.into_iter().zip(energy);
             // kg/kWh is g/Wh.
             carriers.map(|(fuel, energy)| profile.at(fuel, in_common_year) * energy).sum()
         };

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use b2b_base::suggestion::{did_you_mean, nearest};
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -194,8 +196,5 @@ fn remedy(policy: &str) -> String {
     if words.clone().count() > 1 && words.all(|word| known().any(|name| name == word)) {
         return ", an evaluation has one policy: evaluate each in its own folder, then `b2b evaluate compare`".into();
     }
-    match b2b_base::suggestion::nearest(policy, known()).as_str() {
-        "" => String::new(),
-        near => format!(", did you mean {near}?"),
-    }
+    did_you_mean(", ", &nearest(policy, known()))
 }

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use b2b_base::suggestion::did_you_mean;
+
 /// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -9,8 +11,10 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An unknown experiment.
-    #[error("unknown experiment `{name}`{}; expected a name from `b2b experiment list` or the path of a TOML file",
-        if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    #[error(
+        "unknown experiment `{name}`{}; expected a name from `b2b experiment list` or the path of a TOML file",
+        did_you_mean(", ", near)
+    )]
     Unknown {
         /// The name given.
         name: String,
@@ -18,8 +22,10 @@ pub enum Error {
         near: String,
     },
     /// A budget that an experiment does not have.
-    #[error("the experiment {experiment} has no budget `{name}`{}; expected {known}",
-        if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    #[error(
+        "the experiment {experiment} has no budget `{name}`{}; expected {known}",
+        did_you_mean(", ", near)
+    )]
     UnknownBudget {
         /// The name given.
         name: String,

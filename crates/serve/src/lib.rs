@@ -3,7 +3,8 @@
 //!
 //! - A [`Subject`] is the served building: prepared, with its weather, task and baseline controller, and the points,
 //!   prices and forecasts derived from them.
-//! - [`serve`] answers HTTP requests until it is stopped. `http` has the calls and the tests in progress.
+//! - [`serve`] answers HTTP requests until it is stopped. `http` has the routes and the tests in progress,
+//!   `calls` what is asked and answered.
 //! - Each test runs in a thread with its own worker processes (`simulation`), so a crash of the engine is an answer
 //!   with status 500 and the server keeps running.
 //!
@@ -11,6 +12,7 @@
 #![cfg(target_os = "linux")]
 #![forbid(unsafe_code)]
 
+mod calls;
 mod error;
 mod http;
 mod simulation;

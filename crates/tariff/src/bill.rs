@@ -1,14 +1,16 @@
 //! The bill of an episode, kept up to date step by step.
 
 use b2b_base::calendar::Calendar;
+use b2b_base::carrier::{Carrier, CarrierEnergy};
 
 use crate::calendar::Moment;
 use crate::charge::Charge;
 use crate::energy::Class;
-use crate::file::Per;
-use crate::fuel::{ByFuel, Fuel};
+use crate::fuel::label;
+
+use crate::file::{MAX_CHARGES, MAX_NAMES, Per};
 use crate::prices::Prices;
-use crate::tariff::{Blocks, MAX_CHARGES, MAX_NAMES};
+use crate::tariff::Blocks;
 
 /// Part of a quarter-hour that counts as rounding: half a second.
 const ROUNDING: f64 = 5e-4;
@@ -37,7 +39,7 @@ pub struct Bill {
     shares: [f64; MAX_CHARGES],
     closed: [Amount; MAX_CHARGES],
     energy: [Amount; MAX_NAMES],
-    fuels: [Amount; Fuel::ALL.len()],
+    fuels: [Amount; Carrier::ALL.len()],
 }
 
 /// A quantity and its cost.
@@ -93,7 +95,7 @@ impl Bill {
             shares: [0.0; MAX_CHARGES],
             closed: [Amount::default(); MAX_CHARGES],
             energy: [Amount::default(); MAX_NAMES],
-            fuels: [Amount::default(); Fuel::ALL.len()],
+            fuels: [Amount::default(); Carrier::ALL.len()],
         }
     }
 
@@ -102,7 +104,7 @@ impl Bill {
     ///
     /// The demand charge of a step is the increase of the bill so far, so that the steps sum up to the bill. At the
     /// first step of a month, it can be the part that a ratchet bills in any case.
-    pub fn step(&mut self, prices: &Prices, at: Moment, energy: &ByFuel, hours: f64) -> StepCost {
+    pub fn step(&mut self, prices: &Prices, at: Moment, energy: &CarrierEnergy, hours: f64) -> StepCost {
         let before = self.demand(prices);
         let (mut from, end) = (at.quarters(), at.quarters() + hours * 4.0);
         let (mut cost, length) = (0.0, end - from);
@@ -177,15 +179,15 @@ impl Bill {
             let quantity = closed.quantity.max(now.quantity);
             put(&charge.name, Amount { quantity, cost: closed.cost + now.cost }, "kW");
         }
-        Fuel::ALL.iter().zip(self.fuels).for_each(|(fuel, amount)| put(fuel.label(), amount, "kWh"));
+        Carrier::ALL.iter().zip(self.fuels).for_each(|(fuel, amount)| put(label(*fuel), amount, "kWh"));
         parts
     }
 
     /// Adds a share of a step within one quarter-hour of the year and returns the cost of its energy.
-    fn add(&mut self, prices: &Prices, quarter: usize, share: f64, energy: &ByFuel) -> f64 {
+    fn add(&mut self, prices: &Prices, quarter: usize, share: f64, energy: &CarrierEnergy) -> f64 {
         self.enter((quarter / 96) as u32 + 1, prices);
         let class = prices.class(quarter);
-        let electricity = energy[Fuel::Electricity as usize] * share;
+        let electricity = energy[Carrier::Electricity as usize] * share;
         let mut cost = self.electricity(prices, class, electricity);
         self.energy[class.name].quantity += electricity;
         self.energy[class.name].cost += cost;

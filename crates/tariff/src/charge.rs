@@ -1,12 +1,11 @@
 //! Demand charges of a tariff.
 
-use b2b_base::suggestion::nearest;
+use b2b_base::suggestion::{did_you_mean, nearest};
 use toml::Spanned;
 
 use crate::error::Fault;
-use crate::file::{DemandFile, Ratchet};
+use crate::file::{DemandFile, MAX_CHARGES, Ratchet};
 use crate::span::{Dates, Days, Hours};
-use crate::tariff::MAX_CHARGES;
 
 /// A charge on the largest 15-minute mean of a month.
 #[derive(Clone, Debug)]
@@ -78,7 +77,7 @@ fn excess_over(entry: &DemandFile, all: &[Spanned<DemandFile>]) -> Result<u8, St
     let bits = bits.fold(0, |bits, (bit, _)| bits | 1 << bit);
     if bits == 0 {
         let near = nearest(wanted, others().filter(|name| *name != entry.name));
-        let near = if near.is_empty() { near } else { format!(", did you mean {near}?") };
+        let near = did_you_mean(", ", &near);
         return Err(format!(
             "has `excess_over` {wanted:?}{near}; expected the name of another demand charge"
         ));

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use b2b_base::carrier::Carrier;
 use serde::Deserialize;
 
 use crate::calendar::{COMMON, Moment};
 use crate::error::{Fault, Result, read};
-use crate::fuel::{Fuel, FuelValues, Fuels};
-use crate::tariff::Source;
+use crate::file::Source;
+use crate::fuel::{FuelValues, Fuels};
 
 /// An emission profile.
 #[derive(Clone, Debug)]
@@ -96,7 +97,7 @@ impl Emissions {
 
     /// Returns kg of CO₂ equivalent per kWh of a carrier at a moment of a year without 29 February. Hours are of
     /// standard time; seasons begin in December, March, June and September.
-    pub fn at(&self, fuel: Fuel, at: Moment) -> f64 {
+    pub fn at(&self, fuel: Carrier, at: Moment) -> f64 {
         let season = (COMMON.month_of(at.day) + 1) % 12 / 3;
         self.fuels.at(fuel, self.electricity[season][at.hour as usize % 24])
     }

@@ -4,9 +4,8 @@ use toml::Spanned;
 
 use crate::calendar::{DAY, DAYS, Date};
 use crate::error::Fault;
-use crate::file::{EnergyFile, Price};
+use crate::file::{EnergyFile, MAX_BLOCKS, MAX_NAMES, Price};
 use crate::span::Hours;
-use crate::tariff::{MAX_BLOCKS, MAX_NAMES};
 
 /// A quarter-hour without a price.
 const NONE: u16 = u16::MAX;

@@ -1,5 +1,7 @@
 //! Errors of tariffs and emission profiles.
 
+use b2b_base::suggestion::did_you_mean;
+
 /// The result of an operation of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -7,8 +9,10 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An unknown tariff or emission profile.
-    #[error("unknown {what} `{name}`{}; expected {known}, or the path of a TOML file",
-        if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    #[error(
+        "unknown {what} `{name}`{}; expected {known}, or the path of a TOML file",
+        did_you_mean(", ", near)
+    )]
     Unknown {
         /// What was looked for: `tariff` or `emission profile`.
         what: &'static str,

@@ -4,12 +4,11 @@ use b2b_base::calendar::Calendar;
 use b2b_base::random::{stream, uniform};
 use toml::Spanned;
 
-use crate::calendar::{Date, is_on};
+use crate::calendar::Date;
 use crate::energy::{Class, EnergyTable};
 use crate::error::Fault;
 use crate::file::EventsFile;
 use crate::span::{Dates, Days, Hours};
-use crate::tariff::Tariff;
 
 /// Largest difference between a day's mean temperature and the temperature assumed when events are chosen with a seed,
 /// K. It stands for the uncertainty of the forecast and of the rest of the grid.
@@ -73,28 +72,21 @@ impl EventRule {
         })
     }
 
-    fn permits(&self, day: u32, weekend: bool) -> bool {
-        let excluded = self.never.iter().any(|never| never.day == day);
-        self.dates.contain(day) && self.days.contain(weekend) && !excluded
-    }
-}
-
-impl Tariff {
-    /// Chooses the events of a year from its daily mean outdoor temperatures, °C.
-    ///
-    /// The permitted times of the coldest permitted days become events, until the hours that the tariff allows per
-    /// winter are used up. January to March and December of the year count as one winter. With a seed, each temperature
-    /// is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on temperature alone. The same
-    /// arguments give the same events, in order of time; a tariff without events has none.
-    pub fn events(&self, calendar: Calendar, daily_means: &[f64], seed: Option<u64>) -> Vec<Event> {
-        let Some(rule) = &self.events else { return Vec::new() };
+    /// Chooses the events of a year: see [`Tariff::events`](crate::Tariff::events). `is_weekend` is of a day of the year.
+    pub(crate) fn choose(
+        &self,
+        calendar: Calendar,
+        daily_means: &[f64],
+        seed: Option<u64>,
+        is_weekend: impl Fn(u32) -> bool,
+    ) -> Vec<Event> {
         let mut random = seed.map(|seed| stream("events", seed, 0));
         let mut candidates = Vec::new();
         for (day, mean) in (1..).zip(daily_means) {
-            for hours in &rule.hours {
+            for hours in &self.hours {
                 // Drawn for every day, so that a draw does not depend on the days before.
                 let error = random.as_mut().map_or(0.0, |random| (2.0 * uniform(random) - 1.0) * UNCERTAINTY);
-                if rule.permits(calendar.day_of_common_year(day), self.is_weekend(calendar, day)) {
+                if self.permits(calendar.day_of_common_year(day), is_weekend(day)) {
                     candidates.push((mean + error, day, *hours));
                 }
             }
@@ -103,7 +95,7 @@ impl Tariff {
         let (mut chosen, mut used) = (Vec::<Event>::new(), 0.0);
         for (_, day, hours) in candidates {
             let same_day = chosen.iter().filter(|event| event.day == day).count();
-            if same_day < rule.most_per_day as usize && used + hours.length() <= rule.most_hours {
+            if same_day < self.most_per_day as usize && used + hours.length() <= self.most_hours {
                 used += hours.length();
                 let [from, to] = [hours.from, hours.to].map(|quarter| f64::from(quarter) / 4.0);
                 chosen.push(Event { day, from, to });
@@ -113,8 +105,8 @@ impl Tariff {
         chosen
     }
 
-    /// Returns whether a day of a year is a Saturday, a Sunday or one of the tariff's holidays.
-    pub(crate) fn is_weekend(&self, calendar: Calendar, day: u32) -> bool {
-        calendar.weekday(day) >= 5 || self.holidays.iter().any(|holiday| is_on(*holiday, calendar, day))
+    fn permits(&self, day: u32, weekend: bool) -> bool {
+        let excluded = self.never.iter().any(|never| never.day == day);
+        self.dates.contain(day) && self.days.contain(weekend) && !excluded
     }
 }

@@ -6,7 +6,39 @@ use toml::Spanned;
 use crate::calendar::{Date, Holiday};
 use crate::fuel::Fuels;
 use crate::span::{Dates, Days, Hours};
-use crate::tariff::{Customers, Source};
+
+/// Maximum number of energy blocks.
+pub(crate) const MAX_BLOCKS: usize = 4;
+/// Maximum number of energy price names, including the names used for events and cold.
+pub(crate) const MAX_NAMES: usize = 16;
+/// Maximum number of demand charges.
+pub(crate) const MAX_CHARGES: usize = 8;
+
+/// The customers of a tariff.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Customers {
+    /// Homes.
+    Homes,
+    /// Businesses.
+    Businesses,
+    /// Any customer: made for comparisons, not a utility's own.
+    Any,
+}
+
+/// Where the figures of a file come from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// The document or record.
+    pub document: String,
+    /// Date from which the figures are in force, or date of the document.
+    pub date: String,
+    /// Address.
+    pub url: Option<String>,
+    /// What was left out or assumed.
+    pub note: Option<String>,
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,28 +1,7 @@
-//! Energy carriers, and default values for carriers that a tariff or an emission profile leaves out.
+//! Values of energy carriers, and defaults for carriers that a tariff or an emission profile leaves out.
 
+use b2b_base::carrier::Carrier;
 use serde::Deserialize;
-
-/// An energy carrier, in the same order as `b2b_building::Carrier`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fuel {
-    /// Electricity.
-    Electricity,
-    /// Natural gas.
-    Gas,
-    /// Propane.
-    Propane,
-    /// Heating oil, diesel and gasoline.
-    FuelOil,
-    /// Coal, wood and other fuels.
-    OtherFuel,
-    /// Hot water or steam of a district.
-    DistrictHeating,
-    /// Chilled water of a district.
-    DistrictCooling,
-}
-
-/// An amount for each carrier, in the order of [`Fuel::ALL`].
-pub type ByFuel = [f64; Fuel::ALL.len()];
 
 /// Efficiency of the boilers of a district.
 const BOILER: f64 = 0.8;
@@ -58,29 +37,12 @@ pub struct FuelValues {
     pub district_cooling: Option<f64>,
 }
 
-impl Fuel {
-    /// All carriers.
-    pub const ALL: [Self; 7] = [
-        Self::Electricity,
-        Self::Gas,
-        Self::Propane,
-        Self::FuelOil,
-        Self::OtherFuel,
-        Self::DistrictHeating,
-        Self::DistrictCooling,
-    ];
-
-    /// Returns the name on a bill.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Electricity => "electricity",
-            Self::Gas => "natural gas",
-            Self::Propane => "propane",
-            Self::FuelOil => "fuel oil",
-            Self::OtherFuel => "other fuel",
-            Self::DistrictHeating => "district heating",
-            Self::DistrictCooling => "district cooling",
-        }
+/// Returns the name of a carrier on a bill.
+pub(crate) fn label(carrier: Carrier) -> &'static str {
+    match carrier {
+        Carrier::Gas => "natural gas",
+        Carrier::OtherFuel => "other fuel",
+        named => named.name(),
     }
 }
 
@@ -125,15 +87,15 @@ impl FuelValues {
     }
 
     /// Returns the value of a carrier for a given value of electricity.
-    pub fn at(&self, fuel: Fuel, electricity: f64) -> f64 {
-        match fuel {
-            Fuel::Electricity => electricity,
-            Fuel::Gas => self.gas,
-            Fuel::Propane => self.propane,
-            Fuel::FuelOil => self.fuel_oil,
-            Fuel::OtherFuel => self.other_fuel,
-            Fuel::DistrictHeating => self.district_heating.unwrap_or(self.gas / BOILER),
-            Fuel::DistrictCooling => self.district_cooling.unwrap_or(electricity / CHILLER),
+    pub fn at(&self, carrier: Carrier, electricity: f64) -> f64 {
+        match carrier {
+            Carrier::Electricity => electricity,
+            Carrier::Gas => self.gas,
+            Carrier::Propane => self.propane,
+            Carrier::FuelOil => self.fuel_oil,
+            Carrier::OtherFuel => self.other_fuel,
+            Carrier::DistrictHeating => self.district_heating.unwrap_or(self.gas / BOILER),
+            Carrier::DistrictCooling => self.district_cooling.unwrap_or(electricity / CHILLER),
         }
     }
 }

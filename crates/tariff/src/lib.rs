@@ -9,12 +9,12 @@
 //! - [`Emissions`] gives kg of CO₂ equivalent per kWh by carrier and hour.
 //!
 //! ```
-//! use b2b_tariff::{Bill, Calendar, Fuel, Moment, Prices, Tariff};
+//! use b2b_tariff::{Bill, Calendar, Carrier, Moment, Prices, Tariff};
 //!
 //! let prices = Prices::new(Tariff::named("fpl-gsdt-1")?, Calendar::default(), &[], None)?;
 //! let mut bill = Bill::new(184, 197);
-//! let mut energy = [0.0; Fuel::ALL.len()];
-//! energy[Fuel::Electricity as usize] = 0.5; // kWh
+//! let mut energy = [0.0; Carrier::ALL.len()];
+//! energy[Carrier::Electricity as usize] = 0.5; // kWh
 //! let cost = bill.step(&prices, Moment { day: 184, hour: 14.0 }, &energy, 1.0 / 12.0);
 //! assert!(cost.energy > 0.0 && cost.demand > 0.0);
 //! # Ok::<(), b2b_tariff::Error>(())
@@ -42,12 +42,14 @@ mod span;
 mod tariff;
 
 pub use b2b_base::calendar::Calendar;
+pub use b2b_base::carrier::{Carrier, CarrierEnergy};
 pub use bill::{Bill, Part, StepCost};
 pub use calendar::Moment;
 pub use emissions::{Emissions, Rate};
 pub use error::{Error, Result};
 pub use events::Event;
-pub use fuel::{ByFuel, Fuel, FuelValues};
+pub use file::{Customers, Source};
+pub use fuel::FuelValues;
 pub use prices::{PREVIEW, Prices};
 pub use shipped::shipped_text;
-pub use tariff::{Customers, Source, Tariff};
+pub use tariff::Tariff;

@@ -1,12 +1,12 @@
 //! The prices of a calendar year: a tariff laid out by quarter-hour on the clock of the simulation.
 
 use b2b_base::calendar::Calendar;
+use b2b_base::carrier::{Carrier, CarrierEnergy};
 
 use crate::calendar::{DAY, Moment, advance, quarters};
 use crate::energy::Class;
 use crate::error::{Error, Result};
 use crate::events::{Event, EventRule};
-use crate::fuel::{ByFuel, Fuel};
 use crate::tariff::Tariff;
 
 /// Hours of a preview.
@@ -93,7 +93,7 @@ impl Prices {
     }
 
     /// Returns the price per kWh of a carrier at a moment, for electricity in the first block.
-    pub fn price(&self, fuel: Fuel, at: Moment) -> f64 {
+    pub fn price(&self, fuel: Carrier, at: Moment) -> f64 {
         self.tariff.fuels.at(fuel, self.electricity(at, 0))
     }
 
@@ -148,8 +148,8 @@ impl Prices {
     }
 
     /// Returns the prices of all carriers for a given price of electricity.
-    pub(crate) fn of_fuels(&self, electricity: f64) -> ByFuel {
-        Fuel::ALL.map(|fuel| self.tariff.fuels.at(fuel, electricity))
+    pub(crate) fn of_fuels(&self, electricity: f64) -> CarrierEnergy {
+        Carrier::ALL.map(|fuel| self.tariff.fuels.at(fuel, electricity))
     }
 }
 

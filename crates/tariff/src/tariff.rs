@@ -2,23 +2,16 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use b2b_base::calendar::Calendar;
 use toml::Spanned;
 
-use crate::calendar::Holiday;
+use crate::calendar::{Holiday, is_on};
 use crate::charge::{Charge, charges};
 use crate::energy::{Class, EnergyTable};
 use crate::error::{Fault, Result, read};
-use crate::events::EventRule;
-use crate::file::{BlocksFile, ColdFile, ElectricityFile, Per, TariffFile};
+use crate::events::{Event, EventRule};
+use crate::file::{BlocksFile, ColdFile, Customers, ElectricityFile, MAX_BLOCKS, Per, Source, TariffFile};
 use crate::fuel::FuelValues;
-
-/// Maximum number of energy blocks.
-pub(crate) const MAX_BLOCKS: usize = 4;
-/// Maximum number of energy price names, including the names used for events and cold.
-pub(crate) const MAX_NAMES: usize = 16;
-/// Maximum number of demand charges.
-pub(crate) const MAX_CHARGES: usize = 8;
 
 /// A tariff.
 #[derive(Clone, Debug)]
@@ -44,32 +37,6 @@ pub struct Tariff {
     pub(crate) holidays: Vec<Holiday>,
     pub(crate) daylight_time: bool,
     pub(crate) month_days: Option<u32>,
-}
-
-/// The customers of a tariff.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Customers {
-    /// Homes.
-    Homes,
-    /// Businesses.
-    Businesses,
-    /// Any customer: made for comparisons, not a utility's own.
-    Any,
-}
-
-/// Where the figures of a file come from.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Source {
-    /// The document or record.
-    pub document: String,
-    /// Date from which the figures are in force, or date of the document.
-    pub date: String,
-    /// Address.
-    pub url: Option<String>,
-    /// What was left out or assumed.
-    pub note: Option<String>,
 }
 
 /// Blocks of energy.
@@ -145,6 +112,22 @@ impl Tariff {
     /// Returns whether events may be called.
     pub fn has_events(&self) -> bool {
         self.events.is_some()
+    }
+
+    /// Chooses the events of a year from its daily mean outdoor temperatures, °C.
+    ///
+    /// The permitted times of the coldest permitted days become events, until the hours that the tariff allows per
+    /// winter are used up. January to March and December of the year count as one winter. With a seed, each temperature
+    /// is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on temperature alone. The same
+    /// arguments give the same events, in order of time; a tariff without events has none.
+    pub fn events(&self, calendar: Calendar, daily_means: &[f64], seed: Option<u64>) -> Vec<Event> {
+        let Some(rule) = &self.events else { return Vec::new() };
+        rule.choose(calendar, daily_means, seed, |day| self.is_weekend(calendar, day))
+    }
+
+    /// Returns whether a day of a year is a Saturday, a Sunday or one of the tariff's holidays.
+    pub(crate) fn is_weekend(&self, calendar: Calendar, day: u32) -> bool {
+        calendar.weekday(day) >= 5 || self.holidays.iter().any(|holiday| is_on(*holiday, calendar, day))
     }
 
     /// Returns whether a price depends on the outdoor temperature.

@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use super::order::{AuthorityOrder, Convert, Failure, Order, Reply, Simulate, reply_file};
 use super::region::LOOK;
 use super::time_limit::TimeLimit;
-use super::worker_options::WorkerOptions;
+use super::workers::worker_options::WorkerOptions;
 
 /// Number of lines of the engine's error file that are repeated after a crash.
 const LAST_LINES: usize = 5;

@@ -7,49 +7,36 @@
 #![cfg(target_os = "linux")]
 
 mod batch;
-mod entry;
-mod environment;
 mod episode;
-mod episode_options;
-mod episode_report;
 mod form;
 mod fragment;
-mod job;
 mod jobs;
-mod launcher;
-mod metrics_report;
 mod order;
-mod owner;
 mod pool;
-mod population;
 mod region;
-mod rollout;
 mod sampler;
 mod setting;
-mod slots;
-mod statistics;
 mod time_limit;
 mod vec_env;
 mod worker;
-mod worker_options;
 mod workers;
 
 pub use batch::{recv, step_all};
-pub use entry::{run_if_worker, run_if_worker_with};
+pub use episode::episode_options::EpisodeOptions;
+pub use episode::episode_report::EpisodeReport;
 pub use episode::{Episode, Snapshot};
-pub use episode_options::EpisodeOptions;
-pub use episode_report::EpisodeReport;
 pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
+pub use fragment::rollout::{ControllerRunner, ROLLOUT, RolloutMemory, RolloutOrder};
 pub use fragment::{MakeRunner, Runner, RunnerError, Runners, SharedMemory};
 pub use jobs::Jobs;
-pub use launcher::Launcher;
-pub use population::{Buildings, Population};
-pub use rollout::{ControllerRunner, ROLLOUT, RolloutMemory, RolloutOrder};
+pub use sampler::population::{Buildings, Population};
 pub use sampler::{
     AnyOf, Draw, Fixed, Kept, Rotating, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather,
 };
 pub use setting::{Setting, Source};
-pub use statistics::Statistics;
+pub use vec_env::statistics::Statistics;
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
-pub use worker_options::WorkerOptions;
+pub use worker::entry::{run_if_worker, run_if_worker_with};
 pub use workers::Workers;
+pub use workers::launcher::Launcher;
+pub use workers::worker_options::WorkerOptions;

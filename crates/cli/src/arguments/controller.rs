@@ -13,8 +13,8 @@ use b2b_env::{Spaces, Task};
 use serde_json::Value;
 
 use super::task;
-use crate::prepare::Prepared;
-use crate::suggestion;
+use crate::program::prepare::Prepared;
+use crate::terminal::suggestion;
 
 /// A controller on the command line.
 #[derive(clap::Args)]
@@ -154,7 +154,7 @@ fn plan(
     case: &Case<'_>,
     quiet: bool,
 ) -> Result<Option<Box<dyn Controller>>> {
-    let bar = crate::progress::counter(case.spaces.episode_steps(), "steps planned", quiet);
+    let bar = crate::terminal::progress::counter(case.spaces.episode_steps(), "steps planned", quiet);
     let workers = b2b_workers::Workers::new(prepared.worker_options())?;
     let mut episode = workers.episode(&prepared.setting(case.spaces.episode.clone()))?;
     let plan = kind.plan(case, &mut episode, &mut || bar.inc(1))?;

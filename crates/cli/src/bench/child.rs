@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-use crate::interrupt;
+use crate::terminal::interrupt;
 
 /// Time that a child has to stop before it is killed.
 const GRACE: Duration = Duration::from_secs(5);

@@ -19,9 +19,9 @@ use serde::Serialize;
 
 use super::statistics::median;
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the CPU time of forward passes and updates of graph networks, compared with flat networks and the
 /// environment
@@ -62,7 +62,7 @@ const PASSES: usize = 100;
 
 /// The cost of a building type, µs of CPU time.
 #[derive(Serialize)]
-struct Cost {
+struct TypeCost {
     building: String,
     nodes: usize,
     features: usize,
@@ -85,15 +85,16 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     if arguments.json { stdout::print_json(&costs) } else { stdout::print(&text(&costs)) }
 }
 
-fn cost(name: &BuildingName, config: &TrainConfig, arguments: &Arguments) -> Result<Cost> {
+fn cost(name: &BuildingName, config: &TrainConfig, arguments: &Arguments) -> Result<TypeCost> {
     let prepared = Prepared::new(name, &Location::default(), arguments.json)?;
     let spaces = Arc::new(prepared.spaces(RunPeriod::WINTER, STEPS_PER_HOUR, Task::default())?);
     let flat = TrainConfig::preset("residual")?;
     let epochs = ppo_of(config)?.epochs;
-    let of_graph = Measured::new(config, ppo_of(config)?, &spaces)?;
-    let of_flat = Measured::new(&flat, PpoConfig { epochs, batch_size: STEPS, ..ppo_of(&flat)? }, &spaces)?;
+    let of_graph = MeasuredLearner::new(config, ppo_of(config)?, &spaces)?;
+    let of_flat =
+        MeasuredLearner::new(&flat, PpoConfig { epochs, batch_size: STEPS, ..ppo_of(&flat)? }, &spaces)?;
     let Some(graph) = of_graph.graph.clone() else { bail!("the preset graph has no graph network") };
-    Ok(Cost {
+    Ok(TypeCost {
         building: name.to_string(),
         nodes: graph.nodes(),
         features: graph.width(),
@@ -128,14 +129,14 @@ fn ppo_of(config: &TrainConfig) -> Result<PpoConfig> {
 }
 
 /// A learner for a building, with random observations.
-struct Measured {
+struct MeasuredLearner {
     ppo: Ppo,
     actor: Actor,
     graph: Option<Arc<Graph>>,
     widths: Widths,
 }
 
-impl Measured {
+impl MeasuredLearner {
     fn new(config: &TrainConfig, ppo: PpoConfig, spaces: &Arc<Spaces>) -> Result<Self> {
         let interface: Interface = config.agent.interface();
         let pilot = Pilot::new(interface, spaces)?;
@@ -202,7 +203,7 @@ impl Measured {
     }
 }
 
-fn text(costs: &[Cost]) -> String {
+fn text(costs: &[TypeCost]) -> String {
     let mut table = Table::new([
         "building",
         "nodes",

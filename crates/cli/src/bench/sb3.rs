@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use serde::Deserialize;
 
 use super::child;
-use crate::interrupt;
+use crate::terminal::interrupt;
 
 /// The speed of training by Stable-Baselines3.
 #[derive(Clone, Copy, Deserialize)]

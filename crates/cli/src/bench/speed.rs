@@ -12,9 +12,9 @@ use tempfile::TempDir;
 
 use super::statistics::{mean_and_deviation, median};
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment of two tasks
 ///
@@ -56,7 +56,7 @@ const MODES: usize = 4;
 
 /// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
 #[derive(Serialize)]
-struct Speed {
+struct StepCost {
     #[serde(rename = "type")]
     building: String,
     engine_ms: f64,
@@ -83,7 +83,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
+fn speed(building: &BuildingName, arguments: &Arguments) -> Result<StepCost> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
     for first in 0..MODES {
@@ -98,7 +98,7 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
     }
     let (env_mean_ms, env_deviation_ms) = mean_and_deviation(&single_steps(&prepared)?);
     let of_days = |value: fn(&[f64; MODES]) -> f64| median(days.iter().map(value).collect());
-    Ok(Speed {
+    Ok(StepCost {
         building: building.to_string(),
         engine_ms: of_days(|ms| ms[0]),
         advance_ms: of_days(|ms| ms[1]),
@@ -233,7 +233,7 @@ fn hold_middle(
     Ok(())
 }
 
-fn text(speeds: &[Speed]) -> String {
+fn text(speeds: &[StepCost]) -> String {
     let mut table = Table::new([
         "building",
         "engine (ms)",

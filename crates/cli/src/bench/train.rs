@@ -14,10 +14,11 @@ use serde::Serialize;
 
 use super::process::cpu_seconds;
 use super::sb3::{Python, Speed};
-use crate::progress::{Download, spinner};
-use crate::table::Table;
-use crate::workers::worker_options;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::program::worker_options;
+use crate::terminal::progress::{Download, spinner};
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///
@@ -63,7 +64,7 @@ pub struct Arguments {
 
 /// Measurements of one design on one building.
 #[derive(Serialize)]
-struct Measured {
+struct MeasuredDesign {
     #[serde(rename = "type")]
     building_type: BuildingType,
     building: String,
@@ -117,7 +118,11 @@ fn training_building(name: &BuildingName) -> Result<BuildingId> {
 }
 
 /// Measures both designs on a building.
-fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) -> Result<Vec<(Design, Cost)>> {
+fn costs(
+    building: BuildingId,
+    arguments: &Arguments,
+    catalog: &Arc<Catalog>,
+) -> Result<Vec<(Design, UpdateCost)>> {
     let mut config = TrainConfig::preset("paper")?;
     config.training_set.buildings = vec![building.to_string()];
     config.budget.environments = arguments.environments as usize;
@@ -126,7 +131,7 @@ fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) ->
         let workers = worker_options(catalog.library().path());
         let mut training = TrainingLoop::new(&config, design, catalog, workers)?;
         training.update()?;
-        turns.push((design, training, Cost::default()));
+        turns.push((design, training, UpdateCost::default()));
     }
     let mut random = ChaCha8Rng::seed_from_u64(0);
     while turns.iter().any(|(_, _, cost)| cost.times.steps < arguments.steps) {
@@ -142,13 +147,13 @@ fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) ->
 
 /// The accumulated cost of updates.
 #[derive(Default)]
-struct Cost {
+struct UpdateCost {
     times: UpdateTimes,
     /// CPU time, s, and the number of steps that it covers.
     cpu: (f64, u64),
 }
 
-impl Cost {
+impl UpdateCost {
     /// Runs an update and adds its cost.
     fn add_update(&mut self, training: &mut TrainingLoop) -> Result<()> {
         let (before, owner) = (Processes::of(training)?, ProcessTime::now());
@@ -173,10 +178,10 @@ impl Cost {
         design: Design,
         arguments: &Arguments,
         sb3: Option<Speed>,
-    ) -> Measured {
+    ) -> MeasuredDesign {
         let (times, seconds) = (self.times, self.times.seconds());
         let (cpu_seconds, cpu_steps) = self.cpu;
-        Measured {
+        MeasuredDesign {
             building_type: building.building_type(),
             building: building.to_string(),
             design: design.name(),
@@ -208,7 +213,7 @@ impl Processes {
     }
 }
 
-fn text(measured: &[Measured]) -> String {
+fn text(measured: &[MeasuredDesign]) -> String {
     let mut table = Table::new([
         "building",
         "design",

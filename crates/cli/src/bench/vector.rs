@@ -16,10 +16,11 @@ use tempfile::TempDir;
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::statistics::{median, percentile};
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::progress::spinner;
-use crate::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::program::prepare::Prepared;
+use crate::terminal::progress::spinner;
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Measure throughput, resets and memory of many environments at once
 ///
@@ -70,7 +71,7 @@ const ROUND: usize = 96;
 
 /// Measurements of one building type.
 #[derive(Serialize)]
-struct Measured {
+struct MeasuredBatch {
     #[serde(rename = "type")]
     building: String,
     environments: u32,
@@ -104,7 +105,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     if arguments.json { stdout::print_json(&measured) } else { stdout::print(&text(&measured)) }
 }
 
-fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
+fn measure(building: &BuildingName, arguments: &Arguments) -> Result<MeasuredBatch> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let spinner = spinner(format!("{} environments of {building}", arguments.environments), arguments.json);
     let period = period(arguments.days);
@@ -113,7 +114,7 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
     let (resets, template_mb) = resets(&prepared, &setting, arguments.resets)?;
     let rates = Rates::measure(&prepared, setting, building, arguments)?;
     spinner.finish_and_clear();
-    Ok(Measured {
+    Ok(MeasuredBatch {
         building: building.to_string(),
         environments: arguments.environments,
         steps_per_cpu_s: median(rates.batch.clone()),
@@ -322,7 +323,7 @@ impl Drop for Single {
     }
 }
 
-fn text(measured: &[Measured]) -> String {
+fn text(measured: &[MeasuredBatch]) -> String {
     let mut table = Table::new([
         "building",
         "N",

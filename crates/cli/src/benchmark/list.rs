@@ -6,8 +6,8 @@ use b2b_benchmark::problem::{Protocol, Side, Subset};
 use serde_json::json;
 
 use super::selection::Selection;
-use crate::stdout;
-use crate::table::Table;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// List the benchmark problems
 #[derive(clap::Args)]

@@ -8,7 +8,7 @@ mod verify;
 
 use anyhow::Result;
 
-use crate::exit_code::ExitCode;
+use crate::terminal::exit_code::ExitCode;
 
 /// Run policies on the benchmark problems, and verify and compare results
 ///

@@ -7,7 +7,7 @@ use b2b_benchmark::entry::{RunResult, read_result};
 use b2b_benchmark::{RankBy, leaderboard};
 
 use crate::output_folder::OutputFolder;
-use crate::stdout;
+use crate::terminal::stdout;
 
 /// Write a leaderboard of results
 ///

@@ -13,11 +13,12 @@ use super::selection::Selection;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
 use crate::evaluate::ratio;
-use crate::evaluation::{Bars, evaluation, fetch_weather};
-use crate::exit_code::ExitCode;
-use crate::progress::Download;
-use crate::table::Table;
-use crate::{program, stdout};
+use crate::program;
+use crate::scoring::evaluation::{Bars, evaluation, fetch_weather};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::Download;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// Run a policy on a benchmark problem
 ///

@@ -8,10 +8,11 @@ use b2b_benchmark::entry::{self, Check, Sample};
 use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::{Bars, evaluation};
-use crate::exit_code::ExitCode;
-use crate::progress::Download;
-use crate::{program, stdout};
+use crate::program;
+use crate::scoring::evaluation::{Bars, evaluation};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::Download;
+use crate::terminal::stdout;
 
 /// Verify a result
 ///

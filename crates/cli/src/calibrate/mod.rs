@@ -12,8 +12,9 @@ use indicatif::ProgressBar;
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
-use crate::progress::{Download, counter, spinner};
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::progress::{Download, counter, spinner};
+use crate::terminal::{interrupt, stdout};
 
 /// Calibrate a model to monthly metered energy
 ///

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_building::calibration::Report;
 
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Returns a report as text.
 pub fn text(report: &Report, out: &Path) -> String {

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::lead;
 use super::recorded::Recorded;
 use super::worst_hours;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// A metric in the comparison.
 pub struct Metric {

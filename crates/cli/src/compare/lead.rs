@@ -4,7 +4,7 @@ use b2b_env::{Display, EpisodeMetrics};
 use serde_json::{Value, json};
 
 use super::recorded::Recorded;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Columns of the leading metrics, and whether they are compared as ratios, which does not suit discomfort near 0.
 const LEAD: [(&str, bool); 4] =

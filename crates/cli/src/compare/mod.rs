@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 
 use crate::output_folder::OutputFolder;
-use crate::stdout;
+use crate::terminal::stdout;
 use recorded::Recorded;
 
 /// Compare runs of the same building, period and task

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::recorded::Recorded;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Hours listed for each run.
 const COUNT: usize = 10;

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use crate::output_folder::OutputFolder;
-use crate::stdout;
+use crate::terminal::stdout;
 
 /// Explore the dataset, export its table, or print the ranges of its parameters
 #[derive(clap::Args)]

@@ -7,7 +7,7 @@ use b2b_dataset::Building;
 use b2b_dataset::commercial::{CommercialParameters, Prescriptive};
 use b2b_dataset::house::{HouseSample, NUMBERS, Vintage};
 
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Thermal climate zones of the building code.
 const ZONES: RangeInclusive<char> = '1'..='8';

@@ -6,9 +6,9 @@ use anyhow::{Context, Result, bail};
 use b2b_evaluate::read_rows;
 use b2b_evaluate::report::{Compared, write_comparison};
 
-use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
-use crate::stdout;
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::stdout;
 
 /// Compare evaluations of the same episodes on one page
 ///

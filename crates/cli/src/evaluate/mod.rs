@@ -13,10 +13,11 @@ use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
 use crate::arguments::task;
-use crate::evaluation::{Bars, evaluation, fetch_weather};
-use crate::exit_code::ExitCode;
-use crate::progress::Download;
-use crate::{program, stdout};
+use crate::program;
+use crate::scoring::evaluation::{Bars, evaluation, fetch_weather};
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::Download;
+use crate::terminal::stdout;
 
 /// Evaluate a policy on many buildings and score it against the baseline
 ///

@@ -4,7 +4,7 @@ use b2b_evaluate::statistics::{Aggregate, score_text};
 use b2b_evaluate::{Group, OperationComfort, Window};
 
 use super::ratio;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Returns the scores of one run period and task.
 pub(super) fn window_text(policy: &str, window: &Window) -> String {

@@ -8,8 +8,9 @@ use b2b_experiment::{Checked, Folder, Runner};
 use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
-use crate::exit_code::ExitCode;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::{interrupt, stdout};
 
 /// Evaluate the agents and controllers in a folder of results again and compare with the results
 ///

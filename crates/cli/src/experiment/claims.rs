@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use b2b_experiment::{Error, Experiment, Folder, Results, claims};
 
-use crate::stdout;
+use crate::terminal::stdout;
 
 /// Judge the claims of the paper by results, as a table in Markdown
 ///

@@ -9,7 +9,7 @@ mod show;
 
 use anyhow::Result;
 
-use crate::exit_code::ExitCode;
+use crate::terminal::exit_code::ExitCode;
 
 /// Run the paper's experiments and your own
 ///
@@ -52,7 +52,7 @@ enum Command {
 /// Runs the command.
 pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
     // Training runs write checkpoints first.
-    crate::interrupt::be_patient();
+    crate::terminal::interrupt::be_patient();
     match &arguments.command {
         Command::List(arguments) => show::list(arguments)?,
         Command::Show(arguments) => show::show(arguments)?,

@@ -6,7 +6,7 @@ use anyhow::Result;
 use b2b_experiment::{Folder, Rate, rates, rates_text};
 use serde_json::json;
 
-use crate::stdout;
+use crate::terminal::stdout;
 
 /// Print the speed of training runs in folders of results, by building type and preset
 ///

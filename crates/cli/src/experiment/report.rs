@@ -8,7 +8,7 @@ use b2b_experiment::{Folder, Results, duration_text};
 use serde_json::json;
 
 use crate::output_folder::OutputFolder;
-use crate::stdout;
+use crate::terminal::stdout;
 
 /// Write the report of an experiment from the results in its folder
 ///

@@ -8,9 +8,10 @@ use serde_json::json;
 
 use super::report;
 use crate::arguments::jobs::Jobs;
-use crate::exit_code::ExitCode;
-use crate::progress::counter;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::counter;
+use crate::terminal::{interrupt, stdout};
 
 /// Run the remaining jobs of an experiment and write its report
 ///

@@ -4,8 +4,8 @@ use anyhow::Result;
 use b2b_experiment::{Budget, Experiment, Job, duration_text, estimate};
 use serde_json::{Value, json};
 
-use crate::stdout;
-use crate::table::Table;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// List the experiments
 #[derive(clap::Args)]

@@ -17,8 +17,9 @@ use serde_json::json;
 use crate::arguments::buildings::Split;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::place_name;
-use crate::progress::{Download, counter};
-use crate::{interrupt, program, stdout, weather};
+use crate::program::{self, weather};
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::{interrupt, stdout};
 use model_folder::{MANIFEST, ModelFolder};
 
 /// Generate buildings as EnergyPlus models

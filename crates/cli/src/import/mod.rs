@@ -12,10 +12,11 @@ use b2b_building::{RunPeriod, import};
 use b2b_dataset::BuildingName;
 
 use crate::arguments::location::Location;
-use crate::exit_code::ExitCode;
-use crate::prepare::Prepared;
-use crate::progress::counter;
-use crate::{interrupt, stdout, with_causes};
+use crate::program::prepare::Prepared;
+use crate::terminal::exit_code::ExitCode;
+use crate::terminal::progress::counter;
+use crate::terminal::{interrupt, stdout};
+use crate::with_causes;
 use overview::Imported;
 use report::Report;
 use trial::Trial;

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::report::{Group, Report, groups};
 use super::trial::Trial;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// RMS deviation of the worst zone from which a note names the zone, K.
 const LARGE_DEVIATION: f64 = 1.0;

@@ -7,7 +7,7 @@ use b2b_dataset::BuildingName;
 use serde::Serialize;
 
 use super::trial::Trial;
-use crate::prepare::Prepared;
+use crate::program::prepare::Prepared;
 
 /// The zones and systems of a model, and whether the agent controls them.
 #[derive(Serialize)]

@@ -9,7 +9,7 @@ use b2b_building::import::versions::Change;
 use super::report::{Report, groups};
 use super::trial::Trial;
 use crate::arguments::location::Location;
-use crate::table::Table;
+use crate::terminal::table::Table;
 
 /// Returns the text report.
 pub fn text(report: &Report, model: &Path, location: &Location) -> String {

@@ -6,7 +6,7 @@ use b2b_env::{Task, Term, ZoneMetrics};
 use serde::Serialize;
 
 use crate::arguments::controller::{Parameters, reactive};
-use crate::prepare::Prepared;
+use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
 
 /// Temperature deviations and engine messages of a trial episode.

@@ -20,9 +20,9 @@ use crate::arguments::controller::{Chosen, ControllerArguments};
 use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::OutputFolder;
-use crate::prepare::Prepared;
+use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
-use crate::{interrupt, stdout};
+use crate::terminal::{interrupt, stdout};
 use summary::{RunInfo, Summary};
 use trajectory_file::Identity;
 

@@ -3,7 +3,7 @@
 use b2b_env::BillPart;
 
 use super::summary::Summary;
-use crate::table::{Table, decimals};
+use crate::terminal::table::{Table, decimals};
 
 impl Summary {
     /// Returns the results of an episode of operation.

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::trajectory_file::Identity;
 use crate::rollout::Rollout;
-use crate::table::{Table, decimals};
+use crate::terminal::table::{Table, decimals};
 
 /// The content of `summary.json`, which `--json` prints too. Means over zones include only zones with both heating and
 /// cooling.

@@ -3,7 +3,7 @@
 use b2b_learn::train::{Monitor, Row};
 use indicatif::ProgressBar;
 
-use crate::progress::{spinner, training};
+use crate::terminal::progress::{spinner, training};
 
 /// A bar of environment steps with speed and scores.
 pub struct Bar {

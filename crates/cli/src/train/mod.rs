@@ -15,8 +15,9 @@ use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, Trai
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
-use crate::progress::Download;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::progress::Download;
+use crate::terminal::{interrupt, stdout};
 use bar::Bar;
 
 /// Train an agent and score it against the baseline

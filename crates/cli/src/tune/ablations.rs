@@ -11,10 +11,11 @@ use serde::Serialize;
 use super::two_weeks::two_weeks;
 use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::evaluation;
-use crate::progress::Download;
-use crate::table::Table;
-use crate::{program, stdout};
+use crate::program;
+use crate::scoring::evaluation::evaluation;
+use crate::terminal::progress::Download;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// Measure what the sequences of the guideline controller save
 ///

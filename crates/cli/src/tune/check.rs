@@ -9,8 +9,10 @@ use b2b_env::EnergyScale;
 
 use super::rollouts::TrainingRollouts;
 use crate::arguments::buildings::Classes;
-use crate::progress::{Download, counter};
-use crate::{interrupt, program, shipped, stdout};
+use crate::program;
+use crate::scoring::shipped;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::{interrupt, stdout};
 
 /// Reproduce the results of the shipped parameters
 ///

@@ -10,9 +10,10 @@ use serde::Serialize;
 
 use super::rollouts::rollouts;
 use crate::arguments::buildings::DatasetBuildings;
-use crate::progress::{Download, counter};
-use crate::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Compare default and tuned parameters on test buildings
 ///

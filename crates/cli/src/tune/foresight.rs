@@ -19,10 +19,11 @@ use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::{self, OutputFolder};
-use crate::progress::{Download, counter};
-use crate::table::Table;
-use crate::workers::worker_options;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::program::worker_options;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Search the schedules of the controller foresight
 ///

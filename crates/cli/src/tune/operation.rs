@@ -14,11 +14,12 @@ use serde_json::json;
 use super::two_weeks::two_weeks;
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
-use crate::evaluation::evaluation;
 use crate::output_folder::OutputFolder;
-use crate::progress::Download;
-use crate::table::Table;
-use crate::{program, stdout};
+use crate::program;
+use crate::scoring::evaluation::evaluation;
+use crate::terminal::progress::Download;
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
 
 /// Measure the scales of the rewards of operation, and rank controllers under several weights of discomfort
 ///

@@ -6,8 +6,8 @@ use b2b_control::{ReactiveParameters, Result};
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::Task;
 
-use crate::progress::Download;
-use crate::workers::worker_options;
+use crate::program::worker_options;
+use crate::terminal::progress::Download;
 
 /// Default run periods of tuning: Sunday to Tuesday in winter and in summer, to include the end of a weekend.
 pub const DAYS: [&str; 2] = ["01-08..01-10", "07-09..07-11"];

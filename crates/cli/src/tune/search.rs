@@ -16,9 +16,10 @@ use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
 use crate::arguments::jobs::Jobs;
 use crate::output_folder::{self, OutputFolder};
-use crate::progress::{Download, counter};
-use crate::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::program;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
 
 /// Arguments of the search.
 #[derive(clap::Args)]

@@ -9,7 +9,7 @@ use b2b_dataset::{BuildingId, BuildingName};
 use b2b_env::{Band, Task};
 use b2b_evaluate::{Baselines, Episode, Evaluation, Folder, Policy, Results, Row, Subject};
 
-use crate::evaluation::{Bars, fetch_weather};
+use crate::scoring::evaluation::{Bars, fetch_weather};
 
 /// Returns the episodes of a policy in dataset buildings at constant prices, a building after the other. Finished ones are
 /// read from the folder.

@@ -19,10 +19,10 @@ use plotly::Plot;
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
-use crate::facts::{Facts, Served};
+use crate::buildings::facts::{Facts, Served};
 use crate::output_folder::OutputFolder;
-use crate::prepare::Prepared;
-use crate::stdout;
+use crate::program::prepare::Prepared;
+use crate::terminal::stdout;
 
 /// Draw a building: 3D geometry, systems as a graph, and description
 ///

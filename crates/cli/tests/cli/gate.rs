@@ -11,6 +11,7 @@ fn the_tests_left_to_the_nightly_command_exist() {
     assert!(!names.is_empty());
     for name in names {
         let (module, function) = name.rsplit_once("::").unwrap();
+        let module = module.replace("::", "/");
         let exists = read_dir(crates).unwrap().map(|each| each.unwrap().path()).any(|each| {
             let folder = each.file_name().unwrap().to_str().unwrap();
             let folders = [folder, "learners"].map(|tests| each.join("tests").join(tests));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::onnx_file::endless_policy;
+use crate::policies::onnx_file::endless_policy;
 use crate::program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until, workers_of};
 use b2b_energyplus::install::{Engine, Quiet};
 use rustix::process::{Pid, Signal, kill_process};

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 
 /// The location of the station in an EPW header.
 pub(super) struct Location {
-    pub(super) sun: sun::Place,
+    pub(super) sun: sun::Position,
     pub(super) elevation: f64,
 }
 
@@ -23,7 +23,7 @@ pub(super) fn location(line: &str) -> Result<Location> {
     else {
         return Err(malformed("LOCATION has no latitude, longitude, time zone and elevation"));
     };
-    Ok(Location { sun: sun::Place { latitude, longitude, time_zone }, elevation })
+    Ok(Location { sun: sun::Position { latitude, longitude, time_zone }, elevation })
 }
 
 pub(super) fn malformed(why: &str) -> Error {

@@ -17,7 +17,7 @@ pub(super) fn at_elevation(pressures: &[f64], from: f64, to: f64) -> Vec<f64> {
     pressures.iter().map(|pressure| pressure * ratio).collect()
 }
 
-pub(super) fn suns(place: sun::Place) -> Vec<sun::Sun> {
+pub(super) fn suns(place: sun::Position) -> Vec<sun::Sun> {
     (0..HOURS as u32).map(|hour| sun::Sun::over(place, hour / 24 + 1, hour % 24 + 1)).collect()
 }
 

@@ -80,7 +80,8 @@ fn heating_degree_days_follow_from_the_normals() {
 
 fn humidity_is_physical_and_sunlight_adds_up() {
     for (station, text) in MORPHED.iter() {
-        let place = sun::Place { latitude: station.latitude, longitude: station.longitude, time_zone: -5.0 };
+        let place =
+            sun::Position { latitude: station.latitude, longitude: station.longitude, time_zone: -5.0 };
         let suns = suns(place);
         for (hour, sun) in hours(text).iter().zip(suns) {
             let what = format!("{} {}-{} {}h", station.name, hour[1], hour[2], hour[3]);

@@ -76,7 +76,7 @@ impl<'a> Year<'a> {
             dew_point.extend(held_under(dew, &dry_bulb[hours.clone()], normals.dew_point));
             wind.extend(scaled(&self.wind[hours], normals.wind_speed));
         }
-        let to = sun::Place { latitude: station.latitude, longitude: station.longitude, ..from.sun };
+        let to = sun::Position { latitude: station.latitude, longitude: station.longitude, ..from.sun };
         let sun = suns(to);
         Self {
             global: self.sun_under(&suns(from.sun), &sun, &station.months),

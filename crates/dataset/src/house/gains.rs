@@ -3,8 +3,8 @@
 use b2b_building::Model;
 use serde_json::json;
 
+use super::hvac::schedules;
 use super::parameters::House;
-use super::schedules;
 use super::zones::LIVING;
 
 /// Heat of a seated adult, W (ASHRAE Fundamentals: seated, light activity).

@@ -25,35 +25,21 @@
 //! The ducted houses of Québec. They are about a quarter of its detached stock; half of the stock heats with baseboards
 //! and has no air system to control.
 
-mod air_loop;
-mod bounds;
-mod buffers;
-mod capacities;
-mod coils;
-mod construction;
-mod envelope;
 mod gains;
 mod geometry;
-mod ground;
 mod household;
-mod infiltration;
-mod loads;
 mod parameters;
 mod sample;
-mod schedules;
 mod simulation;
-mod stock;
-mod surface;
-mod thermostat;
 mod zones;
 
-pub use bounds::{NUMBERS, Number};
-pub use capacities::Capacities;
 pub use geometry::Geometry;
 pub use household::Household;
+pub use hvac::capacities::Capacities;
+pub use hvac::thermostat::add_thermostat;
+pub use parameters::bounds::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};
-pub use thermostat::add_thermostat;
 pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 
 use b2b_building::Model;
@@ -73,17 +59,19 @@ pub fn house(parameters: &House, site: &Site) -> Result<Model> {
     let capacities = parameters.capacities.unwrap_or_else(|| Capacities::for_design_days(parameters, site));
     let mut model = Model::default();
     simulation::add(&mut model, parameters, site);
-    schedules::add(&mut model);
+    hvac::schedules::add(&mut model);
     zones::add(&mut model, &geometry);
-    envelope::add(&mut model, parameters, &geometry);
-    buffers::add(&mut model, parameters, &geometry);
-    ground::add(&mut model, parameters, &geometry, site);
-    infiltration::add(&mut model, parameters, &geometry);
+    shell::envelope::add(&mut model, parameters, &geometry);
+    shell::buffers::add(&mut model, parameters, &geometry);
+    shell::ground::add(&mut model, parameters, &geometry, site);
+    shell::infiltration::add(&mut model, parameters, &geometry);
     gains::add(&mut model, parameters);
-    air_loop::add(&mut model, parameters, &capacities);
-    coils::add(&mut model, parameters, &capacities);
+    hvac::air_loop::add(&mut model, parameters, &capacities);
+    hvac::coils::add(&mut model, parameters, &capacities);
     Ok(model)
 }
 
+mod hvac;
+mod shell;
 #[cfg(test)]
 mod tests;

@@ -143,17 +143,17 @@ fn windows_cover_their_share_of_the_walls() {
 fn assembly_u_values_match_the_effective_r() {
     for parameters in houses() {
         let model = house(&parameters, &site());
-        let films = construction::FILM_OUTSIDE + construction::FILM_WALL;
+        let films = shell::construction::FILM_OUTSIDE + shell::construction::FILM_WALL;
         close(resistance(&model, "Wall") + films, parameters.effective_wall_resistance());
         if parameters.garage {
-            let films = 2.0 * construction::FILM_WALL;
+            let films = 2.0 * shell::construction::FILM_WALL;
             close(resistance(&model, "Wall to Garage") + films, parameters.effective_wall_resistance());
         }
         if parameters.foundation == Foundation::Crawlspace {
-            let floor = resistance(&model, "Floor") + 2.0 * buffers::FILM_FLOOR;
+            let floor = resistance(&model, "Floor") + 2.0 * shell::buffers::FILM_FLOOR;
             close(floor, parameters.effective_foundation_resistance());
         }
-        let ceiling = resistance(&model, "Ceiling") + 2.0 * construction::FILM_CEILING;
+        let ceiling = resistance(&model, "Ceiling") + 2.0 * shell::construction::FILM_CEILING;
         close(ceiling, parameters.effective_attic_resistance());
         close(resistance(&model, "Ceiling"), resistance(&model, "Attic Floor"));
         if parameters.foundation == Foundation::Basement {
@@ -161,7 +161,7 @@ fn assembly_u_values_match_the_effective_r() {
             close(resistance(&model, "Foundation Wall") + films, foundation);
             let class = "Construction:CfactorUndergroundWall";
             let wall = model.require(class, "Basement Wall").unwrap();
-            close(1.0 / number(wall, "c_factor").unwrap() + construction::FILM_WALL, foundation);
+            close(1.0 / number(wall, "c_factor").unwrap() + shell::construction::FILM_WALL, foundation);
         }
         let glazing = model.require("WindowMaterial:SimpleGlazingSystem", "Glazing").unwrap();
         assert_eq!(number(glazing, "u_factor"), Some(parameters.window_u));
@@ -254,7 +254,7 @@ fn the_design_flow_carries_the_backup_at_45_degrees() {
         let sizes = Capacities::for_design_days(&parameters, &site());
         let rise = sizes.backup / (sizes.flow * 1.204 * 1006.0);
         assert!(rise <= 24.0 + TOLERANCE, "{rise}");
-        let loss = loads::heat_loss(&parameters, &site());
+        let loss = hvac::loads::heat_loss(&parameters, &site());
         close(sizes.backup, 1.3 * loss);
         let model = house(&parameters, &site());
         let terminal = model.objects("AirTerminal:SingleDuct:VAV:NoReheat");
@@ -266,7 +266,7 @@ fn the_design_flow_carries_the_backup_at_45_degrees() {
 fn leakage_increases_heat_loss_and_given_sizes_are_kept() {
     let tight = House::default();
     let leaky = House { air_changes_50: 8.0, ..tight.clone() };
-    assert!(loads::heat_loss(&leaky, &site()) > 1.1 * loads::heat_loss(&tight, &site()));
+    assert!(hvac::loads::heat_loss(&leaky, &site()) > 1.1 * hvac::loads::heat_loss(&tight, &site()));
     let sizes = Capacities { flow: 0.2, cooling: 4000.0, heating: 3500.0, backup: 8600.0 };
     let model = house(&House { capacities: Some(sizes), ..tight }, &site());
     let heater = model.require("Coil:Heating:Electric", "Backup Heater").unwrap();

@@ -4,9 +4,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use super::ENGINE_VERSION;
 use super::cache::Cache;
 use super::client::Client;
-use super::engine::{ENGINE, ENGINE_VERSION, Engine, Source};
+use super::engine::{ENGINE, Engine, Source};
 use super::error::Error;
 use super::package::State;
 use super::pinned::Package;

@@ -8,9 +8,6 @@ use super::package::Installed;
 use super::pinned::{Package, Platform, Wheel};
 use super::progress::Progress;
 
-/// Version of the packaged EnergyPlus.
-pub const ENGINE_VERSION: &str = "25.2.0";
-
 /// The package that contains EnergyPlus.
 ///
 /// The Linux and macOS wheels contain the library twice; the one without a version in its name loads on its own. On Windows

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::engine::ENGINE_VERSION;
+use super::ENGINE_VERSION;
 
 /// An error of the installation.
 #[derive(Debug, thiserror::Error)]

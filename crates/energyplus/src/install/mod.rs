@@ -23,10 +23,13 @@ mod sealed;
 mod stamp;
 
 pub use cache::{Cache, cache_dir, use_packages_in};
-pub use engine::{ENGINE, ENGINE_VERSION, Engine, Source};
+pub use engine::{ENGINE, Engine, Source};
 pub use error::{Error, Result};
 pub use manifest::{Manifest, UnpackedFile};
 pub use package::{Installed, State};
 pub use pinned::{Package, Platform, Wheel};
 pub use progress::{Progress, Quiet};
 pub use sealed::{check as check_sealed, seal, unseal};
+
+/// Version of the packaged EnergyPlus.
+pub const ENGINE_VERSION: &str = "25.2.0";

@@ -54,11 +54,11 @@ use b2b_energyplus::Library;
 pub use report::{Condition, Level, Limit, Report, Row, Season, Verdict};
 
 use crate::Result;
-use crate::calendar::{self, Seasons};
 use crate::env::Env;
+use crate::setpoints::calendar::{self, Seasons};
 use crate::spaces::EpisodeConfig;
 use crate::task::Task;
-use crate::ventilation::Ventilation;
+use crate::zones::ventilation::Ventilation;
 use bench::Bench;
 use hold::follow_holds;
 

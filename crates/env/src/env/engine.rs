@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use b2b_building::hvac::EngineVariable;
+use b2b_building::hvac::{self, EngineVariable};
 use b2b_building::people::PeopleGroup;
-use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir};
+use b2b_building::{Carrier, CarrierEnergy, EndUse, EndUseEnergy, HvacMeter, OutdoorAir, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{by_carrier, per_area};
 use crate::Result;
-use crate::presence::Attendance;
 use crate::spaces::Spaces;
 use crate::zones::ControlledZone;
+use crate::zones::presence::Attendance;
 
 pub(super) const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
 pub(super) const OUTDOOR: [&str; 2] =
@@ -64,6 +64,92 @@ pub(super) struct Engine {
     pub(super) heats: Vec<Option<Variable>>,
 }
 
+/// The parts of the engine that an episode reads and sets.
+struct Points<'a> {
+    building: &'a PreparedBuilding,
+    zones: &'a [ControlledZone],
+    /// Variables of the air of controlled zones besides the temperature.
+    air: Vec<&'static str>,
+    groups: Vec<&'a PeopleGroup>,
+    fans_outside: Vec<EngineVariable>,
+    /// Actuators whose effects are observed.
+    observed: Vec<&'a hvac::Actuator>,
+}
+
+impl<'a> Points<'a> {
+    fn new(
+        spaces: &'a Spaces,
+        zones: &'a [ControlledZone],
+        attendance: Option<&'a Attendance>,
+        observe_effects: bool,
+    ) -> Self {
+        let building = &*spaces.building;
+        Self {
+            building,
+            zones,
+            air: spaces.observation.air().iter().map(|quantity| quantity.slot().variable).collect(),
+            groups: attendance.into_iter().flat_map(Attendance::groups).collect(),
+            fans_outside: building.fans_outside().collect(),
+            observed: building.actuators().filter(|_| observe_effects).collect(),
+        }
+    }
+
+    /// Names of the controlled zones.
+    fn controlled(&self) -> impl Iterator<Item = &'a str> {
+        let building = self.building;
+        self.zones.iter().map(|zone| building.zones[zone.slot].name.as_str())
+    }
+
+    /// Requests the variables from a run.
+    fn request(&self, mut run: Run) -> Run {
+        for zone in &self.building.zones {
+            run = run.request(ZONE_TEMPERATURE, &zone.name);
+        }
+        for name in OUTDOOR {
+            run = run.request(name, SITE);
+        }
+        for name in self.controlled() {
+            run =
+                self.air.iter().fold(run.request(PEOPLE, name), |run, variable| run.request(*variable, name));
+        }
+        for group in &self.groups {
+            run = run.request(SCHEDULE, &group.schedule);
+        }
+        for OutdoorAir { ventilation, .. } in self.building.outdoor_air().flatten() {
+            let variable = &ventilation.outdoor_air;
+            run = run.request(&variable.name, &variable.key);
+        }
+        for fan in &self.fans_outside {
+            run = run.request(&fan.name, &fan.key);
+        }
+        for variable in self.observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
+            run = run.request(&variable.name, &variable.key);
+        }
+        run
+    }
+}
+
+fn variable(simulation: &Simulation, variable: &EngineVariable) -> Result<Variable> {
+    Ok(simulation.variable(&variable.name, &variable.key)?)
+}
+
+impl Ventilated {
+    fn new(simulation: &Simulation, air: OutdoorAir) -> Result<Self> {
+        let OutdoorAir { ventilation, zones } = air;
+        let damper = ventilation.damper.as_ref();
+        let damper = damper.map(|d| simulation.actuator(&d.component, &d.control, &d.key)).transpose()?;
+        Ok(Self { zones, outdoor_air: variable(simulation, &ventilation.outdoor_air)?, damper })
+    }
+}
+
+/// Returns the handles of the end-use meters that the engine has.
+fn end_use_meters(simulation: &Simulation, meter: &HvacMeter) -> Vec<(Carrier, EndUse, Meter)> {
+    let named = meter.end_uses().into_iter();
+    named
+        .filter_map(|(end_use, name)| Some((meter.carrier, end_use, simulation.meter(&name).ok()?)))
+        .collect()
+}
+
 impl Engine {
     pub(super) fn start(
         library: &Library,
@@ -73,87 +159,45 @@ impl Engine {
         attendance: Option<&Attendance>,
         observe_effects: bool,
     ) -> Result<Self> {
-        let building = &*spaces.building;
+        let points = Points::new(spaces, zones, attendance, observe_effects);
         let folder = model.parent().unwrap_or(Path::new("."));
-        let mut run = Run::new(model, &spaces.episode.weather).output(folder).yield_in_warmup();
-        for zone in &building.zones {
-            run = run.request(ZONE_TEMPERATURE, &zone.name);
-        }
-        for name in OUTDOOR {
-            run = run.request(name, SITE);
-        }
-        let controlled = || zones.iter().map(|zone| building.zones[zone.slot].name.as_str());
-        let air: Vec<_> = spaces.observation.air().iter().map(|quantity| quantity.slot().variable).collect();
-        for name in controlled() {
-            run = air.iter().fold(run.request(PEOPLE, name), |run, variable| run.request(*variable, name));
-        }
-        let groups: Vec<_> = attendance.into_iter().flat_map(Attendance::groups).collect();
-        for group in &groups {
-            run = run.request(SCHEDULE, &group.schedule);
-        }
-        for OutdoorAir { ventilation, .. } in building.outdoor_air().flatten() {
-            let variable = &ventilation.outdoor_air;
-            run = run.request(&variable.name, &variable.key);
-        }
-        let fans_outside: Vec<_> = building.fans_outside().collect();
-        for fan in &fans_outside {
-            run = run.request(&fan.name, &fan.key);
-        }
-        let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
-        for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
-            run = run.request(&variable.name, &variable.key);
-        }
-        let simulation = run.start(library)?;
-        let actuator = |a: &b2b_building::hvac::Actuator| {
-            Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
-        };
-        let variable = |v: &EngineVariable| Ok(simulation.variable(&v.name, &v.key)?);
-        let [component, control] = PEOPLE_ACTUATOR;
+        let run = Run::new(model, &spaces.episode.weather).output(folder).yield_in_warmup();
+        Self::with_handles(points.request(run).start(library)?, &points)
+    }
+
+    fn with_handles(simulation: Simulation, points: &Points<'_>) -> Result<Self> {
+        let Points { building, zones, air, groups, fans_outside, observed } = points;
+        let of = |name: &str, key: &str| simulation.variable(name, key);
+        let ventilated =
+            |air: Option<OutdoorAir>| air.map(|air| Ventilated::new(&simulation, air)).transpose();
+        let actuator =
+            |a: &hvac::Actuator| Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale));
+        let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
         let handles = |group: &&PeopleGroup| {
-            let schedule = simulation.variable(SCHEDULE, &group.schedule)?;
+            let [component, control] = PEOPLE_ACTUATOR;
+            let schedule = of(SCHEDULE, &group.schedule)?;
             Ok((schedule, simulation.actuator(component, control, &group.name)?))
         };
-        let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
-        let end_uses = |meter: &HvacMeter| {
-            let carrier = meter.carrier;
-            let of_meter = meter.end_uses().into_iter();
-            let found = of_meter
-                .filter_map(|(end_use, name)| Some((carrier, end_use, simulation.meter(&name).ok()?)));
-            found.collect::<Vec<_>>()
-        };
-        let ventilated = |air: Option<OutdoorAir>| {
-            let Some(OutdoorAir { ventilation, zones }) = air else { return Ok(None) };
-            let damper = ventilation.damper.as_ref();
-            let damper = damper.map(|d| simulation.actuator(&d.component, &d.control, &d.key)).transpose()?;
-            Ok(Some(Ventilated { zones, outdoor_air: variable(&ventilation.outdoor_air)?, damper }))
-        };
+        let ventilated = building.outdoor_air().map(ventilated).collect::<Result<_>>()?;
+        let temperatures = building.zones.iter().map(|zone| Ok(of(ZONE_TEMPERATURE, &zone.name)?));
+        let of_air = points.controlled().flat_map(|name| air.iter().map(move |variable| (*variable, name)));
         Ok(Self {
-            ventilated: building.outdoor_air().map(ventilated).collect::<Result<_>>()?,
-            temperatures: building
-                .zones
-                .iter()
-                .map(|zone| simulation.variable(ZONE_TEMPERATURE, &zone.name))
-                .collect::<std::result::Result<_, _>>()?,
-            air: controlled()
-                .flat_map(|name| air.iter().map(move |variable| (*variable, name)))
-                .map(|(variable, name)| simulation.variable(variable, name))
-                .collect::<std::result::Result<_, _>>()?,
-            outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
+            ventilated,
+            temperatures: temperatures.collect::<Result<_>>()?,
+            air: of_air.map(|(variable, name)| Ok(of(variable, name)?)).collect::<Result<_>>()?,
+            outdoor: [of(OUTDOOR[0], SITE)?, of(OUTDOOR[1], SITE)?],
             // The engine has this variable only for zones with people.
-            people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
+            people: points.controlled().map(|name| of(PEOPLE, name).ok()).collect(),
             least_people: zones.iter().map(|zone| zone.least_people).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
-            end_uses: building.meters.iter().flat_map(end_uses).collect(),
-            fans_outside: fans_outside
-                .iter()
-                .filter_map(|fan| simulation.variable(&fan.name, &fan.key).ok())
-                .collect(),
+            end_uses: building.meters.iter().flat_map(|meter| end_use_meters(&simulation, meter)).collect(),
+            fans_outside: fans_outside.iter().filter_map(|fan| of(&fan.name, &fan.key).ok()).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             groups: groups.iter().map(handles).collect::<Result<_>>()?,
-            effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
+            effects: observed.iter().map(|a| variable(&simulation, &a.effect)).collect::<Result<_>>()?,
             heats: observed
                 .iter()
-                .map(|a| a.heat.as_ref().map(variable).transpose())
+                .map(|a| a.heat.as_ref().map(|heat| variable(&simulation, heat)).transpose())
                 .collect::<Result<_>>()?,
             simulation,
         })

@@ -6,7 +6,7 @@ use b2b_building::{Model, PreparedBuilding};
 use serde_json::json;
 
 use super::engine::{OUTDOOR, ZONE_TEMPERATURE};
-use super::{Env, MODEL_FILE, episode_model, meters};
+use super::{Env, episode_model, meters, write_model};
 use crate::{Error, Result};
 
 /// The files of `OutputControl:Files` that are written; `eplusout.err` always is.
@@ -27,8 +27,7 @@ impl Env {
         std::fs::create_dir_all(&folder).map_err(|source| Error::Io { path: folder.clone(), source })?;
         let mut model = episode_model(&self.spaces.building, &self.spaces.episode, &self.meters);
         request(&mut model, &self.spaces.building);
-        let path = folder.join(MODEL_FILE);
-        std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
+        write_model(&folder, &model)?;
         self.meter_file = folder.join(meters::METER_FILE);
         self.folder = folder;
         self._temporary = None;

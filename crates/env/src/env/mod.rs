@@ -4,46 +4,43 @@ mod engine;
 mod engine_output;
 mod meters;
 mod observe;
+mod readings;
 mod setpoints_apart;
 mod snapshot;
 mod warm_up;
 
-#[cfg(target_os = "linux")]
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_base::scratch::temporary_folder;
 use b2b_building::{HvacMeter, Model, PreparedBuilding};
-use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
+use b2b_energyplus::{Event, Library, Messages, exclusive};
 use tempfile::TempDir;
 
 use self::engine::Engine;
 use self::setpoints_apart::SetpointsApart;
 pub use self::snapshot::Snapshot;
-use crate::action::ActionSpace;
 use crate::billing::Billing;
-use crate::calendar::Seasons;
-use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
 use crate::faults::Impairment;
 use crate::metrics::Metrics;
-use crate::observation::ObservationSpace;
-use crate::oscillation::Oscillation;
-use crate::presence::{self, Attendance};
+use crate::metrics::oscillation::Oscillation;
 use crate::preview::Forecast;
 use crate::reward::{Reward, RewardFunction, ZoneStep};
+use crate::setpoints::band::Bands;
+use crate::setpoints::calendar::Seasons;
 use crate::setpoints::{Asked, Targets};
+use crate::spaces::action::ActionSpace;
+use crate::spaces::observation::ObservationSpace;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
 use crate::terms::Amounts;
-use crate::ventilation::{Interlock, Ventilation};
+use crate::zones::presence::{self, Attendance};
+use crate::zones::ventilation::{Interlock, Ventilation};
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
 const MODEL_FILE: &str = "model.epJSON";
-/// Severe messages in an [`EngineReport`].
-const SEVERES_KEPT: usize = 5;
 
 /// A building as an environment, with the engine in this process.
 ///
@@ -113,15 +110,16 @@ impl Env {
         building.check_period(episode.period).map_err(Error::building)?;
         let temporary = temporary_folder("b2b-env-").map_err(b2b_energyplus::Error::from)?;
         let folder = temporary.path().to_owned();
-        let path = folder.join(MODEL_FILE);
         let meters = meters::compared(&building, &episode.task);
-        std::fs::write(&path, episode_model(&building, &episode, &meters).to_epjson())
-            .map_err(|source| Error::Io { path, source })?;
+        write_model(&folder, &episode_model(&building, &episode, &meters))?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
-        let zones = controlled_zones(&spaces.building, task)?;
+        let zones = controlled_zones(&spaces.building, task.heating_only_zones, task.is_operation())?;
         let seasons = Seasons::of(&spaces.episode.weather, spaces.episode.period.calendar())?;
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
+        let (model, steps_per_hour) = (spaces.building.model(), spaces.episode.steps_per_hour);
+        let attendance = Attendance::new(task.presence, model, steps_per_hour)?;
+        let (bands, class) = (Bands::of(&spaces), spaces.building.class);
         Ok(Self {
             library,
             observation: vec![0.0; spaces.observation.len()],
@@ -129,30 +127,15 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             terms: Amounts::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
-            targets: Targets::of(&spaces, seasons),
+            targets: Targets::new(&task.setpoints, bands, class, zones.len(), seasons),
             seasons,
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
             setpoints_apart: SetpointsApart::new(&spaces.building),
             impairment: Impairment::new(&task.faults, &spaces.building),
-            attendance: Attendance::new(
-                task.presence,
-                spaces.building.model(),
-                spaces.episode.steps_per_hour,
-            )?,
-            billing: Billing::new(
-                task,
-                &spaces.episode.weather,
-                spaces.episode.period,
-                spaces.building.conditioned_floor_area,
-                spaces.episode.steps_per_hour,
-            )?,
-            forecast: task
-                .preview
-                .map(|preview| {
-                    Forecast::new(preview, &spaces.episode.weather, spaces.episode.period.calendar())
-                })
-                .transpose()?,
+            attendance,
+            billing: Billing::new(&spaces.episode, spaces.building.conditioned_floor_area)?,
+            forecast: forecast(&spaces.episode)?,
             asked: vec![Asked::UNKNOWN; zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -330,94 +313,6 @@ impl Env {
         self.truncated
     }
 
-    /// Metrics of the episode in progress, or of the last one.
-    pub fn metrics(&self) -> &Metrics {
-        &self.metrics
-    }
-
-    /// The task's comfort penalties of the last step, one for each controlled zone in model order. Their mean is the
-    /// temperature penalty of the task's own reward.
-    pub fn comfort_penalties(&self) -> impl Iterator<Item = f64> {
-        let began = self.beginning_of(self.metrics.steps.saturating_sub(1));
-        let season = self.seasons.on(began.day_of_year);
-        let comfort = &self.spaces.episode.task.comfort;
-        self.zone_steps.iter().map(move |zone| comfort.penalty(zone, season))
-    }
-
-    /// Number of engine messages of a level in this episode.
-    pub fn message_count(&self, level: Level) -> usize {
-        match &self.engine {
-            Some(engine) => engine.simulation.message_count(level),
-            None => self.messages.count(level),
-        }
-    }
-
-    /// The engine's messages in this episode, even after a failed step.
-    pub fn messages(&self) -> Messages {
-        match &self.engine {
-            Some(engine) => engine.simulation.messages(),
-            None => self.messages.clone(),
-        }
-    }
-
-    /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity, and fuels with district energy.
-    ///
-    /// # Errors
-    /// [`Error::Io`] before the end of the run period, when the engine writes them.
-    pub fn engine_meters(&self) -> Result<[f64; 2]> {
-        let building = &self.spaces.building;
-        meters::read(&self.meter_file, &self.meters, building.conditioned_floor_area)
-    }
-
-    /// Messages, meters and occupancy of the engine's run, for a finished episode.
-    pub fn engine_report(&self) -> EngineReport {
-        let messages = self.messages();
-        let warnings = messages.iter().filter(|message| message.level == Level::Warning);
-        let severes = messages.at_least(Level::Severe).take(SEVERES_KEPT);
-        EngineReport {
-            warnings: messages.count(Level::Warning),
-            severes: messages.count(Level::Severe),
-            warning_messages: warnings.map(|message| message.text.clone()).collect(),
-            severe_messages: severes.map(|message| message.text.clone()).collect(),
-            meters: self.engine_meters().ok(),
-            never_occupied: self.never_occupied.clone(),
-            bill: self.billing.parts(),
-        }
-    }
-
-    /// The simulated quantity driven by an actuator at the end of the last step, in the unit of its effect. `None`
-    /// without [`Env::observe_effects`] or an episode in progress.
-    pub fn effect(&self, actuator: usize) -> Option<f64> {
-        let engine = self.engine.as_ref()?;
-        engine.effects.get(actuator).map(|variable| engine.simulation.read(*variable))
-    }
-
-    /// The heat called for by a heating setpoint in the last step, W. `None` for other actuators and in the cases of
-    /// [`Env::effect`].
-    pub fn heat(&self, actuator: usize) -> Option<f64> {
-        let engine = self.engine.as_ref()?;
-        engine.heats.get(actuator).copied().flatten().map(|variable| engine.simulation.read(variable))
-    }
-
-    /// The outdoor air mass flow of each system at the end of the last step, kg/s, and the people in its zones; `None` for
-    /// a system without outdoor air. Empty without an episode in progress.
-    pub fn outdoor_air(&self) -> Vec<Option<[f64; 2]>> {
-        let engine = self.engine.as_ref();
-        engine.map(Engine::outdoor_air_by_system).unwrap_or_default()
-    }
-
-    /// The engine's own clock at the end of the last step; the time in the observation comes from the calendar. `None`
-    /// without an episode in progress.
-    pub fn engine_clock(&self) -> Option<Clock> {
-        self.engine.as_ref().map(|engine| engine.simulation.clock())
-    }
-
-    /// The names of the controlled zones that are never occupied: with occupancy setpoints, their target is always the
-    /// unoccupied one.
-    pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
-        self.never_occupied.iter().map(String::as_str)
-    }
-
     /// Applies the ventilation interlock to the action. Returns whether it changed.
     fn ventilate(&mut self, engine: &mut Engine) -> bool {
         if self.spaces.episode.task.ventilation == Ventilation::Free {
@@ -499,6 +394,18 @@ impl Env {
     pub fn folder(&self) -> &Path {
         &self.folder
     }
+}
+
+/// Returns the forecast of an episode, if its task has a preview.
+fn forecast(episode: &EpisodeConfig) -> Result<Option<Forecast>> {
+    let EpisodeConfig { weather, period, task, .. } = episode;
+    task.preview.map(|preview| Forecast::new(preview, weather, period.calendar())).transpose()
+}
+
+/// Writes the model of an environment into its folder.
+fn write_model(folder: &Path, model: &Model) -> Result<()> {
+    let path = folder.join(MODEL_FILE);
+    std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })
 }
 
 /// The model of an episode, with the meters that the engine writes.

@@ -4,19 +4,20 @@ use b2b_building::{Carrier, CarrierEnergy, EndUseEnergy};
 
 use super::Env;
 use super::engine::Engine;
-use crate::band::NextPair;
-use crate::calendar::{Moment, Season};
-use crate::carbon_dioxide::CarbonDioxide;
-use crate::comfort::Comfort;
-use crate::kpis::Kpis;
-use crate::observation::{Shared, Target};
+use crate::metrics::kpis::Kpis;
 use crate::preview::PREVIEW_HOURS;
 use crate::reward::{Reward, StepView, ZoneStep};
 use crate::setpoints::Asked;
+use crate::setpoints::band::NextPair;
+use crate::setpoints::calendar::{Moment, Season};
 use crate::spaces::EpisodeConfig;
+use crate::spaces::observation::Target;
+use crate::spaces::slots::Shared;
 use crate::terms::{Amounts, Measured};
-use crate::zone_air::ZoneAir;
 use crate::zones::ControlledZone;
+use crate::zones::carbon_dioxide::CarbonDioxide;
+use crate::zones::comfort::Comfort;
+use crate::zones::zone_air::ZoneAir;
 use crate::{Error, Result};
 
 /// Hours until the next change of setpoints where there is none, a week.
@@ -70,7 +71,9 @@ impl Env {
         let billed = self.billing.step(day_of_year, hour, energy);
         let EpisodeConfig { task, steps_per_hour, .. } = &self.spaces.episode;
         let hours = 1.0 / f64::from(*steps_per_hour);
-        Measured { energy, end_uses, billed, task, hour, hours, so_far: &self.metrics.terms }.amounts()
+        let cost = billed.cost.unwrap_or_else(|| task.cost(energy, hour));
+        let emissions = billed.emissions.unwrap_or_else(|| task.emissions_of(energy, hour));
+        Measured { energy, end_uses, cost, emissions, hours, so_far: &self.metrics.terms }.amounts()
     }
 
     /// The reward of the step just observed; adds the step to the metrics.

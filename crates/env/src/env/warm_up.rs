@@ -14,8 +14,8 @@ use super::Env;
 use super::engine::Engine;
 use super::observe::zone_step;
 use crate::Result;
-use crate::calendar::Moment;
 use crate::reward::ZoneStep;
+use crate::setpoints::calendar::Moment;
 
 impl Env {
     /// Repeats the first day until the engine reports convergence.

@@ -11,18 +11,19 @@ use b2b_base::digest::sha256;
 use b2b_building::{Class, user_file};
 use serde::{Deserialize, Serialize};
 
-use crate::band::Band;
-use crate::carbon_dioxide::CarbonDioxide;
-use crate::comfort::Comfort;
-use crate::cost_scale::CostScale;
-use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
 use crate::limits::within;
-use crate::presence::Presence;
 use crate::preview::Preview;
+use crate::reward::cost_scale::CostScale;
+use crate::reward::energy_scale::EnergyScale;
 use crate::setpoints::Setpoints;
+use crate::setpoints::band::Band;
 use crate::terms::Resource;
-use crate::ventilation::Ventilation;
+use crate::zones::HeatingOnlyZones;
+use crate::zones::carbon_dioxide::CarbonDioxide;
+use crate::zones::comfort::Comfort;
+use crate::zones::presence::Presence;
+use crate::zones::ventilation::Ventilation;
 use crate::{Error, Result};
 use fuels::{EMISSIONS, PRICES};
 pub use fuels::{Fuels, Hourly};
@@ -88,18 +89,6 @@ pub struct Task {
     /// Faults of sensors and equipment.
     #[serde(skip_serializing_if = "Faults::is_none")]
     pub faults: Faults,
-}
-
-/// Treatment of zones with heating and no cooling in the reward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum HeatingOnlyZones {
-    /// Only temperatures below target are penalized, because nothing can cool the zone: a warehouse at 35 °C in summer
-    /// is not the agent's fault.
-    #[default]
-    BelowTarget,
-    /// Deviations on both sides are penalized, as in the paper.
-    BothSides,
 }
 
 impl Default for Task {

@@ -36,7 +36,7 @@ impl Task {
 mod tests {
     use b2b_building::Carrier;
 
-    use crate::calendar::Season;
+    use crate::setpoints::calendar::Season;
 
     use super::*;
     use crate::reward::ZoneStep;

@@ -4,16 +4,17 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use b2b_base::suggestion::did_you_mean;
 use b2b_tariff::Tariff;
 
 use super::{DataFile, OPERATION_WEIGHT, Task};
-use crate::band::Band;
-use crate::carbon_dioxide::CarbonDioxide;
-use crate::comfort::{Comfort, Pmv};
 use crate::preview::Preview;
 use crate::setpoints::Setpoints;
+use crate::setpoints::band::Band;
 use crate::terms::Resource;
-use crate::ventilation::Ventilation;
+use crate::zones::carbon_dioxide::CarbonDioxide;
+use crate::zones::comfort::{Comfort, Pmv};
+use crate::zones::ventilation::Ventilation;
 use crate::{Error, Result};
 
 /// The part of a task with a preview.
@@ -186,7 +187,7 @@ fn suggestion(part: &str) -> String {
     let words = WORDS.into_iter().map(|word| (word, given)).chain(Tariff::names().map(|name| (name, part)));
     let near = words.map(|(word, given)| (strsim::damerau_levenshtein(word, given), word)).min();
     let near = near.filter(|(distance, word)| *distance > 0 && distance * 3 <= word.len());
-    near.map_or_else(String::new, |(_, word)| format!(": did you mean {word}?"))
+    did_you_mean(": ", near.map_or("", |(_, word)| word))
 }
 
 /// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.

@@ -5,7 +5,7 @@ use super::entry::{Column, Display, Entry, Penalty, Total};
 pub(super) const COST: Entry = Entry {
     name: "cost",
     unit: "currency/m²",
-    of_step: |step| step.billed.cost.unwrap_or_else(|| step.task.cost(step.energy, step.hour)),
+    of_step: |step| step.cost,
     total: Total::Sum,
     penalty: Some(Penalty { word: "cost", doc: "its cost, currency/m²", sum: "cost", column: "cost_m2" }),
     column: Some(Column {

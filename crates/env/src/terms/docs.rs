@@ -59,7 +59,7 @@ fn a_term_and_a_metric_are_two_files_each() {
     let term = files_with(&["peak_gas", "PeakGas"]);
     assert_eq!(term, ["crates/env/src/terms/mod.rs", "crates/env/src/terms/peak.rs"]);
     let metric = files_with(&["zones_never_near_target"]);
-    assert_eq!(metric, ["crates/env/src/episode_metrics.rs", "crates/env/src/metrics.rs"]);
+    assert_eq!(metric, ["crates/env/src/metrics/episode_metrics.rs", "crates/env/src/metrics/mod.rs"]);
 }
 
 /// Returns the source files of the product with any of the words, relative to the repository.

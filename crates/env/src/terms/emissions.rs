@@ -5,7 +5,7 @@ use super::entry::{Column, Display, Entry, Penalty, Total};
 pub(super) const EMISSIONS: Entry = Entry {
     name: "emissions",
     unit: "g/m²",
-    of_step: |step| step.billed.emissions.unwrap_or_else(|| step.task.emissions_of(step.energy, step.hour)),
+    of_step: |step| step.emissions,
     total: Total::Sum,
     penalty: Some(Penalty {
         word: "carbon",

@@ -3,8 +3,6 @@
 use b2b_building::{CarrierEnergy, EndUseEnergy};
 
 use super::{Amounts, Totals};
-use crate::billing::Billed;
-use crate::task::Task;
 
 /// The definition of a [`Term`](super::Term).
 #[derive(Debug)]
@@ -32,12 +30,10 @@ pub struct Measured<'a> {
     pub energy: &'a CarrierEnergy,
     /// The same by end use. Losses of a building's transformer are in `energy` alone.
     pub end_uses: &'a EndUseEnergy,
-    /// What the task's tariff and emission profile decide.
-    pub billed: Billed,
-    /// The task.
-    pub task: &'a Task,
-    /// Hour of the day at which the step began, from 0.
-    pub hour: f64,
+    /// Cost by the task's tariff, or else at its prices, currency/m².
+    pub cost: f64,
+    /// Emissions by the task's profile, or else by its factors, g CO₂/m².
+    pub emissions: f64,
     /// Length of the step, h.
     pub hours: f64,
     /// The episode before the step.

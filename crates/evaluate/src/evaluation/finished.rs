@@ -3,10 +3,10 @@
 use b2b_env::{EpisodeMetrics, Inputs, Metrics, Spaces};
 use serde::{Deserialize, Serialize};
 
-use super::deviations::Deviations;
-use super::hours::Hours;
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
+use super::row::deviations::Deviations;
+use super::row::hours::Hours;
 use super::step_rewards::StepRewards;
 use crate::return_terms::ReturnTerms;
 

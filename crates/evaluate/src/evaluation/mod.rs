@@ -5,11 +5,9 @@
 //! list, and a process that dies loses one episode.
 
 mod bench;
-mod deviations;
 mod episode;
 mod finished;
 mod folder;
-mod hours;
 mod info;
 mod parallel;
 mod progress;
@@ -18,18 +16,17 @@ mod rollout;
 mod row;
 mod runner;
 mod step_rewards;
-mod table;
 
-pub use deviations::Deviations;
 pub use episode::Episode;
 pub use finished::{Finished, Lost, Outcome, Record};
 pub use folder::{Folder, read_kept};
-pub use hours::Hours;
 pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
 pub use recording::Recorded;
+pub use row::deviations::Deviations;
+pub use row::hours::Hours;
+pub use row::table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};
 pub use row::{Row, Scored, relative_energy, relative_resource};
 pub use runner::KeepRecorded;
 pub use step_rewards::StepRewards;
-pub use table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

@@ -1,8 +1,5 @@
 //! The server: BOPTEST's routes, in the classic form (`/advance`) and in the service's (`/advance/{testid}`).
 
-mod answer;
-mod arguments;
-mod call;
 mod sessions;
 
 use std::future::IntoFuture;
@@ -20,11 +17,9 @@ use axum::routing::{any, get, post, put};
 use b2b_workers::WorkerOptions;
 use serde_json::{Value, json};
 
-pub(crate) use answer::{Answer, Refusal};
-pub(crate) use arguments::{Arguments, shown, to_number, unknown};
-pub(crate) use call::Call;
 use sessions::{Sessions, no_test};
 
+use crate::calls::{Answer, Arguments, Call, Refusal};
 use crate::subject::Subject;
 use crate::{Error, Result};
 

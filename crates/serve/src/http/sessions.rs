@@ -10,9 +10,7 @@ use std::time::{Duration, Instant};
 use b2b_workers::WorkerOptions;
 use tokio::sync::oneshot;
 
-use super::answer::{Answer, Refusal};
-use super::arguments::Arguments;
-use super::call::Call;
+use crate::calls::{Answer, Arguments, Call, Refusal};
 use crate::simulation::Simulation;
 use crate::subject::Subject;
 

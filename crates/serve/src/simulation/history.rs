@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::http::{Refusal, unknown};
+use crate::calls::{Refusal, unknown};
 use crate::subject::Points;
 
 /// Maximum number of values in an answer, because more would take gigabytes as text.

@@ -2,7 +2,7 @@
 
 use b2b_building::Carrier;
 use b2b_env::{Amounts, CarbonDioxide, Kpis, Pair, Spaces, Target, Term, ZoneAir, ZoneStep};
-use b2b_tariff::{Bill, Fuel, Moment};
+use b2b_tariff::{Bill, Moment};
 use serde_json::{Value, json};
 
 use crate::subject::{AllPrices, DAYS, PriceScenario};
@@ -74,7 +74,7 @@ impl Indicators {
         self.kpis.add(&self.steps, [electricity, gas, 0.0], self.hours);
         self.energy += terms[Term::Energy];
         self.emissions += terms[Term::Emissions];
-        let mut energy = [0.0; Fuel::ALL.len()];
+        let mut energy = [0.0; Carrier::ALL.len()];
         for (carrier, used) in [(Carrier::Electricity, electricity), (Carrier::Gas, gas)] {
             energy[carrier as usize] = used.max(0.0) * self.floor_area / 1000.0;
         }

@@ -11,7 +11,7 @@ use b2b_env::Error;
 use b2b_workers::{WorkerOptions, Workers};
 use serde_json::{Value, json};
 
-use crate::http::{Answer, Arguments, Call, Refusal, shown, to_number, unknown};
+use crate::calls::{Answer, Arguments, Call, Refusal, shown, to_number, unknown};
 use crate::subject::{DAYS, Subject, WeatherErrors, series, times};
 use run::{Clock, Run};
 use scenario::{Change, Scenario};

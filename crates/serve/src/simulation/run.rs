@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::Span;
 use super::history::History;
 use super::indicators::Indicators;
-use crate::http::Refusal;
+use crate::calls::Refusal;
 use crate::subject::{DAYS, PriceScenario, Subject};
 
 /// Why a run ends early.

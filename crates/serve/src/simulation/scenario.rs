@@ -3,7 +3,7 @@
 use b2b_climate::TwoWeeks;
 use serde_json::{Value, json};
 
-use crate::http::{Arguments, Refusal, shown};
+use crate::calls::{Arguments, Refusal, shown};
 use crate::subject::{PriceScenario, Uncertainty, WeatherErrors};
 
 const TIME_PERIOD: &str = "time_period";

@@ -2,7 +2,7 @@
 
 use b2b_climate::EpwFile;
 use b2b_env::{Bands, Spaces};
-use b2b_tariff::{Emissions, Fuel, Moment};
+use b2b_tariff::{Carrier, Emissions, Moment};
 use serde_json::{Map, Value, json};
 
 use super::DAYS;
@@ -22,7 +22,7 @@ enum Quantity {
     Radiation,
     Price(PriceScenario),
     GasPrice,
-    Emissions(Fuel),
+    Emissions(Carrier),
     /// Of a controlled zone, given its index.
     Lower(usize),
     Upper(usize),
@@ -143,7 +143,7 @@ impl Forecasts {
             Quantity::GasPrice => prices.gas(at),
             Quantity::Emissions(fuel) => match &self.profile {
                 Some(profile) => profile.at(fuel, at),
-                None => self.factors[usize::from(fuel != Fuel::Electricity)][at.hour as usize % 24],
+                None => self.factors[usize::from(fuel != Carrier::Electricity)][at.hour as usize % 24],
             },
             Quantity::Lower(zone) => pair(zone).heating + ZERO_CELSIUS,
             Quantity::Upper(zone) => pair(zone).cooling + ZERO_CELSIUS,
@@ -169,11 +169,11 @@ fn points(spaces: &Spaces) -> Vec<Point> {
         point("PriceGasPower", Quantity::GasPrice, PRICE, "Price of gas"),
         point(
             "EmissionsElectricPower",
-            Quantity::Emissions(Fuel::Electricity),
+            Quantity::Emissions(Carrier::Electricity),
             EMITTED,
             "CO2 of electricity",
         ),
-        point("EmissionsGasPower", Quantity::Emissions(Fuel::Gas), EMITTED, "CO2 of gas"),
+        point("EmissionsGasPower", Quantity::Emissions(Carrier::Gas), EMITTED, "CO2 of gas"),
     ];
     points.extend(PriceScenario::ALL.map(|scenario| {
         let description = format!("Price of electricity, scenario {}", scenario.name());

@@ -1,6 +1,6 @@
 //! The three price scenarios of BOPTEST.
 
-use b2b_tariff::{Calendar, Fuel, Moment, Prices, Tariff};
+use b2b_tariff::{Calendar, Carrier, Moment, Prices, Tariff};
 
 use crate::Result;
 
@@ -73,6 +73,6 @@ impl AllPrices {
 
     /// Returns the price of gas at a moment, currency/kWh.
     pub fn gas(&self, at: Moment) -> f64 {
-        self.of(PriceScenario::Constant).price(Fuel::Gas, at)
+        self.of(PriceScenario::Constant).price(Carrier::Gas, at)
     }
 }

@@ -1,6 +1,6 @@
 //! Shared by the tests of bills: an episode of a load, and the bill of its trajectory from the definitions.
 
-use b2b_tariff::{Bill, ByFuel, Calendar, Event, Fuel, Moment, Prices, StepCost, Tariff};
+use b2b_tariff::{Bill, Calendar, Carrier, CarrierEnergy, Event, Moment, Prices, StepCost, Tariff};
 
 /// 2017: 1 January is a Sunday.
 pub const YEAR: Calendar = Calendar::new(6, false);
@@ -19,9 +19,9 @@ pub fn prices(name: &str, events: &[Event], outdoor: Option<&[f64]>) -> Prices {
 }
 
 /// Returns the energy of electricity alone.
-pub fn electricity(energy: f64) -> ByFuel {
-    let mut by_fuel = [0.0; Fuel::ALL.len()];
-    by_fuel[Fuel::Electricity as usize] = energy;
+pub fn electricity(energy: f64) -> CarrierEnergy {
+    let mut by_fuel = [0.0; Carrier::ALL.len()];
+    by_fuel[Carrier::Electricity as usize] = energy;
     by_fuel
 }
 

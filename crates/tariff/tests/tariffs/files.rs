@@ -1,7 +1,7 @@
 //! Files of tariffs and emission profiles: the shipped ones, and the errors for bad ones.
 
 use crate::common::{assert_cost, day};
-use b2b_tariff::{Emissions, Fuel, Moment, Tariff};
+use b2b_tariff::{Carrier, Emissions, Moment, Tariff};
 
 /// A tariff with two seasons, events and a demand charge; each line is named by its number.
 const TARIFF: &str = r#"title = "Test"
@@ -177,7 +177,7 @@ fn every_file_of_the_data_is_shipped() {
 #[test]
 fn emissions_follow_season_and_hour_and_their_annual_means() {
     let at = |name: &str, month, hour| {
-        Emissions::named(name).unwrap().at(Fuel::Electricity, Moment { day: day(month, 15), hour })
+        Emissions::named(name).unwrap().at(Carrier::Electricity, Moment { day: day(month, 15), hour })
     };
     assert_cost(at("frcc-average", 1, 9.5), 0.219);
     assert_cost(at("frcc-average", 12, 9.5), 0.219);
@@ -197,7 +197,7 @@ fn emissions_follow_season_and_hour_and_their_annual_means() {
             let profile = Emissions::named(&format!("{region}-{rate}")).unwrap();
             let hours =
                 (1..=365).flat_map(|day| (0..24).map(move |hour| Moment { day, hour: f64::from(hour) }));
-            let mean = hours.map(|at| profile.at(Fuel::Electricity, at)).sum::<f64>() / 8760.0 * 1000.0;
+            let mean = hours.map(|at| profile.at(Carrier::Electricity, at)).sum::<f64>() / 8760.0 * 1000.0;
             assert!((mean - expected).abs() < 1.0, "{region}-{rate}: {mean}, expected {expected}");
         }
     }
@@ -208,11 +208,11 @@ fn emissions_of_fuels_match_tasks_without_a_profile() {
     let us = Emissions::named("us").unwrap();
     let at = |fuel| us.at(fuel, Moment { day: 1, hour: 0.0 });
     assert_eq!(
-        [Fuel::Gas, Fuel::Propane, Fuel::FuelOil, Fuel::OtherFuel].map(at),
+        [Carrier::Gas, Carrier::Propane, Carrier::FuelOil, Carrier::OtherFuel].map(at),
         [0.181, 0.215, 0.252, 0.320]
     );
-    assert_cost(at(Fuel::DistrictHeating), 0.181 / 0.8);
-    assert_cost(at(Fuel::DistrictCooling), 0.373 / 5.0);
+    assert_cost(at(Carrier::DistrictHeating), 0.181 / 0.8);
+    assert_cost(at(Carrier::DistrictCooling), 0.373 / 5.0);
 }
 
 #[test]

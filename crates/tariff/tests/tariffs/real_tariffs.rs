@@ -1,7 +1,7 @@
 //! Bills of real tariffs, worked out by hand from the utility's figures.
 
 use crate::common::{YEAR, assert_cost, day, electricity, part, prices, run};
-use b2b_tariff::{Bill, Event, Fuel, Moment};
+use b2b_tariff::{Bill, Carrier, Event, Moment};
 
 #[test]
 fn ten_kilowatts_in_january_under_rate_m() {
@@ -124,14 +124,14 @@ fn winter_in_georgia_is_cheaper_after_1500_kilowatt_hours() {
 fn gas_and_the_carriers_that_a_tariff_does_not_price_have_the_defaults() {
     let flat = prices("flat", &[], None);
     let at = Moment { day: 1, hour: 0.0 };
-    assert_eq!(flat.price(Fuel::Electricity, at), 0.094);
-    assert_eq!(flat.price(Fuel::Gas, at), 0.024);
-    assert_eq!(flat.price(Fuel::DistrictHeating, at), 0.024 / 0.8);
-    assert_eq!(flat.price(Fuel::DistrictCooling, at), 0.094 / 5.0);
-    assert_eq!(prices("hq-m", &[], None).price(Fuel::Gas, at), 0.0365);
+    assert_eq!(flat.price(Carrier::Electricity, at), 0.094);
+    assert_eq!(flat.price(Carrier::Gas, at), 0.024);
+    assert_eq!(flat.price(Carrier::DistrictHeating, at), 0.024 / 0.8);
+    assert_eq!(flat.price(Carrier::DistrictCooling, at), 0.094 / 5.0);
+    assert_eq!(prices("hq-m", &[], None).price(Carrier::Gas, at), 0.0365);
     let mut bill = Bill::new(1, 1);
     let mut energy = electricity(1.0);
-    energy[Fuel::Propane as usize] = 3.0;
+    energy[Carrier::Propane as usize] = 3.0;
     let cost = bill.step(&flat, at, &energy, 1.0);
     assert_cost(cost.energy, 0.094 + 3.0 * 0.10);
     assert_cost(part(&bill, &flat, "propane"), 0.30);

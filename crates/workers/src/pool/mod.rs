@@ -6,6 +6,7 @@
 //! replaced.
 
 mod preparation;
+pub(crate) mod slots;
 mod template;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -19,14 +20,14 @@ use b2b_base::scratch::temporary_folder;
 use b2b_building::PreparedBuilding;
 use tempfile::TempDir;
 
+use self::slots::Slots;
 pub(super) use self::template::TemplateId;
 use self::template::{Phase, Request, Template};
-use super::episode_options::EpisodeOptions;
+use super::episode::episode_options::EpisodeOptions;
 use super::region::{COPIES, Command, LOOK, Region, Status};
 use super::setting::Setting;
-use super::slots::Slots;
 use super::time_limit::TimeLimit;
-use super::worker_options::WorkerOptions;
+use super::workers::worker_options::WorkerOptions;
 use b2b_env::{Error, Result};
 
 /// Number of templates that may die or hang while an episode waits to begin, until it is lost.

@@ -7,7 +7,7 @@ use b2b_building::PreparedBuilding;
 
 use super::template::{Phase, Request, Template, TemplateId, TemplateProcess};
 use super::{FAILURES, Pool, lost, unavailable};
-use crate::episode_options::EpisodeOptions;
+use crate::episode::episode_options::EpisodeOptions;
 use crate::order::{EpisodeOrder, Order};
 use crate::region::Status;
 use crate::setting::{Setting, Source};

@@ -1,5 +1,6 @@
 //! A batch of N environments, stepped synchronously or asynchronously.
 
+pub(crate) mod statistics;
 mod succession;
 
 use std::sync::Arc;
@@ -9,12 +10,12 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use self::statistics::Statistics;
 use super::episode::Episode;
 use super::form::{Arrangement, EpisodeForm, Form, Padded};
 use super::sampler::{Draw, Sampler};
 use super::setting::Setting;
-use super::statistics::Statistics;
-use super::worker_options::WorkerOptions;
+use super::workers::worker_options::WorkerOptions;
 use super::workers::{Reservation, Workers};
 use b2b_env::Metrics;
 use b2b_env::Spaces;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::{Autoreset, Next, State, VecEnv};
 use crate::batch::rest;
 use crate::episode::Episode;
-use crate::episode_options::EpisodeOptions;
+use crate::episode::episode_options::EpisodeOptions;
 use crate::form::{Arrangement, Padded};
 use crate::setting::Setting;
 use b2b_env::Spaces;

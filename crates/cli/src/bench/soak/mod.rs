@@ -15,9 +15,9 @@ use sha2::{Digest, Sha256};
 use self::chaos::{Chaos, Hits};
 use super::process::{open_files, resident_mb};
 use crate::arguments::location::Location;
-use crate::prepare::Prepared;
-use crate::progress::counter;
-use crate::{interrupt, stdout};
+use crate::program::prepare::Prepared;
+use crate::terminal::progress::counter;
+use crate::terminal::{interrupt, stdout};
 
 /// Run episodes of all types at once, with random actions and random resets, and report losses and leaks
 ///

@@ -7,8 +7,8 @@
 use b2b_building::Parameter;
 use b2b_climate::{Location, Region};
 
+use self::stock::{number, numbers, pick, share, shares};
 use super::parameters::{Foundation, Heater, Heating, House, IMPERIAL_R, IMPERIAL_U};
-use super::stock::{number, numbers, pick, share, shares};
 
 use crate::Result;
 
@@ -344,5 +344,6 @@ fn heating_cop(hspf: f64) -> f64 {
     (1.0 - RATED_FAN) / (1.0 / net - RATED_FAN)
 }
 
+pub(crate) mod stock;
 #[cfg(test)]
 mod tests;

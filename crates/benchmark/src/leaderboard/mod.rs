@@ -1,0 +1,267 @@
+//! The leaderboard: results by problem, on one page that needs no network.
+
+mod charts;
+
+use std::io::Write;
+
+use serde_json::{Value, json};
+
+use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random};
+use crate::problem::Stage;
+use b2b_evaluate::BuiltIn;
+use b2b_evaluate::RESOLUTION;
+use b2b_evaluate::Row;
+use b2b_evaluate::statistics::{Aggregate, score_text};
+
+/// A result with its rows by stage.
+type Ranked = (RunResult, Stages);
+
+/// The score whose interquartile mean ranks the entries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RankBy {
+    /// The resolved score.
+    #[default]
+    Resolved,
+    /// The paper's score.
+    Paper,
+}
+
+impl RankBy {
+    fn scores(self, performance: &Performance) -> &Aggregate {
+        match self {
+            Self::Resolved => &performance.resolved,
+            Self::Paper => &performance.scores,
+        }
+    }
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// The errors of the file.
+pub fn write(file: &mut impl Write, results: &[Ranked], rank_by: RankBy) -> std::io::Result<()> {
+    let mut by_hash: Vec<(String, Vec<&Ranked>)> = Vec::new();
+    for entry in results {
+        // Computed here, not taken from the result.
+        let hash = entry.0.problem.hash();
+        match by_hash.iter_mut().find(|(other, _)| *other == hash) {
+            Some((_, board)) => board.push(entry),
+            None => by_hash.push((hash, vec![entry])),
+        }
+    }
+    let mut boards: Vec<Vec<&Ranked>> = by_hash.into_iter().map(|(_, board)| board).collect();
+    let key = |board: &[&Ranked]| {
+        let result = &board[0].0;
+        (
+            result.problem_changes.as_ref().is_none_or(|changes| !changes.is_empty()),
+            // Operation first.
+            !result.problem.test.tasks.iter().all(|task| task.is_operation()),
+            result.problem.name.clone(),
+        )
+    };
+    boards.sort_by_cached_key(|board| key(board));
+    for board in &mut boards {
+        let score = |entry: &Ranked| rank_by.scores(&entry.0.measures.test).interquartile_mean.value;
+        board.sort_by(|a, b| score(a).total_cmp(&score(b)).then_with(|| a.0.name.cmp(&b.0.name)));
+    }
+    let data = json!({
+        "title": "Leaderboard",
+        "tiles": [tile("problem", boards.len()), tile("result", results.len())],
+        "tables": [], "lost": [], "drawings": [],
+        "sections": boards.iter().map(|board| section(board)).collect::<Vec<_>>(),
+        "footer": footer(results, rank_by),
+    });
+    b2b_page::write_page(file, &data)
+}
+
+fn tile(what: &str, count: usize) -> Value {
+    let plural = if count == 1 { "" } else { "s" };
+    json!([format!("{what}{plural}"), count.to_string()])
+}
+
+fn section(board: &[&Ranked]) -> Value {
+    let result = &board[0].0;
+    let problem = &result.problem;
+    let changed = match result.problem_changes.as_deref() {
+        Some([]) => String::new(),
+        Some(changes) => format!(" · modified: {}", changes.join(", ")),
+        None => " · custom problem".to_owned(),
+    };
+    let windows: Vec<_> = problem.protocol.windows.iter().map(ToString::to_string).collect();
+    let mut tables = vec![scores(board)];
+    tables.extend(strata(board));
+    tables.extend(adaptation(board));
+    json!({
+        "title": format!("{}, version {}{changed}", problem.name, problem.version),
+        "note": format!("{}. {} Test buildings: {}. Run periods: {}. Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
+            problem.test.buildings, windows.join(", "), problem.protocol.attributes, &problem.hash()[..12]),
+        "tables": tables, "drawings": charts::all(board),
+    })
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())
+}
+
+fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
+    json!({"title": title, "header": header, "rows": rows})
+}
+
+/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is the author's
+/// own program, so that nobody else can rerun its episodes.
+fn remark(result: &RunResult) -> String {
+    if result.external().is_some() {
+        return " (own program, unverified)".to_owned();
+    }
+    match result.policies.get("test") {
+        Some(PolicyDescription::Agents { base: Some(base), .. }) => format!(" (on {base})"),
+        _ => String::new(),
+    }
+}
+
+/// Returns the test episodes under random actions, from a result of the random policy or a result that measures
+/// adaptation.
+fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [Row] {
+    let random = BuiltIn::random().to_string();
+    let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
+        Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,
+        _ => stage == Stage::Untrained,
+    };
+    let mut stages = board.iter().flat_map(|(result, stages)| stages.iter().map(move |each| (result, each)));
+    let found = stages.find(|(result, (stage, _))| has(result, *stage));
+    found.map_or(&[], |(_, (_, rows))| rows)
+}
+
+fn scores(board: &[&Ranked]) -> Value {
+    let random = random_rows(board);
+    let row = |(rank, (result, stages)): (usize, &&Ranked)| {
+        let test_rows = stages.iter().find(|(stage, _)| *stage == Stage::Test).map(|(_, rows)| rows);
+        let from_random = test_rows.and_then(|rows| mean_from_random(rows, random));
+        let Measures { test, generalization_gap, .. } = &result.measures;
+        let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
+        json!([
+            format!("{}. {}{}", rank + 1, result.name, remark(result)),
+            test.resolved.interquartile_mean.to_string(),
+            test.scores.interquartile_mean.to_string(),
+            test.scores.median.to_string(),
+            test.scores.mean.to_string(),
+            score_text(test.scores.min),
+            score_text(test.scores.max),
+            from_random.map_or("–".to_owned(), |mean| mean.to_string()),
+            test.scores.beats_baseline_text(),
+            format!("{:.2}", test.rms_deviation_k),
+            ratio(test.relative_energy),
+            generalization_gap.map_or("–".to_owned(), |gap| gap.to_string()),
+            steps,
+            result.description.clone().unwrap_or_default(),
+        ])
+    };
+    let header = [
+        "entry",
+        "resolved score, interquartile mean",
+        "score, interquartile mean",
+        "score, median",
+        "score, mean",
+        "score, min",
+        "score, max",
+        "random = 0, baseline = 1",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
+        "generalization gap",
+        "training steps",
+        "description",
+    ];
+    table("lower is better, 1 is the baseline", &header, board.iter().enumerate().map(row).collect())
+}
+
+fn strata(board: &[&Ranked]) -> Option<Value> {
+    let rows: Vec<_> = board
+        .iter()
+        .flat_map(|(result, _)| result.measures.strata.iter().map(move |stratum| (result, stratum)))
+        .map(|(result, stratum)| {
+            json!([
+                result.name,
+                stratum.building_type,
+                stratum.task,
+                stratum.period,
+                stratum.performance.resolved.interquartile_mean.to_string(),
+                stratum.performance.scores.interquartile_mean.to_string(),
+                score_text(stratum.performance.scores.min),
+                score_text(stratum.performance.scores.max),
+                stratum.performance.scores.beats_baseline_text(),
+                format!("{:.2}", stratum.performance.rms_deviation_k),
+                ratio(stratum.performance.relative_energy),
+            ])
+        })
+        .collect();
+    let header = [
+        "entry",
+        "building type",
+        "task",
+        "run period",
+        "resolved score, interquartile mean",
+        "score, interquartile mean",
+        "score, min",
+        "score, max",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
+    ];
+    (!rows.is_empty()).then(|| table("by building type and task", &header, rows))
+}
+
+/// Returns a ratio of energies; a dash without a baseline.
+fn ratio(relative_energy: Option<f64>) -> String {
+    relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
+}
+
+fn adaptation(board: &[&Ranked]) -> Option<Value> {
+    let mut rows = Vec::new();
+    for (result, _) in board {
+        let Some(adaptation) = &result.measures.adaptation else { continue };
+        let steps = adaptation.median_steps_to_baseline;
+        let last = adaptation.curve.last();
+        rows.push(json!([
+            result.name,
+            adaptation.jump_start.to_string(),
+            steps.map_or("never".to_owned(), |steps| format!("{steps:.0}")),
+            format!("{:.0}", 100.0 * adaptation.reach_baseline),
+            last.map_or(String::new(), |point| point.steps.to_string()),
+            last.map_or(String::new(), |point| point.scores.interquartile_mean.to_string()),
+        ]));
+    }
+    let header = [
+        "entry",
+        "jump-start",
+        "steps to baseline, median",
+        "reaches baseline (%)",
+        "last adaptation test (steps)",
+        "interquartile mean in it",
+    ];
+    (!rows.is_empty()).then(|| table("adaptation", &header, rows))
+}
+
+fn footer(results: &[Ranked], rank_by: RankBy) -> String {
+    let ranked = match rank_by {
+        RankBy::Resolved => "resolved score",
+        RankBy::Paper => "score",
+    };
+    let mut versions: Vec<String> = Vec::new();
+    for (result, _) in results {
+        let line = result.versions.to_string();
+        if !versions.contains(&line) {
+            versions.push(line);
+        }
+    }
+    let several = if versions.len() > 1 { "Results of different versions are not comparable: " } else { "" };
+    format!(
+        "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
+         the tuned reactive controllers' return (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
+         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
+         type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
+         what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is the author's own program, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
+        versions.join("; ")
+    )
+}

@@ -1,0 +1,6 @@
+//! Commands that make agents, and the experiments that compare them.
+
+mod experiment;
+mod offline;
+mod train;
+mod tune;

@@ -1,0 +1,9 @@
+//! Commands that score policies, and their results.
+
+mod benchmark;
+mod compare;
+mod evaluate;
+mod evaluation;
+pub(crate) mod onnx_file;
+mod operation;
+mod verification;

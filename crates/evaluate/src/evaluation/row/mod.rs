@@ -1,0 +1,218 @@
+//! A row of a results table.
+
+pub(crate) mod deviations;
+pub(crate) mod hours;
+pub(crate) mod table;
+
+use b2b_env::{EpisodeMetrics, Inputs};
+use serde::{Deserialize, Serialize};
+
+use super::finished::{Lost, Record};
+use super::info::EpisodeInfo;
+use super::step_rewards::StepRewards;
+use crate::scores::{Baseline, RESOLUTION, Scores, excess_discomfort};
+
+/// An episode in a results table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The episode.
+    pub info: EpisodeInfo,
+    /// Its metrics and score, or why it was lost.
+    pub outcome: Result<Scored, Lost>,
+}
+
+/// The metrics of an episode with its score.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// The metrics.
+    pub metrics: EpisodeMetrics,
+    /// Distribution of the rewards of single steps.
+    pub step_rewards: StepRewards,
+    /// Its model and weather.
+    pub inputs: Inputs,
+    /// SHA-256 of every observation, action and penalty.
+    pub trajectory_hash: String,
+    /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a task of
+    /// operation.
+    pub baseline_return: Option<f64>,
+    /// HVAC energy of the baseline in the same episode, Wh/m², if known.
+    pub baseline_energy: Option<f64>,
+    /// Amount of the task's resource over the episode, in the unit of the resource; `None` in older results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resource: Option<f64>,
+    /// Amount of the resource in the baseline, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline_resource: Option<f64>,
+    /// Discomfort of the baseline in a task of operation, K·h per zone, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline_discomfort: Option<f64>,
+    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score). In a task
+    /// of operation: see [`score_at_comfort`](crate::score_at_comfort).
+    pub score: Option<f64>,
+    /// See [`resolved_score`](crate::resolved_score); in a task of operation the same as `score`.
+    pub resolved_score: Option<f64>,
+}
+
+impl Row {
+    /// Scores an episode against its baseline. `resource` is the amount of the task's resource in the episode.
+    pub(crate) fn scored(
+        record: Record,
+        step_rewards: StepRewards,
+        baseline: Option<Baseline>,
+        resource: Option<f64>,
+    ) -> Self {
+        let Record { info, metrics, inputs, trajectory_hash } = record;
+        let scores = baseline.map(|baseline| baseline.scores(&metrics, resource, info.steps_per_hour));
+        let Scores { score, resolved } = scores.unwrap_or_default();
+        let scored = Scored {
+            baseline_return: baseline.map(|baseline| baseline.episode_return),
+            baseline_energy: baseline.map(|baseline| baseline.energy),
+            resource,
+            baseline_resource: baseline.and_then(|baseline| baseline.resource),
+            baseline_discomfort: baseline.and_then(|baseline| baseline.discomfort),
+            score,
+            resolved_score: resolved,
+            metrics,
+            step_rewards,
+            inputs,
+            trajectory_hash,
+        };
+        Self { info, outcome: Ok(scored) }
+    }
+
+    /// Returns the score, if the episode was not lost and has one.
+    pub fn score(&self) -> Option<f64> {
+        self.outcome.as_ref().ok()?.score
+    }
+
+    /// Returns the resolved score, if the episode was not lost and has one.
+    pub fn resolved_score(&self) -> Option<f64> {
+        self.outcome.as_ref().ok()?.resolved_score
+    }
+
+    /// Returns the metrics, unless the episode was lost.
+    pub fn metrics(&self) -> Option<&EpisodeMetrics> {
+        Some(&self.outcome.as_ref().ok()?.metrics)
+    }
+}
+
+impl Scored {
+    /// Returns the baseline, if known.
+    pub fn baseline(&self) -> Option<Baseline> {
+        Some(Baseline {
+            episode_return: self.baseline_return?,
+            energy: self.baseline_energy?,
+            resource: self.baseline_resource,
+            discomfort: self.baseline_discomfort,
+        })
+    }
+
+    /// Returns whether discomfort in a task of operation exceeds the baseline's by more than the free allowance; `None`
+    /// in a task with targets.
+    pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
+        let days = self.days(steps_per_hour);
+        Some(excess_discomfort(self.metrics.tdis_tot?, self.baseline_discomfort?, days) > 0.0)
+    }
+
+    /// Returns the length of the episode, days.
+    pub fn days(&self, steps_per_hour: u32) -> f64 {
+        self.metrics.steps as f64 / (24.0 * f64::from(steps_per_hour))
+    }
+
+    /// Returns HVAC energy relative to the baseline; `None` if the baseline's is unknown or 0.
+    pub fn relative_energy(&self) -> Option<f64> {
+        let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
+        Some(self.metrics.energy() / baseline)
+    }
+
+    /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
+    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the resource,
+    /// to which penalties are proportional.
+    pub fn relative_comfort(&self) -> Option<f64> {
+        let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
+        let energy_penalty_of_baseline = match energy_penalty {
+            0.0 => 0.0,
+            penalty => penalty * self.baseline_resource? / self.resource?,
+        };
+        let floor = steps as f64 * RESOLUTION * RESOLUTION;
+        let baseline = (-self.baseline_return? - energy_penalty_of_baseline).max(0.0);
+        (floor > 0.0).then(|| ((temperature_penalty + floor) / (baseline + floor)).sqrt())
+    }
+
+    /// Returns the task's resource (energy, cost, emissions or peak demand) relative to the baseline; `None` if either
+    /// is unknown, or if the baseline's is not above 0, as may happen with negative prices.
+    pub fn relative_resource(&self) -> Option<f64> {
+        let baseline = self.baseline_resource.filter(|amount| *amount > 0.0)?;
+        Some(self.resource? / baseline)
+    }
+}
+
+/// Returns total HVAC energy divided by the baseline's total; `None` if theirs is unknown or 0. A ratio of
+/// sums gives almost no weight to an episode that uses almost no energy.
+pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+    ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
+}
+
+/// Returns the total of the task's resource divided by the baseline's total, for rows of one task; `None` if
+/// theirs is unknown or not above 0.
+pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+    ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
+}
+
+fn ratio_of_sums<'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    amounts: impl Fn(&Scored) -> Option<[f64; 2]>,
+) -> Option<f64> {
+    let (mut sum, mut baseline) = (0.0, 0.0);
+    let scored = rows.into_iter().filter_map(|row| row.outcome.as_ref().ok());
+    for [amount, of_baseline] in scored.filter_map(amounts) {
+        sum += amount;
+        baseline += of_baseline;
+    }
+    (baseline > 0.0).then(|| sum / baseline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_resource_is_relative_to_a_baseline_that_is_known_and_above_zero() {
+        let scored = |amounts: [Option<f64>; 2]| {
+            let [resource, baseline_resource] = amounts;
+            Scored { resource, baseline_resource, ..Scored::default() }
+        };
+        for (amounts, expected) in [
+            ([Some(1.0), Some(4.0)], Some(0.25)),
+            ([Some(1.0), Some(-4.0)], None),
+            ([Some(1.0), None], None),
+            ([None, Some(4.0)], None),
+        ] {
+            assert_eq!(scored(amounts).relative_resource(), expected, "{amounts:?}");
+        }
+    }
+
+    #[test]
+    fn comfort_is_relative_to_the_baseline_without_its_energy_penalty() {
+        let metrics = |temperature_penalty, energy_penalty| EpisodeMetrics {
+            steps: 100,
+            temperature_penalty,
+            energy_penalty,
+            ..EpisodeMetrics::default()
+        };
+        // 100 steps of 0.2 K add 4 to both.
+        let comfort =
+            Scored { metrics: metrics(60.0, 0.0), baseline_return: Some(-12.0), ..Scored::default() };
+        assert_eq!(comfort.relative_comfort(), Some(2.0));
+        let energy = Scored {
+            metrics: metrics(60.0, 5.0),
+            baseline_return: Some(-22.0),
+            resource: Some(1.0),
+            baseline_resource: Some(2.0),
+            ..Scored::default()
+        };
+        assert_eq!(energy.relative_comfort(), Some(2.0));
+        assert_eq!(Scored { baseline_resource: None, ..energy.clone() }.relative_comfort(), None);
+        assert_eq!(Scored { baseline_return: None, ..comfort }.relative_comfort(), None);
+    }
+}

@@ -1,0 +1,48 @@
+//! The entry point of a worker process.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use b2b_energyplus::snapshot::leave;
+
+use super::job;
+use super::owner::Owner;
+use crate::fragment::Runners;
+use crate::order::Order;
+
+/// The argument that makes a program a worker: see [`run_if_worker`].
+pub(crate) const FLAG: &str = "--b2b-worker";
+
+/// Runs this process as a worker if it was started as one, and then never returns. A program that uses
+/// [`Launcher::this_program`](crate::Launcher::this_program) calls it first in `main`, before it starts a thread.
+pub fn run_if_worker() {
+    run_if_worker_with(Runners::default());
+}
+
+/// Like [`run_if_worker`], for a program whose workers can also run fragments: see [`Runner`](crate::Runner).
+pub fn run_if_worker_with(runners: Runners) {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {
+        run(&arguments[flag + 1..], runners);
+    }
+}
+
+/// The owner's arguments: its process and the order's file.
+fn parse(arguments: &[OsString]) -> Option<(i32, PathBuf)> {
+    let [owner, order] = arguments else { return None };
+    Some((owner.to_str()?.parse().ok()?, order.into()))
+}
+
+fn run(arguments: &[OsString], runners: Runners) -> ! {
+    let Some((owner, path)) = parse(arguments) else {
+        eprintln!("{FLAG} is for worker processes, which are started automatically");
+        leave(2)
+    };
+    let Some(owner) = Owner::find(owner) else { leave(1) };
+    let order = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()));
+    match order.and_then(|text| Order::parse(&text)) {
+        Ok(Order::Episode(episode)) => super::serve(*episode, &path, owner, runners),
+        Ok(job) => job::carry_out(job, &path, &owner),
+        Err(why) => job::refuse(why, &path),
+    }
+}

@@ -1,0 +1,131 @@
+"""Environments as agents of ``b2b train`` see them, with actions that correct or supervise a controller."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..env import BuildingEnv
+from ..errors import SettingError
+from ..vector import BuildingVectorEnv
+
+Array = NDArray[Any]
+
+
+def _spaces(pilot: _core.Pilot) -> tuple[Box, Box]:
+    """Returns the spaces of observations and actions."""
+    slots, actions = len(pilot.observation_names()), len(pilot.action_names())
+    return Box(-np.inf, np.inf, (slots,), np.float32), Box(-1.0, 1.0, (actions,), np.float32)
+
+
+def _named(metadata: dict[str, Any], pilot: _core.Pilot) -> dict[str, Any]:
+    """Returns the metadata of a building with the names of the pilot, whose values have no unit."""
+    for side, names in [("observation", pilot.observation_names()), ("action", pilot.action_names())]:
+        metadata = {**metadata, f"{side}_names": names, f"{side}_units": ["1"] * len(names)}
+    return metadata
+
+
+class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
+    """A building for an agent with an *acting*; ``make_env(acting=...)`` makes one.
+
+    A step is a decision: with ``supervisory:60``, twelve steps of five minutes, whose rewards are added and whose last
+    info is returned. Actions are in [-1, 1]; zeros are the controller below. Names are in ``metadata``.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, Any], acting: str, observation: str = "features"):
+        super().__init__(env)
+        core = env.unwrapped
+        if not isinstance(core, BuildingEnv) or core.rescale_action:
+            raise SettingError("acting sets actuators in physical units; make the environment without rescale_action")
+        self._building = core
+        self._pilot = _core.Pilot(core.layout.spaces, observation, acting)
+        self.observation_space, self.action_space = _spaces(self._pilot)
+        self.metadata = _named(env.metadata, self._pilot)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        _, info = self.env.reset(seed=seed, options=options)
+        self._pilot.reset()
+        return self._pilot.observe(self._building.observation), info
+
+    def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        total = 0.0
+        for _ in range(self._pilot.hold):
+            _, reward, terminated, truncated, info = self.env.step(self._pilot.act(action))
+            total += float(reward)
+            observation = self._pilot.observe(self._building.observation)
+            if terminated or truncated:
+                break
+        return observation, total, terminated, truncated, info
+
+
+class ActingVectorEnv(gymnasium.vector.VectorWrapper):
+    """A batch of buildings for an agent with an *acting*; ``make_vec(acting=...)`` makes one.
+
+    Steps are decisions, as in :class:`ActingEnv`. All buildings must have the same observation and actions.
+    """
+
+    env: BuildingVectorEnv
+
+    def __init__(self, env: BuildingVectorEnv, acting: str, observation: str = "features"):
+        super().__init__(env)
+        if env.rescale_action or env.normalize:
+            message = "acting has its own scales; make the environments without rescale_action and normalize"
+            raise SettingError(message)
+        if env.autoreset_mode != AutoresetMode.SAME_STEP:
+            raise SettingError("acting resets with the last step of a decision; pass autoreset_mode='SameStep'")
+        self._names = observation, acting
+        first = _core.Pilot(env.layout_of(0).spaces, *self._names)
+        self.single_observation_space, self.single_action_space = _spaces(first)
+        self._pilots = [self._pilot(index) for index in range(env.num_envs)]
+        self.observation_space = batch_space(self.single_observation_space, env.num_envs)
+        self.action_space = batch_space(self.single_action_space, env.num_envs)
+        self.metadata = _named(env.metadata, first)
+
+    def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the batch without acting, such as ``layout_of``."""
+        if name.startswith("_") or name == "env":
+            raise AttributeError(name)
+        return getattr(self.env, name)
+
+    def _pilot(self, index: int) -> _core.Pilot:
+        """Returns the pilot of an environment's building; raises if its spaces are not the batch's."""
+        pilot = _core.Pilot(self.env.layout_of(index).spaces, *self._names)
+        if _spaces(pilot) != (self.single_observation_space, self.single_action_space):
+            raise SettingError("the buildings differ in observations or actions; choose buildings of one type")
+        return pilot
+
+    def reset(
+        self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        observations, info = self.env.reset(seed=seed, options=options)
+        self._pilots = [self._pilot(index) for index in range(self.num_envs)]
+        return self._observe(observations), info
+
+    def _observe(self, observations: Array) -> Array:
+        return np.stack([pilot.observe(row) for pilot, row in zip(self._pilots, observations, strict=True)])
+
+    def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
+        rows, total = np.asarray(actions), np.zeros(self.num_envs)
+        for _ in range(self._pilots[0].hold):
+            physical = np.stack([pilot.act(row) for pilot, row in zip(self._pilots, rows, strict=True)])
+            observations, rewards, terminated, truncated, infos = self.env.step(physical)
+            total += rewards
+            if truncated.any():
+                # Episodes are whole days, so that they end with a decision.
+                self._end(truncated, infos)
+            seen = self._observe(observations)
+        return seen, total, terminated, truncated, infos
+
+    def _end(self, truncated: Array, infos: dict[str, Any]) -> None:
+        """Converts the last observations of episodes that ended, and begins the next."""
+        for index in np.flatnonzero(truncated):
+            if "final_obs" in infos:
+                infos["final_obs"][index] = self._pilots[index].observe(infos["final_obs"][index])
+            self._pilots[index] = self._pilot(int(index))

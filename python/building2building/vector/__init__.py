@@ -1,0 +1,369 @@
+"""A batch of buildings as a Gymnasium vector environment."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..buildings import (
+    Building,
+    Generator,
+    PathLike,
+    check_control,
+    checked_weather,
+    find_building,
+    is_dataset_id,
+    list_buildings,
+    select_building,
+)
+from ..env.info import Info
+from ..env.layout import Layout, rounded_inward
+from ..env.open_envs import close_at_exit
+from ..env.tasks import task_text
+from ..errors import EpisodeError, ProcessError, SettingError
+from ..scaling import Scale
+from .info import Row, step_info
+
+Array = NDArray[Any]
+_Task = str | dict[str, Any]
+
+
+class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
+    """N environments stepped together, each in its own process; :func:`make_vec` makes one.
+
+    - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building; with ``normalize=True``
+      in [-1, 1] by fixed bounds (:attr:`scale`).
+    - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read. :meth:`observation_mask` and
+      :meth:`action_mask` mark what is not padding.
+    - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
+    - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
+      that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
+      the seed alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
+    - Infos: the infos of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read.
+      Columns of zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
+    - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
+      describe the end of an episode, as in Gymnasium; ``infos["_final_info"]`` marks the rows that have ended.
+    - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
+      after any other.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    single_observation_space: Box
+    single_action_space: Box
+
+    def __init__(
+        self,
+        building_type: str | None = None,
+        num_envs: int = 1,
+        *,
+        split: str | None = None,
+        index: int | None = None,
+        building_id: str | None = None,
+        building: Building | None = None,
+        buildings: Sequence[Building | Generator | str] | None = None,
+        resample: bool | int = False,
+        weights: dict[str, float] | None = None,
+        place: str | None = None,
+        weather: PathLike | None = None,
+        control: str = "actuators",
+        task: _Task | Sequence[_Task] = "operate",
+        run_period: str = "winter",
+        timesteps_per_hour: int = 12,
+        rescale_action: bool = False,
+        normalize: bool = False,
+        by_role: bool = False,
+        window_days: int | None = None,
+        window_starts: int = 8,
+        weather_years: Sequence[PathLike] = (),
+        reward: Callable[[dict[str, Any]], ArrayLike] | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        problem: _core.Problem | None = None,
+    ):
+        self._core: _core.VecEnv | None = None
+        if render_mode is not None:
+            raise SettingError("a vector environment cannot render; make a single environment with render_mode")
+        if reward is not None and not callable(reward):
+            raise SettingError(f"reward is {reward!r}; expected a function of a step's info")
+        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
+            raise SettingError(f"num_envs is {num_envs!r}; expected a number from 1 on")
+        if weights is not None and not resample:
+            raise SettingError("weights apply to draws; pass resample=True")
+        if buildings is None and resample and building_type and index is None and (building_id or building) is None:
+            buildings = list_buildings(building_type, split or "train")
+        if buildings is None:
+            buildings = [select_building(building_type, split, index, building_id, place, weather, building, control)]
+        if not buildings:
+            raise SettingError("buildings is empty; pass at least one")
+        #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
+        self.buildings = [
+            _candidate(each, bool(resample), control) for each in (buildings if resample else buildings[:num_envs])
+        ]
+        tasks = [task] if isinstance(task, (str, dict)) else list(task)
+        self.num_envs = num_envs
+        self.render_mode = None
+        self.rescale_action = rescale_action
+        self.normalize = normalize
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self._reward = reward
+        self._process = os.getpid()
+        self._make_core = partial(
+            _core.VecEnv,
+            [each if isinstance(each, str) else each._core for each in self.buildings],
+            [task_text(each) for each in tasks],
+            run_period,
+            timesteps_per_hour,
+            num_envs,
+            self.autoreset_mode.value,
+            rescale_action,
+            int(resample) or None,
+            weights,
+            None if window_days is None else (window_days, window_starts),
+            problem,
+            by_role,
+            checked_weather(weather_years),
+            control,
+        )
+        self._core = core = self._make_core()
+        close_at_exit(self)
+        #: Layouts of the buildings; with ``resample``, of a few representative ones.
+        self.layouts = [Layout(spaces) for spaces in core.spaces()]
+        self._resample = bool(resample)
+        slots, actuators = core.slots(), core.actuators()
+        #: Fixed bounds by which observations are normalized. They cover everything that a slot of the row may hold.
+        self.scale = Scale.of_all(slots)
+        self._plain = len(slots) == 1 and not by_role
+        bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
+        box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
+        self.single_observation_space = self.scale.space if normalize else box
+        self.single_action_space = _action_space(actuators, core.widths[0], rescale_action)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.metadata = {
+            **type(self).metadata,
+            "autoreset_mode": self.autoreset_mode,
+            **(self.layouts[0].metadata() if self._plain else {}),
+            "buildings": [each if isinstance(each, str) else each.name for each in self.buildings],
+        }
+        if self._plain:
+            self.metadata["observation_names"] = [name for name, _, _ in slots[0]]
+            self.metadata["action_names"] = [name for name, _, _ in actuators[0]]
+        self._steps_per_hour = timesteps_per_hour
+        self._by_role = by_role
+        #: Number of steps done in every environment's episode.
+        self._steps = np.zeros(num_envs, dtype=int)
+        self._rows = [Row(self.layouts[i % len(self.layouts)].spaces, by_role) for i in range(num_envs)]
+        self._observations = np.zeros(self.observation_space.shape or (), dtype=np.float32)
+        self._done = np.zeros(num_envs, dtype=bool)
+
+    def layout_of(self, environment: int) -> Layout:
+        """Returns the layout of the building that an environment runs now."""
+        if not self._resample:
+            return self.layouts[environment % len(self.layouts)]
+        return Layout(self._open_core().spaces_of(environment))
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Numbers of ``episodes``, of ``building_changes``, of ``waits`` for a building that was not ready when its
+        episode was due to begin, and the total time of these waits (``waited``, s)."""
+        return dict(zip(("episodes", "building_changes", "waits", "waited"), self._open_core().statistics()))
+
+    def observation_mask(self) -> Array:
+        """Mask of the observations, ``[N, slots]``: ``False`` for padding."""
+        return np.array(self._open_core().masks()[0])
+
+    def action_mask(self) -> Array:
+        """Mask of the actions, ``[N, actuators]``: ``False`` for numbers that are not read."""
+        return np.array(self._open_core().masks()[1])
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begins an episode in every environment, or with ``options={"reset_mask": mask}`` in some.
+
+        ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. A list with a
+        number per environment is used as one seed.
+        """
+        self._open_core()
+        number = self._seed_number(seed)
+        mask = (options or {}).get("reset_mask")
+        if os.getpid() != self._process:
+            self._restart_after_fork(mask)
+        core = self._open_core()
+        if mask is not None:
+            if number is not None:
+                raise SettingError("a seed applies to all environments; omit seed or reset_mask")
+            mask = np.asarray(mask)
+            if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+                raise SettingError(
+                    f"reset_mask must be an array of {self.num_envs} booleans, at least one of them true"
+                )
+            observations = core.reset_some([int(i) for i in np.flatnonzero(mask)])
+            self._done[mask], self._steps = False, np.where(mask, 0, self._steps)
+        else:
+            observations = core.reset(self._episode_seed(number))
+            self._done[:], self._steps = False, np.zeros_like(self._steps)
+        self._observations = observations
+        self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
+        return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
+
+    def _restart_after_fork(self, mask: Any) -> None:
+        """Abandons the processes of the parent, which still owns them, and starts new ones."""
+        if mask is not None:
+            raise ProcessError("after a fork, the first reset must be of all environments; omit reset_mask")
+        self._core, self._process = self._make_core(), os.getpid()
+
+    def _read_rows(self, begun: Array) -> None:
+        """Reads the rows of the environments whose episode has begun."""
+        if self._resample:
+            core = self._open_core()
+            self._rows = [
+                Row(core.spaces_of(environment), self._by_role) if begun[environment] else row
+                for environment, row in enumerate(self._rows)
+            ]
+
+    def _seen(self, observations: Array) -> Array:
+        return self.scale(observations) if self.normalize else observations
+
+    def _seed_number(self, seed: int | Sequence[int | None] | None) -> int | None:
+        """Returns the seed as one number; ``None`` without."""
+        if seed is None:
+            return None
+        if isinstance(seed, (int, np.integer)):
+            return int(seed)
+        if len(seed) != self.num_envs:
+            raise SettingError(f"seed has {len(seed)} numbers; expected one, or {self.num_envs}")
+        if all(each is None for each in seed):
+            return None
+        given = [0 if each is None else int(each) for each in seed]
+        return int(np.random.SeedSequence(given).generate_state(1, np.uint64)[0])
+
+    def _episode_seed(self, seed: int | None) -> int:
+        """Returns the seed of the episodes that begin; without a number, draws it."""
+        if seed is None:
+            return int(self.np_random.integers(2**64, dtype=np.uint64))
+        self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(seed)
+        return seed % 2**64
+
+    def _open_core(self) -> _core.VecEnv:
+        if self._core is None:
+            raise EpisodeError("the environments are closed")
+        return self._core
+
+    def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
+        """Runs one step of every environment."""
+        observations, rewards, numbers, truncated = self._open_core().step(actions)
+        before, self._observations = self._observations, observations
+        reset, self._done = self._done, truncated
+        self._steps = np.where(reset & (self.autoreset_mode == AutoresetMode.NEXT_STEP), 0, self._steps + 1)
+        if reset.any() and self.autoreset_mode == AutoresetMode.NEXT_STEP:
+            self._read_rows(reset)
+        rows, steps = self._rows, self._steps
+        if truncated.any():
+            info = Info()
+            at_end = self._at_end(observations, truncated)
+            info.update(step_info(rows, before, at_end, numbers, steps, self._steps_per_hour))
+            self._add_final_info(info, truncated)
+            if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                self._read_rows(truncated)
+                self._steps = np.where(truncated, 0, steps)
+        else:
+            info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
+        if self._reward is not None:
+            rewards = np.asarray(self._reward(info), dtype=np.float64)
+            if self.autoreset_mode == AutoresetMode.NEXT_STEP:
+                # The step after an episode only resets; Gymnasium gives it no reward.
+                rewards = np.where(reset, 0.0, rewards)
+        terminated = np.zeros(self.num_envs, dtype=bool)
+        return self._seen(observations), rewards, terminated, truncated.copy(), info
+
+    def _at_end(self, observations: Array, truncated: Array) -> Array:
+        """Returns the observations; where the next episode has begun, the last one of the previous episode."""
+        if self.autoreset_mode != AutoresetMode.SAME_STEP:
+            return observations
+        core, observations = self._open_core(), np.array(observations, dtype=np.float64)
+        for environment in np.flatnonzero(truncated):
+            final = core.ended(int(environment))[0]
+            observations[environment, : len(final)] = final
+        return observations
+
+    def _add_final_info(self, info: Info, truncated: Array) -> None:
+        """Adds the ends of episodes in the layout of Gymnasium's vector environments."""
+        core, step = self._open_core(), info.copy()
+        metrics = np.full(self.num_envs, None, dtype=object)
+        final_obs = np.full(self.num_envs, None, dtype=object)
+        lost = np.full(self.num_envs, None, dtype=object)
+        for environment in np.flatnonzero(truncated):
+            final, episode_metrics, reason = core.ended(int(environment))
+            row = np.zeros(self._observations.shape[1:], dtype=np.float32)
+            row[: len(final)] = final
+            metrics[environment], lost[environment] = episode_metrics, reason
+            final_obs[environment] = self._seen(row)
+        if any(reason is not None for reason in lost):
+            info["lost"], info["_lost"] = lost, np.array([reason is not None for reason in lost])
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            info["final_obs"], info["_final_obs"] = final_obs, truncated.copy()
+            final_info = {**step, "metrics": metrics}
+            info["final_info"] = final_info | {f"_{name}": truncated.copy() for name in final_info}
+            info["_final_info"] = truncated.copy()
+        else:
+            info["metrics"], info["_metrics"] = metrics, truncated.copy()
+
+    def close_extras(self, **_: Any) -> None:
+        """Ends all processes."""
+        core, self._core = getattr(self, "_core", None), None
+        if core is not None and os.getpid() == self._process:
+            core.close()
+
+    def __del__(self) -> None:
+        try:
+            self.close_extras()
+        except Exception:  # modules may be gone while the interpreter exits
+            pass
+
+
+def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:
+    if isinstance(given, AutoresetMode):
+        return given
+    for mode in AutoresetMode:
+        if str(given).replace("_", "").lower() == mode.value.lower():
+            return mode
+    expected = ", ".join(mode.value for mode in AutoresetMode)
+    raise SettingError(f"unknown autoreset_mode `{given}`; expected one of {expected}")
+
+
+def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
+    """Returns the bounds of a slot. A building's attributes have only typical bounds, for scaling."""
+    return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
+
+
+def _candidate(given: Building | Generator | str, lazily: bool, control: str) -> Building | Generator | str:
+    """Returns a building; with ``lazily``, an id stays an id until it is drawn."""
+    if isinstance(given, Generator) and not lazily:
+        raise SettingError("a generator has no fixed building; pass resample=True")
+    if isinstance(given, Building):
+        check_control(given, control)
+    if not isinstance(given, str) or (lazily and is_dataset_id(given)):
+        return given
+    return find_building(given, control=control)
+
+
+def _action_space(actuators: list[list[tuple[str, float, float]]], width: int, rescale: bool) -> Box:
+    """Returns the action space that all buildings share."""
+    if rescale:
+        return Box(-1.0, 1.0, (width,), dtype=np.float32)
+    bounds = [[(low, high) for _, low, high in row] for row in actuators]
+    if any(each != bounds[0] for each in bounds):
+        raise SettingError("the buildings differ in actuators or bounds; pass rescale_action=True for one action space")
+    low, high = rounded_inward(*np.array(bounds[0], dtype=np.float64).T)
+    return Box(low, high, dtype=np.float32)

@@ -1,0 +1,70 @@
+"""The base of wrappers that change the observation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import ArrayLike, NDArray
+
+from ..env import BuildingEnv, unwrap
+from ..errors import SettingError
+
+Array = NDArray[Any]
+Env = gymnasium.Env[Any, Any]
+Stepped = tuple[Array, Any, bool, bool, dict[str, Any]]
+
+
+class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
+    """A wrapper that records its arguments for the environment's spec and keeps the names of slots up to date."""
+
+    #: Whether the wrapper only appends zeros to the observation.
+    appends_zeros = False
+
+    def __init__(self, env: Env, **arguments: Any):
+        if not isinstance(env, gymnasium.Env):
+            raise SettingError(f"{type(self).__name__} wraps an environment; got {env!r}")
+        gymnasium.utils.RecordConstructorArgs.__init__(self, **arguments)
+        gymnasium.Wrapper.__init__(self, env)
+        self._core: BuildingEnv = unwrap(env)
+
+    def _rename(self, names: list[str], units: list[str]) -> None:
+        self.metadata = self.env.metadata | {"observation_names": names, "observation_units": units}
+
+    def _extend(self, low: ArrayLike, high: ArrayLike, names: list[str], units: list[str]) -> None:
+        """Appends slots to the observation space."""
+        box = box_of(self.env)
+        bounds = [np.concatenate([old, new]).astype(box.dtype) for old, new in ((box.low, low), (box.high, high))]
+        self.observation_space = Box(bounds[0], bounds[1], dtype=box.dtype)
+        metadata = self.env.metadata
+        self._rename([*metadata["observation_names"], *names], [*metadata["observation_units"], *units])
+
+    def observation(self, observation: Array) -> Array:
+        """Converts an observation of the wrapped environment."""
+        return observation
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        observation, info = self.env.reset(seed=seed, options=options)
+        return self.observation(observation), info
+
+    def step(self, action: Any) -> Stepped:
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return self.observation(observation), reward, terminated, truncated, info
+
+
+def box_of(env: Env) -> Box:
+    if not isinstance(env.observation_space, Box):
+        raise SettingError(f"expected observations in a Box; got {env.observation_space}")
+    return env.observation_space
+
+
+def is_own(env: Env) -> bool:
+    """Returns whether no wrapper has changed the slots of the observation. Zeros may follow them."""
+    while isinstance(env, gymnasium.Wrapper):
+        appends_zeros = isinstance(env, ObservationWrapper) and env.appends_zeros
+        if not appends_zeros and env.metadata is not env.env.metadata:
+            break
+        env = env.env
+    return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])
