@@ -36,7 +36,7 @@ pub struct Placement {
     pub weather: Option<PathBuf>,
     /// Whether a user's model may run code and open files outside its folder ([`import::read`]).
     pub allow_external: bool,
-    /// What an agent sets: the actuators of the systems, or the setpoints of every zone.
+    /// Control interface: the actuators of the systems, or the setpoints of every zone.
     pub control: Control,
     /// Whether a user's model keeps its design days instead of the weather file's.
     pub keep_design_days: bool,
@@ -69,13 +69,13 @@ pub struct Found {
     pub weather: PathBuf,
     /// The site of the weather file.
     pub site: Arc<Site>,
-    /// What an agent sets in it.
+    /// Control interface.
     pub control: Control,
-    /// Who controls it.
+    /// Whether the model or an agent controls it.
     pub controls: Controls,
     /// The model before sizing.
     pub model: Model,
-    /// How a user's model was read.
+    /// Notes from reading a user's model.
     pub notes: Notes,
 }
 

@@ -61,9 +61,9 @@ impl Faults {
 pub(crate) struct Impairment {
     seed: u64,
     noise: f64,
-    /// Of each zone, K.
+    /// Sensor bias of each zone, K.
     biases: Vec<f64>,
-    /// Of each actuator.
+    /// Bounds of each actuator; both ends equal where it is stuck.
     bounds: Vec<[f64; 2]>,
 }
 
@@ -91,7 +91,7 @@ impl Impairment {
         Some(Self { seed, noise, biases, bounds })
     }
 
-    /// Limits an action to the ability of the faulty equipment.
+    /// Limits an action to what the faulty equipment can do.
     pub(crate) fn limit(&self, action: &mut [f64]) {
         for (value, [low, high]) in action.iter_mut().zip(&self.bounds) {
             *value = value.clamp(*low, *high);

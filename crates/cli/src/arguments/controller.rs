@@ -107,7 +107,7 @@ impl Chosen<'_> {
         !matches!(self.choice, Choice::Kind(_))
     }
 
-    /// Returns who controls the building.
+    /// Returns the control that the building gets.
     pub fn controls(&self) -> Controls {
         match &self.choice {
             Choice::Kind(kind) => kind.controls(),

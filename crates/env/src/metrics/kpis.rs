@@ -15,7 +15,7 @@ const EPSILON: f64 = 1e-9;
 pub struct Kpis {
     /// Discomfort, K h, summed over the zones.
     discomfort: f64,
-    /// Temperatures of the zones at the last moment, °C.
+    /// Temperatures of the zones at the end of the last step, °C.
     temperatures: Vec<f64>,
     /// Electric demand, gas demand and district demand.
     demands: [Demand; 3],
@@ -31,7 +31,7 @@ struct AirQuality {
     limit: f64,
     /// ppm h above the limit, summed over the zones.
     above: f64,
-    /// Concentrations of the zones at the last moment, ppm.
+    /// Concentrations of the zones at the end of the last step, ppm.
     concentrations: Vec<f64>,
 }
 
@@ -52,7 +52,7 @@ impl Kpis {
         Self { temperatures, ..Self::default() }
     }
 
-    /// Counts CO₂ above a limit, ppm, from the concentrations of the zones on, ppm.
+    /// Starts counting CO₂ above a limit, ppm, from the zones' present concentrations, ppm.
     #[must_use]
     pub fn with_carbon_dioxide(self, limit: f64, concentrations: Vec<f64>) -> Self {
         Self { air: Some(AirQuality { limit, above: 0.0, concentrations }), ..self }

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::limits::within;
 use crate::{Error, Result};
 
-/// Least difference of a cooling and a heating setpoint, K (Guideline 36, 5.3.2).
+/// Least gap between heating and cooling setpoint, K (Guideline 36, 5.3.2).
 const LEAST_WIDTH: f64 = 0.5;
-/// Setpoints of a zone without a demand for heat or cooling, °C. No zone reaches them.
-const UNASKED: [f64; 2] = [0.0, 50.0];
+/// Setpoints that no zone reaches, °C, for one without heating or cooling.
+const UNREACHED: [f64; 2] = [0.0, 50.0];
 
 /// The source of a zone's comfort band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -154,7 +154,7 @@ impl Bands {
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let (zone, day) = (&self.zones[zone], self.calendar.count(day_of_year));
         match &self.band {
-            Band::Own if zone.year.is_empty() => zone.pair(UNASKED),
+            Band::Own if zone.year.is_empty() => zone.pair(UNREACHED),
             Band::Own => zone.of_span(&zone.year.at(day, hour)),
             Band::Presence { occupied, unoccupied } => {
                 let known = self.scheduled && !zone.year.is_empty();
@@ -218,8 +218,8 @@ impl ZoneBands {
     }
 
     fn of_span(&self, span: &Span) -> Pair {
-        let heating = span.heating.unwrap_or(UNASKED[0]);
-        let cooling = span.cooling.unwrap_or(UNASKED[1]);
+        let heating = span.heating.unwrap_or(UNREACHED[0]);
+        let cooling = span.cooling.unwrap_or(UNREACHED[1]);
         // A thermostat with one setpoint has no band: it holds a temperature.
         self.pair([heating.min(cooling), cooling])
     }

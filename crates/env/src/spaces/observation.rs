@@ -28,10 +28,10 @@ pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
     constant_target: Option<f64>,
-    /// Slot of the holiday, with bands.
+    /// Slot of the holiday flag, with bands.
     holiday: Option<usize>,
     /// Occupancy and setpoint slots of each controlled zone; empty with constant targets.
-    asked: Vec<AskedSlots>,
+    zone_slots: Vec<ZoneSlots>,
     /// Quantities of zone air besides the temperature, and the first of their slots.
     air: Vec<ZoneAir>,
     first_air: usize,
@@ -41,14 +41,14 @@ pub struct ObservationSpace {
 
 /// Occupancy and setpoint slots of a controlled zone.
 #[derive(Clone, Copy, Debug)]
-struct AskedSlots {
+struct ZoneSlots {
     occupancy: usize,
     target: Target,
 }
 
-impl AskedSlots {
+impl ZoneSlots {
     fn add(slots: &mut Slots, zone: (usize, &Zone), has_bands: bool) -> Self {
-        let occupancy = slots.add_occupancy(zone);
+        let occupancy = slots.add_occupancy(zone, has_bands);
         let mut setpoint = |word: &str, observed| slots.add_setpoint(zone, word, observed);
         let target = match zone.1.conditioning {
             _ if !has_bands => Target::Slot(setpoint("target", Observed::TargetTemperature)),
@@ -104,9 +104,9 @@ impl ObservationSpace {
         slots.add_temperatures(building);
         slots.add_shared(building.calendar().days(), MAX_POWER / f64::from(steps_per_hour));
         let holiday = has_bands.then(|| slots.add_holiday());
-        let asked = match constant_target {
+        let zone_slots = match constant_target {
             Some(_) => Vec::new(),
-            None => controlled(building).map(|zone| AskedSlots::add(&mut slots, zone, has_bands)).collect(),
+            None => controlled(building).map(|zone| ZoneSlots::add(&mut slots, zone, has_bands)).collect(),
         };
         let (air, first_air) = (ZoneAir::of(task), slots.len());
         for zone in controlled(building) {
@@ -114,7 +114,7 @@ impl ObservationSpace {
         }
         let ahead = task.preview.map(|_| slots.add_preview(building));
         let zones = building.zones.len();
-        Self { slots: slots.into(), zones, constant_target, holiday, asked, air, first_air, ahead }
+        Self { slots: slots.into(), zones, constant_target, holiday, zone_slots, air, first_air, ahead }
     }
 
     /// Returns a space of arbitrary slots.
@@ -125,7 +125,7 @@ impl ObservationSpace {
             zones: 0,
             constant_target: Some(21.0),
             holiday: None,
-            asked: Vec::new(),
+            zone_slots: Vec::new(),
             air: Vec::new(),
             first_air: 0,
             ahead: None,
@@ -200,14 +200,14 @@ impl ObservationSpace {
     /// Slot of the occupancy of a controlled zone, given its index among the controlled zones. `None` if targets are
     /// constant.
     pub fn occupancy(&self, controlled_zone: usize) -> Option<usize> {
-        self.asked.get(controlled_zone).map(|asked| asked.occupancy)
+        self.zone_slots.get(controlled_zone).map(|slots| slots.occupancy)
     }
 
     /// Target of a controlled zone, given its index among the controlled zones.
     pub fn target(&self, controlled_zone: usize) -> Target {
         match self.constant_target {
             Some(target) => Target::Always(target),
-            None => self.asked[controlled_zone].target,
+            None => self.zone_slots[controlled_zone].target,
         }
     }
 

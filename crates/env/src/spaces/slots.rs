@@ -143,8 +143,13 @@ impl Slots {
         self.add("holiday", (Owner::Calendar, Observed::Holiday), Range::new("1", (0.0, 1.0), source))
     }
 
-    pub(crate) fn add_occupancy(&mut self, (number, zone): (usize, &Zone)) -> usize {
-        let source = "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step";
+    pub(crate) fn add_occupancy(&mut self, (number, zone): (usize, &Zone), has_bands: bool) -> usize {
+        let source = match has_bands {
+            true => {
+                "engine: Zone People Occupant Count, from a tenth of design occupancy on, for the next step"
+            }
+            false => "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step",
+        };
         let what = (Owner::Zone(number), Observed::Occupancy);
         self.add(&format!("{} occupancy", zone.name), what, Range::new("1", (0.0, 1.0), source))
     }

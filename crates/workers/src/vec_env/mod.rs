@@ -403,7 +403,7 @@ impl VecEnv {
             (State::Ready, Some(form)) => {
                 let space = form.actions();
                 let action = action.get(..space.len());
-                space.check(action.ok_or(Error::ActionLength { given: 0, expected: space.len() })?)
+                space.check(action.ok_or(Error::ActionLength { given: action.len(), expected: space.len() })?)
             }
             (State::Over, _) if self.autoreset != Autoreset::Disabled => Ok(()),
             (State::Over, _) => Err(Error::NotReset),

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::case::Case;
 use crate::setpoints::room::room;
 
-/// Writes the weather of Chicago as that of 2020: a 29 February like the 28th, but at 7 °C.
+/// Writes Chicago's weather with the year 2020; its 29 February is like the 28th, but at 7 °C.
 fn measured(folder: &Path) -> PathBuf {
     let chicago = Case::of_user(&room(), Controls::default()).weather;
     let bytes = std::fs::read(chicago).unwrap();
