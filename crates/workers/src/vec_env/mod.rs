@@ -402,8 +402,8 @@ impl VecEnv {
         match (one.state, &one.form) {
             (State::Ready, Some(form)) => {
                 let space = form.actions();
-                let action = action.get(..space.len());
-                space.check(action.ok_or(Error::ActionLength { given: action.len(), expected: space.len() })?)
+                let (given, expected) = (action.len(), space.len());
+                space.check(action.get(..expected).ok_or(Error::ActionLength { given, expected })?)
             }
             (State::Over, _) if self.autoreset != Autoreset::Disabled => Ok(()),
             (State::Over, _) => Err(Error::NotReset),
