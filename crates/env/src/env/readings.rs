@@ -45,7 +45,7 @@ impl Env {
     /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity, and fuels with district energy.
     ///
     /// # Errors
-    /// [`Error::Io`] before the end of the run period, when the engine writes them.
+    /// [`Error::Io`](crate::Error::Io) before the end of the run period, when the engine writes them.
     pub fn engine_meters(&self) -> Result<[f64; 2]> {
         let building = &self.spaces.building;
         meters::read(&self.meter_file, &self.meters, building.conditioned_floor_area)
