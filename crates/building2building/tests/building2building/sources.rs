@@ -53,7 +53,8 @@ fn modules_with_unsafe_code() -> BTreeSet<String> {
             if product.contains("allow(unsafe_code") {
                 let name = path.file_name().unwrap().to_string_lossy().into_owned();
                 let module = file.strip_prefix(path.join("src")).unwrap().with_extension("");
-                modules.insert(format!("{name}: {}", module.display()));
+                let module = module.display().to_string();
+                modules.insert(format!("{name}: {}", module.trim_end_matches("/mod")));
             }
         }
     }
