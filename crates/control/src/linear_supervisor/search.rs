@@ -134,7 +134,9 @@ pub fn tune(
     record: Option<(&Path, &serde_json::Value)>,
     tries: &mut Tries<'_>,
 ) -> Result<Tuned> {
-    let opened = record.map(|(path, head)| RecordFile::open(path, &(head, options))).transpose()?;
+    // More rounds continue a search.
+    let depends_on = SearchOptions { rounds: 0, ..options };
+    let opened = record.map(|(path, head)| RecordFile::open(path, &(head, depends_on))).transpose()?;
     let (mut file, lines) = opened.map_or((None, Vec::new()), |(file, lines)| (Some(file), lines));
     let mut known = lines.into_iter();
     let mut search = Search::new(options, days);
@@ -335,7 +337,9 @@ mod tests {
         }
         assert!(discomfort.abs() < 0.02 && (cost + 0.08).abs() < 0.02, "{cost} {discomfort}");
         assert!(rule.0.keys().all(|name| name != "minimum flow shift"), "{rule:?}");
-        assert_eq!(tune(options, 14, Some((&path, &head)), &mut tries).unwrap(), found);
+        let fewer = SearchOptions { rounds: 3, ..options };
+        let continued = tune(fewer, 14, Some((&path, &head)), &mut tries).unwrap();
+        assert_eq!(continued.rounds, found.rounds[..3]);
         assert_eq!(calls, 4);
     }
 }
