@@ -118,8 +118,10 @@ impl Arguments {
                 bar.inc(1);
                 site
             };
-            pool.install(|| all.par_iter().enumerate().map(site).collect::<Result<Vec<Site>>>())
-                .map_err(|error| b2b_control::Error::Values { why: format!("{error:#}") })
+            pool.install(|| {
+                all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<Site>>>()
+            })
+            .map_err(|error| b2b_control::Error::Values { why: format!("{error:#}") })
         };
         let tuned = tune(options, days, Some((&path, &head)), &mut tries);
         bar.finish_and_clear();

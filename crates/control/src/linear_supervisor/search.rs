@@ -2,9 +2,10 @@
 //!
 //! A day hardly depends on the day before, so that an episode tries other weights on each of its days. Around the best rule so
 //! far, every round draws mirrored pairs of weights for the days of some episodes, in buildings and periods that differ from
-//! round to round. All days so far, each compared with the same day under the guideline, give two response surfaces: of cost,
-//! in mean days of the guideline in the same episode, so that every building counts alike, and of discomfort. The next rule has
-//! the lowest cost near the last one at which discomfort is the guideline's.
+//! round to round. All days so far, each compared with the same day under the guideline, give two response surfaces: of the
+//! logarithm of cost, in which a day weighs by its share of the episode, so that every building counts alike, and of discomfort.
+//! The next rule has the lowest cost near the last one at which discomfort is the guideline's. Setpoints have no weights:
+//! schedules found with foresight do not move them.
 
 use std::path::Path;
 
@@ -23,7 +24,7 @@ use crate::parameter_set::to_json;
 use crate::record_file::RecordFile;
 
 /// Deviation of the first draws, as a share of the limits.
-const FIRST_SPREAD: f64 = 0.35;
+const FIRST_SPREAD: f64 = 0.3;
 /// Factor of the deviation from round to round.
 const NARROWING: f64 = 0.85;
 /// Largest draw, in deviations.
@@ -32,11 +33,11 @@ const WIDEST: f64 = 2.0;
 const LARGEST: f64 = 1.5;
 /// Largest change of a weight by a round, in deviations of its draws.
 const REACH: f64 = 1.5;
-/// What a move of a weight by a deviation of its draws must save, as a share of the guideline's cost, so that noise moves little.
-const SIGNIFICANT: f64 = 0.002;
-/// The same for a weight of 1.
-const SIMPLE: f64 = 0.001;
-/// Bounds of the price of discomfort, in days of the guideline's cost per K·h.
+/// What a move of a weight by a deviation of its draws must save, as a share of the cost, so that noise moves little.
+const SIGNIFICANT: f64 = 0.01;
+/// Share of an episode's mean day that is added to costs before their ratio, because days off cost nothing.
+const LEAST: f64 = 0.05;
+/// Bounds of the price of discomfort, as a share of the cost per K·h of a day.
 const PRICES: [f64; 2] = [0.003, 10.0];
 /// Bisections of the logarithm of the price.
 const BISECTIONS: usize = 12;
@@ -59,7 +60,7 @@ pub struct SearchOptions {
 
 impl Default for SearchOptions {
     fn default() -> Self {
-        Self { rounds: 5, episodes: 12, pairs: 1, seed: 0 }
+        Self { rounds: 4, episodes: 8, pairs: 2, seed: 0 }
     }
 }
 
@@ -75,7 +76,7 @@ pub struct Site {
 /// The result of a round.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Round {
-    /// Cost relative to the guideline's less 1, as the surface has it: mean over all days so far.
+    /// Cost relative to the guideline's less 1, as the surface has it.
     pub cost: f64,
     /// Discomfort less the guideline's, as the surface has it, K·h per zone and day.
     pub discomfort: f64,
@@ -166,9 +167,9 @@ pub fn tune(
 /// The weights of all shifts on each day.
 type Draws = Vec<Vec<f64>>;
 
-/// The shifts, in the order of their weights.
+/// The shifts with weights, in order.
 fn shifts() -> Vec<Shift> {
-    [Shift::AIR_LOOP, Shift::UNIT, Shift::ZONE].concat()
+    [Shift::AIR_LOOP, Shift::UNIT, &[Shift::Start]].concat()
 }
 
 /// Returns the rule of weights.
@@ -183,10 +184,10 @@ fn rule(weights: &[f64]) -> Rule {
 /// A day under a rule, compared with the same day under the guideline.
 struct Sample {
     weights: Vec<f64>,
-    /// In mean days of the guideline.
-    cost: f64,
-    /// K·h per zone.
-    discomfort: f64,
+    /// Logarithm of the ratio of costs, and the day's share of the guideline's mean day.
+    cost: [f64; 2],
+    /// Difference, K·h per zone, and a weight of 1.
+    discomfort: [f64; 2],
 }
 
 /// A search in progress.
@@ -236,10 +237,11 @@ impl Search {
         for (days, outcome) in draws.iter().zip(tried) {
             for ((weights, day), base) in days.iter().zip(&outcome.days).zip(&guideline.days) {
                 let own = weights.iter().zip(&present).map(|(weight, has)| if *has { *weight } else { 0.0 });
+                let least = LEAST * mean;
                 self.samples.push(Sample {
                     weights: own.collect(),
-                    cost: (day.used - base.used) / mean,
-                    discomfort: day.discomfort - base.discomfort,
+                    cost: [((day.used + least) / (base.used + least)).ln(), base.used / mean],
+                    discomfort: [day.discomfort - base.discomfort, 1.0],
                 });
             }
         }
@@ -248,8 +250,8 @@ impl Search {
     /// Moves the center to the lowest cost near it at which discomfort is the guideline's.
     fn improve(&mut self) -> Round {
         let points: Vec<&[f64]> = self.samples.iter().map(|sample| &sample.weights[..]).collect();
-        let fit = |value: fn(&Sample) -> f64| {
-            let values: Vec<f64> = self.samples.iter().map(value).collect();
+        let fit = |value: fn(&Sample) -> [f64; 2]| {
+            let values: Vec<[f64; 2]> = self.samples.iter().map(value).collect();
             Surface::fit(&points, &values, Weights::COUNT)
         };
         let (cost, discomfort) = (fit(|sample| sample.cost), fit(|sample| sample.discomfort));
@@ -264,9 +266,7 @@ impl Search {
                 false => [0.0, 0.0],
             })
             .collect();
-        let effort = |(own, center): (&f64, &f64)| {
-            SIGNIFICANT * ((own - center) / self.spread).powi(2) + SIMPLE * own * own
-        };
+        let effort = |(own, center): (&f64, &f64)| SIGNIFICANT * (own - center).abs() / self.spread;
         let best = |price: f64| {
             lowest(&self.center, &bounds, &|point| {
                 let moves: f64 = point.iter().zip(&self.center).map(effort).sum();
@@ -285,7 +285,7 @@ impl Search {
         self.center = found.into_iter().map(|weight| (weight * PER_UNIT).round() / PER_UNIT + 0.0).collect();
         self.spread *= NARROWING;
         Round {
-            cost: cost.at(&self.center),
+            cost: cost.at(&self.center).exp_m1(),
             discomfort: discomfort.at(&self.center),
             rule: rule(&self.center),
         }
@@ -302,7 +302,7 @@ mod tests {
         let own = |name: &str| rule.and_then(|rule| rule.0.get(name)).copied().unwrap_or_default().constant;
         let (supply, start) = (own("supply air temperature shift"), own("earlier start"));
         Day {
-            used: 2.0 + supply * supply - supply + 0.2 * start,
+            used: (supply * supply - supply + 0.2 * start).exp(),
             discomfort: 1.0 + 0.4 * supply - 0.4 * start,
         }
     }
@@ -329,13 +329,13 @@ mod tests {
         let options = SearchOptions { rounds: 4, episodes: 6, ..SearchOptions::default() };
         let found = tune(options, 14, Some((&path, &head)), &mut tries).unwrap();
         let Round { rule, cost, discomfort } = &found.rounds[3];
-        // Lowest x² - x + 0.2 y with x <= y: at x = y = 0.4.
+        // Lowest x² - x + 0.2 y with x <= y: at x = y = 0.4, or a little less where moves must pay.
         for name in ["supply air temperature shift", "earlier start"] {
             let Weights { constant, cold, heating, cooling } = rule.0[name];
-            assert!((constant - 0.4).abs() < 0.08, "{rule:?}");
-            assert!([cold, heating, cooling].iter().all(|weight| weight.abs() < 0.2), "{rule:?}");
+            assert!((0.25..0.45).contains(&constant), "{rule:?}");
+            assert_eq!([cold, heating, cooling], [0.0; 3], "{rule:?}");
         }
-        assert!(discomfort.abs() < 0.02 && (cost + 0.08).abs() < 0.02, "{cost} {discomfort}");
+        assert!(discomfort.abs() < 0.02 && (-0.16..-0.1).contains(cost), "{cost} {discomfort}");
         assert!(rule.0.keys().all(|name| name != "minimum flow shift"), "{rule:?}");
         let fewer = SearchOptions { rounds: 3, ..options };
         let continued = tune(fewer, 14, Some((&path, &head)), &mut tries).unwrap();

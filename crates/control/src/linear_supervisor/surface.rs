@@ -13,8 +13,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Fits the surface to points and their values by a ridge regression. Coordinates form groups of `group`.
-    pub(super) fn fit(points: &[&[f64]], values: &[f64], group: usize) -> Self {
+    /// Fits the surface to points, their values and the weights of these by a ridge regression. Coordinates form groups of
+    /// `group`.
+    pub(super) fn fit(points: &[&[f64]], values: &[[f64; 2]], group: usize) -> Self {
         let width = points.first().map_or(0, |point| point.len());
         let mut terms: Vec<(usize, Option<usize>)> = (0..width).map(|index| (index, None)).collect();
         for first in 0..width {
@@ -23,9 +24,9 @@ impl Surface {
         }
         let count = terms.len();
         let (mut matrix, mut right) = (vec![0.0; count * count], vec![0.0; count]);
-        for (point, value) in points.iter().zip(values) {
+        for (point, [value, weight]) in points.iter().zip(values) {
             let row: Vec<f64> = terms.iter().map(|term| value_of(*term, point)).collect();
-            for (index, own) in row.iter().enumerate() {
+            for (index, own) in row.iter().map(|own| own * weight).enumerate() {
                 right[index] += own * value;
                 let entries = &mut matrix[index * count..(index + 1) * count];
                 entries.iter_mut().zip(&row).for_each(|(entry, other)| *entry += own * other);
@@ -50,7 +51,7 @@ fn value_of((first, second): (usize, Option<usize>), point: &[f64]) -> f64 {
 }
 
 /// Returns a point with the lowest value of a function within bounds, from a point of theirs, by descent along one coordinate at
-/// a time. The function is quadratic in every coordinate.
+/// a time. The function is quadratic in every coordinate on either side of the first point.
 pub(super) fn lowest(start: &[f64], bounds: &[[f64; 2]], value: &dyn Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut point = start.to_vec();
     for _ in 0..SWEEPS {
@@ -59,22 +60,25 @@ pub(super) fn lowest(start: &[f64], bounds: &[[f64; 2]], value: &dyn Fn(&[f64]) 
                 point[index] = coordinate;
                 value(&point)
             };
-            let middle = f64::midpoint(low, high);
-            let [at_low, at_middle, at_high] = [low, middle, high].map(&mut with);
-            let half = (high - low) / 2.0;
-            let curvature = at_low + at_high - 2.0 * at_middle;
-            let mut best = if at_low < at_high { (low, at_low) } else { (high, at_high) };
-            if curvature > 0.0 {
-                let vertex = (middle + half * (at_low - at_high) / (2.0 * curvature)).clamp(low, high);
-                let at_vertex = with(vertex);
-                if at_vertex < best.1 {
-                    best = (vertex, at_vertex);
-                }
-            }
-            point[index] = best.0;
+            let sides = [[low, start[index]], [start[index], high]].map(|side| lowest_along(side, &mut with));
+            point[index] = if sides[0].1 <= sides[1].1 { sides[0].0 } else { sides[1].0 };
         }
     }
     point
+}
+
+/// Returns where a quadratic function of one variable is lowest within bounds, and its value.
+fn lowest_along([low, high]: [f64; 2], value: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
+    let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
+    let [at_low, at_middle, at_high] = [low, middle, high].map(&mut *value);
+    let curvature = at_low + at_high - 2.0 * at_middle;
+    let end = if at_low < at_high { (low, at_low) } else { (high, at_high) };
+    if curvature <= 0.0 {
+        return end;
+    }
+    let vertex = (middle + half * (at_low - at_high) / (2.0 * curvature)).clamp(low, high);
+    let at_vertex = value(vertex);
+    if at_vertex < end.1 { (vertex, at_vertex) } else { end }
 }
 
 #[cfg(test)]
@@ -90,8 +94,8 @@ mod tests {
         let mut random = stream("surface", 0, 0);
         let points: Vec<Vec<f64>> =
             (0..400).map(|_| (0..4).map(|_| 0.4 * standard_normal(&mut random)).collect()).collect();
-        let values: Vec<f64> =
-            points.iter().map(|point| truth(point) + 0.02 * standard_normal(&mut random)).collect();
+        let values: Vec<[f64; 2]> =
+            points.iter().map(|point| [truth(point) + 0.02 * standard_normal(&mut random), 0.5]).collect();
         let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
         let surface = Surface::fit(&points, &values, 2);
         for point in [[0.5, 0.0, 0.0, 0.0], [0.3, -0.4, 0.2, 0.5], [0.0; 4]] {
