@@ -106,9 +106,8 @@ def train(
     type.
     ``task`` is a task as for :func:`make_env`, or several, one of which is drawn for every episode.
     ``preset`` is ``"residual"`` (the default), ``"paper"``, ``"graph"``, ``"supervisory"`` or ``"supervisory-graph"``;
-    ``options`` are any other options of a run's
-    ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``config`` is such a file, for example of an
-    earlier run; other arguments take precedence. ``out`` is the folder of the run and of the agent. If it already has a
+    ``options`` are any other options of a run's ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``.
+    ``config`` is such a file, for example of an earlier run; other arguments take precedence. ``out`` is the folder of the run and of the agent. If it already has a
     run with the same options, that run continues from its last checkpoint; with ``resume``, only ``steps`` can be
     given.
 

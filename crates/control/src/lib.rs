@@ -50,13 +50,13 @@ const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 10 } else { 8 };
 /// The kinds of controllers that need no file.
 pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
     &guideline36::Kind,
-    &linear_supervisor::Kind,
     &own::Kind,
     &reactive::Kind,
     &hold::Kind,
     &off::Kind,
     &random::Kind,
     &constant::Kind,
+    &linear_supervisor::Kind,
     #[cfg(target_os = "linux")]
     &foresight::Kind,
     #[cfg(target_os = "linux")]

@@ -55,7 +55,7 @@ enum Command {
     Compare(compare::Arguments),
     Foresight(Box<foresight::Arguments>),
     Operation(operation::Arguments),
-    Supervisor(supervisor::Arguments),
+    Supervisor(Box<supervisor::Arguments>),
 }
 
 /// Runs the command.
