@@ -10,6 +10,8 @@ pub mod foresight;
 pub mod guideline36;
 mod hold;
 mod kind;
+mod least_squares;
+pub mod linear_supervisor;
 mod objective;
 mod off;
 mod own;
@@ -43,7 +45,7 @@ pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, kind_hash, parameters_hash};
 
 /// Number of kinds. Planners need copies of the simulation.
-const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 9 } else { 7 };
+const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 10 } else { 8 };
 
 /// The kinds of controllers that need no file.
 pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
@@ -54,6 +56,7 @@ pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
     &off::Kind,
     &random::Kind,
     &constant::Kind,
+    &linear_supervisor::Kind,
     #[cfg(target_os = "linux")]
     &foresight::Kind,
     #[cfg(target_os = "linux")]

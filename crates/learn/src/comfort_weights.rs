@@ -1,5 +1,10 @@
-//! Comfort as a constraint: for every evaluated building a multiplier of the penalty of discomfort, which grows while the agent,
-//! acting without noise, leaves more discomfort than it may, and falls while it leaves less (Tessler et al. 2019).
+//! Comfort as a constraint: for every evaluated building and run period a multiplier of the penalty of discomfort, which grows
+//! while the agent, acting without noise, leaves more discomfort than it may, and falls while it leaves less (Tessler et al. 2019).
+
+use b2b_building::Period;
+use b2b_env::EpisodeConfig;
+
+use crate::error::Result;
 
 /// Discomfort below which there is nothing to tell apart, K·h per zone and day: half of what a score at comfort grants.
 const RESOLVED: f64 = 0.05;
@@ -11,21 +16,47 @@ const LIMITS: [f32; 2] = [0.03, 30.0];
 /// The multipliers of a run, relative to the task's own weight of discomfort.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComfortWeights {
-    buildings: Vec<String>,
+    /// Building and run period of each evaluation.
+    held: Vec<(String, Period)>,
     weights: Vec<f32>,
 }
 
 impl ComfortWeights {
-    /// Returns multipliers of 1 for the buildings of evaluations.
-    pub fn new(buildings: Vec<String>) -> Self {
-        Self { weights: vec![1.0; buildings.len()], buildings }
+    /// Returns multipliers of 1 for the buildings and run periods of evaluations.
+    pub fn new(held: Vec<(String, Period)>) -> Self {
+        Self { weights: vec![1.0; held.len()], held }
     }
 
-    /// Returns the multiplier in a building: its own, or the geometric mean of all in a building that is not evaluated.
-    pub fn of(&self, building: &str) -> f32 {
-        let each = self.buildings.iter().zip(&self.weights);
-        let own: Vec<f32> = each.filter(|(name, _)| *name == building).map(|(_, weight)| *weight).collect();
-        geometric_mean(if own.is_empty() { &self.weights } else { &own })
+    /// Returns the numbers of the evaluations whose multipliers count in an episode of a building: its own in the run period of
+    /// the episode, or for a building that is not evaluated, all in this period. Without such a period, all count.
+    ///
+    /// # Errors
+    /// [`Error::Env`](crate::Error::Env) for an unreadable weather file.
+    pub fn counting(&self, building: &str, episode: &EpisodeConfig) -> Result<Vec<usize>> {
+        let mut known: Vec<(Period, bool)> = Vec::new();
+        let mut in_period = Vec::new();
+        for (number, (_, period)) in self.held.iter().enumerate() {
+            let has_it = match known.iter().find(|(known, _)| known == period) {
+                Some((_, has_it)) => *has_it,
+                None => {
+                    let days = period.in_weather(&episode.weather).map_err(b2b_env::Error::building)?;
+                    known.push((*period, days.overlaps(episode.period)));
+                    days.overlaps(episode.period)
+                }
+            };
+            in_period.extend(has_it.then_some(number));
+        }
+        let own: Vec<usize> =
+            in_period.iter().copied().filter(|number| self.held[*number].0 == building).collect();
+        Ok(if own.is_empty() { in_period } else { own })
+    }
+
+    /// Returns the geometric mean of the multipliers of some evaluations; of no evaluation, of all.
+    pub fn of(&self, evaluations: &[usize]) -> f32 {
+        match evaluations {
+            [] => self.mean(),
+            some => geometric_mean(&some.iter().map(|number| self.weights[*number]).collect::<Vec<_>>()),
+        }
     }
 
     /// Returns the geometric mean of the multipliers.
@@ -69,17 +100,46 @@ fn geometric_mean(weights: &[f32]) -> f32 {
 mod tests {
     use super::*;
 
+    fn episode(days: &str) -> EpisodeConfig {
+        let weather = std::path::PathBuf::from("none.epw");
+        EpisodeConfig {
+            weather,
+            period: days.parse().unwrap(),
+            steps_per_hour: 12,
+            task: b2b_env::Task::default(),
+        }
+    }
+
     #[test]
     fn a_multiplier_grows_with_too_much_discomfort_and_falls_with_less_than_allowed() {
-        let mut weights = ComfortWeights::new(vec!["A".into(), "B".into()]);
+        let winter = |name: &str| (name.to_owned(), Period::WINTER);
+        let mut weights = ComfortWeights::new(vec![winter("A"), winter("B")]);
         weights.follow(0, 0.35, 0.15, 1.0);
         weights.follow(1, 0.0, 0.15, 0.5);
         assert_eq!(weights.weights(), [2.0, 0.5f32.sqrt()]);
-        assert_eq!((weights.of("A"), weights.of("B")), (2.0, 0.5f32.sqrt()));
-        assert!((weights.of("C") - 2f32.powf(0.25)).abs() < 1e-6, "a building between both");
+        let of = |weights: &ComfortWeights, name: &str| {
+            weights.of(&weights.counting(name, &episode("01-08..01-21")).unwrap())
+        };
+        assert_eq!((of(&weights, "A"), of(&weights, "B")), (2.0, 0.5f32.sqrt()));
+        assert!((of(&weights, "C") - 2f32.powf(0.25)).abs() < 1e-6, "a building between both");
         weights.follow(0, f64::NAN, 0.15, 1.0);
         (0..99).for_each(|_| weights.follow(0, 9.0, 0.0, 1.0));
-        assert_eq!(weights.of("A"), 30.0);
-        assert_eq!(ComfortWeights::default().of("A"), 1.0, "no constraint");
+        assert_eq!(of(&weights, "A"), 30.0);
+        assert_eq!(of(&ComfortWeights::default(), "A"), 1.0, "no constraint");
+    }
+
+    #[test]
+    fn every_run_period_has_its_own_multiplier() {
+        let held = |days: &str| ("A".to_owned(), days.parse().unwrap());
+        let mut weights = ComfortWeights::new(vec![held("winter"), held("summer")]);
+        weights.follow(1, 0.35, 0.15, 1.0);
+        for (building, days, expected) in
+            [("A", "01-08..01-21", 1.0), ("A", "07-08..07-21", 2.0), ("B", "07-08..07-21", 2.0)]
+        {
+            let counting = weights.counting(building, &episode(days)).unwrap();
+            assert_eq!(weights.of(&counting), expected, "{building} {days}");
+        }
+        let apart = weights.counting("A", &episode("04-20..04-21")).unwrap();
+        assert!((weights.of(&apart) - 2f32.sqrt()).abs() < 1e-6, "a period that is not evaluated");
     }
 }

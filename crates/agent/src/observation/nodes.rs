@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::agent_observation::AgentObservation;
 use super::feature::{Feature, Source};
-use super::features::{ControlledZone, calendar, energy, temperature, weather};
+use super::features::{ControlledZone, calendar, energy, hours_and_seasons, temperature, weather};
 use super::options::ObservationForm;
-use super::supervised::{SupervisedNode, node_features, node_shifts};
+use super::supervised::{SupervisedNode, node_features, node_preview, node_shifts};
 use crate::interface::Interface;
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
@@ -132,7 +132,8 @@ impl AgentObservation {
             actuators.push(actuator);
             owners.push(owner);
         }
-        let graph = Graph::new(plan, &widths, &actions);
+        let outputs = |node_type| action_names(interface, node_type).len();
+        let graph = Graph::new(plan, &widths, &actions, outputs);
         let observation = Self::of_features(features, spaces, supervisor.is_some());
         Ok(NodeView { observation, graph, actuators, owners })
     }
@@ -249,12 +250,17 @@ fn local_features(
     places: &dyn Places,
     supervised: Option<&SupervisedNode<'_>>,
 ) -> Vec<(String, Source)> {
-    let is_supervised = interface.acting.is_supervision() && !node_shifts(node_type).is_empty();
+    let is_supervision = interface.acting.is_supervision();
     let mut features = match interface.observation.form {
         ObservationForm::Raw | ObservationForm::Roles => observed(node_type, places),
-        ObservationForm::Features if is_supervised => node_features(node_type, supervised),
+        ObservationForm::Features if is_supervision && !node_shifts(node_type).is_empty() => {
+            node_features(node_type, supervised)
+        }
         ObservationForm::Features => computed(interface, node_type, places),
     };
+    if is_supervision && interface.observation.form == ObservationForm::Features {
+        features.extend(node_preview(node_type, supervised));
+    }
     if interface.nodes.is_some_and(|form| form.attributes) {
         let [own, common] = places.attributes();
         features.extend(constants(node_type.attributes(), &own));
@@ -298,7 +304,9 @@ fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> V
             owned(&weather(slot(Observed::OutdoorTemperature), slot(Observed::OutdoorHumidity)))
         }
         NodeType::Calendar => {
-            calendar(slot(Observed::TimeOfDay), slot(Observed::DayOfWeek), slot(Observed::DayOfYear))
+            // The bands of a supervisor tell when people come.
+            let times = if interface.acting.is_supervision() { hours_and_seasons } else { calendar };
+            times(slot(Observed::TimeOfDay), slot(Observed::DayOfWeek), slot(Observed::DayOfYear))
         }
         NodeType::Energy => {
             owned(&energy(slot(Observed::Electricity), slot(Observed::Gas), places.steps_per_hour()))

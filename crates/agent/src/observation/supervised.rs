@@ -69,23 +69,59 @@ fn zone_features(spaces: &Spaces, zone: usize, slot: usize) -> Vec<(&'static str
     features
 }
 
-/// Returns the features of prices and weather ahead; none if the task has no preview.
-fn preview(spaces: &Spaces) -> Vec<Feature> {
-    let ahead = |quantity: Observed, name: &'static str, center: f64, scale: f64| {
-        let slots = spaces.observation.slots().iter().enumerate();
+/// A quantity ahead, of which a task with a preview has a slot for every hour.
+struct Ahead {
+    quantity: Observed,
+    name: &'static str,
+    center: f64,
+    scale: f64,
+}
+
+const PRICES: Ahead = Ahead { quantity: Observed::PriceAhead, name: "price", center: 0.0, scale: PRICE };
+const TEMPERATURES: Ahead = Ahead {
+    quantity: Observed::OutdoorTemperatureAhead,
+    name: "outdoor temperature",
+    center: OUTDOOR.0,
+    scale: OUTDOOR.1,
+};
+const RADIATION: Ahead =
+    Ahead { quantity: Observed::SolarAhead, name: "solar radiation", center: 0.0, scale: SOLAR };
+
+impl Ahead {
+    /// Returns the names of its features, with their sources in a task with a preview.
+    fn features(self, spaces: Option<&Spaces>) -> impl Iterator<Item = (String, Option<Source>)> {
+        let Self { quantity, name, center, scale } = self;
+        let slots = spaces.map_or(&[][..], |spaces| spaces.observation.slots()).iter().enumerate();
         let own: Vec<usize> =
             slots.filter(|(_, slot)| slot.quantity == quantity).map(|(index, _)| index).collect();
-        let at = move |hours: usize| {
-            let source = Source::Deviation { slot: *own.get(hours)?, center, scale, limit: 10.0 };
-            Some(Feature::new(format!("{name} in {hours} h"), source))
-        };
-        AHEAD.into_iter().filter_map(at)
+        AHEAD.into_iter().map(move |hours| {
+            let slot = own.get(hours);
+            let source = slot.map(|slot| Source::Deviation { slot: *slot, center, scale, limit: 10.0 });
+            (format!("{name} in {hours} h"), source)
+        })
+    }
+}
+
+/// Returns the features of prices and weather ahead; none if the task has no preview.
+fn preview(spaces: &Spaces) -> impl Iterator<Item = Feature> {
+    let all = [PRICES, TEMPERATURES, RADIATION].into_iter();
+    let features = all.flat_map(|ahead| ahead.features(Some(spaces)));
+    features.filter_map(|(name, source)| Some(Feature::new(name, source?)))
+}
+
+/// Returns the features ahead of a node, 0 without a preview: prices of energy, and weather.
+pub(super) fn node_preview(
+    node_type: NodeType,
+    node: Option<&SupervisedNode<'_>>,
+) -> impl Iterator<Item = (String, Source)> {
+    let ahead = match node_type {
+        NodeType::Energy => vec![PRICES],
+        NodeType::Weather => vec![TEMPERATURES, RADIATION],
+        _ => Vec::new(),
     };
-    let (center, scale) = OUTDOOR;
-    ahead(Observed::PriceAhead, "price", 0.0, PRICE)
-        .chain(ahead(Observed::OutdoorTemperatureAhead, "outdoor temperature", center, scale))
-        .chain(ahead(Observed::SolarAhead, "solar radiation", 0.0, SOLAR))
-        .collect()
+    let spaces = node.map(|node| node.spaces);
+    let features = ahead.into_iter().flat_map(move |ahead| ahead.features(spaces));
+    features.map(|(name, source)| (name, source.unwrap_or(Source::Constant(0.0))))
 }
 
 /// Returns the features of a decision of the sequences: one per mode, or the value on a scale by its unit. The setpoints in use

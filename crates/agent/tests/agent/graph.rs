@@ -9,7 +9,7 @@ use b2b_agent::{
     ObservationForm, Pilot, TrainingInfo,
 };
 use b2b_building::morphology::NodeType;
-use b2b_control::Reactive;
+use b2b_control::{Guideline36, Guideline36Parameters, Reactive};
 use b2b_dataset::{Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, rollout};
@@ -29,6 +29,7 @@ fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> 
 }
 
 const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };
+const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true };
 
 /// Writes an agent with weights of this size that was trained with these types.
 fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
@@ -100,6 +101,50 @@ fn a_correction_of_zero_is_the_reactive_controllers() {
     let mut reactive = Reactive::for_env(&env);
     let reactive = rollout(&mut env, &mut reactive, &mut ()).unwrap();
     assert_eq!(corrected.episode_return, reactive.episode_return);
+}
+
+#[test]
+fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_shifts_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let form = interface(ObservationForm::Features, SUPERVISORY, true);
+    let known = NodeSpaces::of(form).actuators();
+    for building in ["OfficeMedium-0007", "OfficeSmall-0042"] {
+        let mut env = env(building, "operate+preview");
+        let spaces = Arc::clone(env.spaces());
+        let mut guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
+        let plan = NodePlan::of(NodeForm { attributes: true }, &spaces).unwrap();
+        let view = AgentObservation::by_node(form, &spaces, &plan).unwrap();
+        assert_eq!(view.graph.actions.len(), guideline.supervisory_points().len());
+        for ((place, owner), point) in
+            view.graph.actions.iter().zip(&view.owners).zip(guideline.supervisory_points())
+        {
+            let node_type = NodeType::ALL[view.graph.types[place.node]].name();
+            let (shift, _) = point.shift.described();
+            assert_eq!((*owner, &known[place.number]), (point.owner, &format!("{node_type}: {shift}")));
+        }
+        let alone = rollout(&mut env, &mut guideline, &mut ()).unwrap().episode_return;
+        let returned = |scale: f32, env: &mut Env| {
+            write(folder.path(), form, scale, &NodeType::ALL);
+            let agent = Agent::read(folder.path()).unwrap();
+            let own = rollout(env, &mut agent.controller(&spaces).unwrap(), &mut ()).unwrap().episode_return;
+            // As created in a worker, which has no model.
+            let mut again = agent.description(&spaces).unwrap().unwrap().controller(&spaces).unwrap();
+            assert_eq!(rollout(env, again.as_mut(), &mut ()).unwrap().episode_return, own, "{building}");
+            own
+        };
+        assert_eq!(returned(0.0, &mut env), alone, "{building}");
+        assert_ne!(returned(0.3, &mut env), alone, "{building}");
+        let mut pilot = Pilot::new(form, &spaces).unwrap();
+        pilot.observe(env.reset().unwrap());
+        let nothing = vec![0.0; pilot.widths().1];
+        let after = env.step(pilot.act(&nothing)).unwrap().observation.to_vec();
+        let (names, row) = (pilot.observation().names(), pilot.observe(&after).to_vec());
+        let all: Vec<_> = names.iter().zip(row).collect();
+        for what in ["outdoor temperature in 4 h", "price in 23 h", "change ahead", "mode: "] {
+            let mut named = all.iter().filter(|(name, _)| name.contains(what));
+            assert!(named.any(|(_, value)| *value != 0.0), "{building}: {what}");
+        }
+    }
 }
 
 #[test]

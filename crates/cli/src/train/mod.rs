@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Placement};
 use b2b_env::Task;
 use b2b_evaluate::statistics::beats_baseline;
@@ -30,16 +30,17 @@ pub struct Arguments {
     /// Training buildings, such as OfficeSmall-0509, assigned to the environments in turn
     #[arg(value_name = "BUILDING", conflicts_with = "building_type")]
     buildings: Vec<BuildingName>,
-    /// Train on the training split of a building type, with a new building in every episode; several types need
-    /// --preset graph
+    /// Train on the training split of a building type, with a new building in every episode; several types need the
+    /// preset graph or supervisory-graph
     #[arg(long = "type", visible_alias = "types", value_name = "TYPE", num_args = 1..)]
     building_type: Vec<BuildingType>,
     /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
     #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
     problem: Option<String>,
     /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), graph (one
-    /// network for buildings of several types) or supervisory (shifts of what guideline36 chooses) [default: residual;
-    /// supervisory in tasks of operation]
+    /// network for buildings of several types), supervisory (shifts of what guideline36 chooses) or supervisory-graph (one
+    /// network that does this in many buildings) [default: residual; in tasks of operation supervisory, with --type
+    /// supervisory-graph]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any options of a run's config.toml; other arguments take precedence
@@ -52,9 +53,10 @@ pub struct Arguments {
     /// agents correct the reactive controllers, which hold a target]
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
-    /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]
-    #[arg(long, value_name = "PERIOD")]
-    period: Option<RunPeriod>,
+    /// Run period: winter, summer, full_year, MM-DD..MM-DD or two weeks that the weather decides, such as peak-heating; or
+    /// several, separated by commas, one of which is drawn for every episode [default: the preset's, usually winter]
+    #[arg(long, value_name = "PERIOD", value_delimiter = ',')]
+    period: Vec<Period>,
     /// Environment steps in total, over all environments [default: the preset's]
     #[arg(long, value_name = "N", value_parser = steps)]
     steps: Option<u64>,
@@ -102,6 +104,7 @@ Examples:
   b2b train OfficeSmall-0509 --task operate --period 07-01..07-31
   b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
   b2b train --preset graph --type OfficeSmall RetailStandalone   one policy for both types
+  b2b train --type OfficeMedium --task operate         one supervisor of guideline36 for medium offices
   b2b train --problem dynamics-office-small --steps 1000000 --out runs/offices-0
   b2b train --resume runs/houses --steps 4000000       train for more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
@@ -178,10 +181,14 @@ impl Arguments {
         let acts_below = self.direct || self.authority.is_some() || self.problem.is_some();
         let operates =
             self.task.as_ref().is_some_and(|tasks| tasks.as_slice().iter().all(Task::is_operation));
-        let default = match self.acting {
-            Some(Acting::Supervisory { .. }) => "supervisory",
-            None if operates && !acts_below => "supervisory",
-            _ => "residual",
+        let supervises = match self.acting {
+            None => operates && !acts_below,
+            Some(acting) => acting.is_supervision(),
+        };
+        let default = match (supervises, self.building_type.is_empty()) {
+            (false, _) => "residual",
+            (true, true) => "supervisory",
+            (true, false) => "supervisory-graph",
         };
         self.preset.as_deref().unwrap_or(default)
     }
@@ -204,7 +211,9 @@ impl Arguments {
             training_set.buildings.clear();
         }
         set(&mut training_set.task, &self.task);
-        set(&mut training_set.period, &self.period.map(|period| period.to_string()));
+        if !self.period.is_empty() {
+            training_set.period = self.period.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+        }
         set(&mut budget.steps, &self.steps);
         set(&mut budget.seed, &self.seed);
         set(&mut budget.environments, &self.environments);

@@ -7,6 +7,7 @@ mod foresight;
 mod operation;
 mod rollouts;
 mod search;
+mod supervisor;
 mod two_weeks;
 
 use anyhow::Result;
@@ -42,6 +43,7 @@ Examples:
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
   b2b tune foresight OfficeSmall-0509            schedules of supervisory points with perfect foresight
+  b2b tune supervisor --type OfficeMedium        one rule of shifts for all buildings of a type
   b2b tune operation                             the scale and the weight of rewards of operation
   b2b tune ablations OfficeMedium-0626           what the sequences of Guideline 36 save
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
@@ -53,6 +55,7 @@ enum Command {
     Compare(compare::Arguments),
     Foresight(Box<foresight::Arguments>),
     Operation(operation::Arguments),
+    Supervisor(Box<supervisor::Arguments>),
 }
 
 /// Runs the command.
@@ -63,6 +66,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
         Some(Command::Compare(arguments)) => compare::compare(arguments),
         Some(Command::Foresight(arguments)) => foresight::foresight(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),
+        Some(Command::Supervisor(arguments)) => supervisor::supervisor(arguments),
         None => search::search(&arguments.search),
     }
 }

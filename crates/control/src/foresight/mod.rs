@@ -22,6 +22,8 @@ use serde::{Deserialize, Serialize};
 use crate::guideline36::{Guideline36, Guideline36Parameters};
 use crate::{Error, Result};
 pub(crate) use kind::Kind;
+pub(crate) use outcome::Days;
+pub use outcome::{Day, Outcome};
 pub use plan::{Plan, Planned, Total};
 pub use schedule::Schedule;
 use schedule::Varied;

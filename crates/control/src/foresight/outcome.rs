@@ -33,7 +33,7 @@ impl Outcome {
 
 /// Adds up the penalties of an episode day by day.
 #[derive(Debug)]
-pub(super) struct Days {
+pub(crate) struct Days {
     steps_per_day: usize,
     steps: usize,
     /// Comfort penalties in place of discomfort.
@@ -41,12 +41,12 @@ pub(super) struct Days {
 }
 
 impl Days {
-    pub(super) fn new(steps_per_hour: u32) -> Self {
+    pub(crate) fn new(steps_per_hour: u32) -> Self {
         Self { steps_per_day: 24 * steps_per_hour as usize, steps: 0, days: Vec::new() }
     }
 
     /// Returns the outcome. The episode's discomfort is divided among the days as its comfort penalty is.
-    pub(super) fn outcome(mut self, metrics: &Metrics) -> Outcome {
+    pub(crate) fn outcome(mut self, metrics: &Metrics) -> Outcome {
         let penalty: f64 = self.days.iter().map(|day| day.discomfort).sum();
         let discomfort = metrics.zone_discomfort().unwrap_or(0.0);
         let scale = if penalty > 0.0 { discomfort / penalty } else { 0.0 };

@@ -1,5 +1,7 @@
 //! The slope of each day's objective, estimated from mirrored pairs.
 
+use crate::least_squares::{dot, solve};
+
 /// Regularization of the slope that all days share: the square of a pair's error over the square of a usual slope.
 const SHARED: f64 = 0.01;
 /// The same for a day's difference from it.
@@ -39,41 +41,9 @@ fn ridge(pairs: &[&Pair], prior: &[f64], regularization: f64) -> Vec<f64> {
     prior.iter().zip(right).map(|(prior, own)| prior + own).collect()
 }
 
-/// Solves a positive definite system in place, by Cholesky's factorization.
-fn solve(matrix: &mut [f64], right: &mut [f64]) {
-    let width = right.len();
-    for column in 0..width {
-        for row in column..width {
-            let known = dot(&matrix[row * width..][..column], &matrix[column * width..][..column]);
-            let rest = matrix[row * width + column] - known;
-            matrix[row * width + column] =
-                if row == column { rest.sqrt() } else { rest / matrix[column * width + column] };
-        }
-    }
-    for row in 0..width {
-        let known = dot(&matrix[row * width..][..row], &right[..row]);
-        right[row] = (right[row] - known) / matrix[row * width + row];
-    }
-    for row in (0..width).rev() {
-        let known: f64 = (row + 1..width).map(|below| matrix[below * width + row] * right[below]).sum();
-        right[row] = (right[row] - known) / matrix[row * width + row];
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_positive_definite_system_is_solved() {
-        let mut right = [10.0, 11.0];
-        solve(&mut [4.0, 2.0, 2.0, 3.0], &mut right);
-        assert!((right[0] - 1.0).abs() < 1e-12 && (right[1] - 3.0).abs() < 1e-12, "{right:?}");
-    }
 
     #[test]
     fn days_share_a_slope_that_none_of_them_could_tell_alone() {

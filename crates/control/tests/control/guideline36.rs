@@ -7,6 +7,7 @@ use std::sync::Arc;
 use b2b_building::{BuildingType, Conditioning, PreparedBuilding};
 use b2b_climate::{Place, Site};
 use b2b_control::guideline36::{Mode, NextBand, Shift, SiteInput, ZoneInput};
+use b2b_control::linear_supervisor::{LinearSupervisor, Rule, Weights};
 use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_dataset::{Preparation, archetype};
 use b2b_energyplus::install::{Engine, Quiet};
@@ -245,13 +246,18 @@ fn without_its_sequences_a_medium_office_needs_more_energy_or_is_less_comfortabl
 /// A January day under supervision: the hash of its trajectory and the energy of heating, Wh/m².
 fn supervised(case: &Case, value: Option<impl Fn(Shift) -> f64>) -> (String, f64) {
     let mut env = case.env("operate", "01-10..01-10");
-    let spaces = Arc::clone(env.spaces());
-    let mut control = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    let mut control = Guideline36::new(env.spaces(), &Guideline36Parameters::default());
     if let Some(value) = value {
         let points = control.supervisory_points().iter();
         let values: Vec<f64> = points.map(|point| value(point.shift)).collect();
         control.supervise(&values);
     }
+    day(&mut env, &mut control)
+}
+
+/// The hash of a day's trajectory and the energy of heating, Wh/m².
+fn day(env: &mut Env, control: &mut dyn Controller) -> (String, f64) {
+    let spaces = Arc::clone(env.spaces());
     let mut action = vec![0.0; spaces.action.len()];
     let mut observation = env.reset().unwrap().to_vec();
     let mut trajectory = Trajectory::for_episode(&spaces);
@@ -272,9 +278,17 @@ fn zeros_are_the_guideline_to_the_last_bit_and_shifted_setpoints_move_energy() {
         assert_eq!(supervised(&case, Some(|_| 0.0)).0, guideline, "{building_type}");
         let shifted = |by: f64| {
             let value = move |shift| if shift == Shift::HeatingSetpoint { by } else { 0.0 };
-            supervised(&case, Some(value)).1 / heating
+            supervised(&case, Some(value))
         };
-        let [colder, warmer] = [-0.5, 1.0].map(shifted);
+        let [colder, warmer] = [-0.5, 1.0].map(|by| shifted(by).1 / heating);
         assert!(colder < 0.99 && warmer > 1.02, "{building_type}: {colder} {warmer}");
+        // A rule with a constant share of the limit is the shift; without weights, it is the guideline.
+        let half = Weights { constant: 0.5, ..Weights::default() };
+        let rule = Rule([("heating setpoint shift".to_owned(), half)].into());
+        for (rule, expected) in [(rule, shifted(1.0).0), (Rule::default(), guideline)] {
+            let mut env = case.env("operate", "01-10..01-10");
+            let mut control = LinearSupervisor::new(env.spaces(), &[rule]).unwrap();
+            assert_eq!(day(&mut env, &mut control).0, expected, "{building_type}");
+        }
     }
 }

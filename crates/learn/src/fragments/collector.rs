@@ -284,12 +284,16 @@ impl FragmentCollector {
         let block = self.block(environment);
         // The environment whose noise this one shares.
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
-        let building = &spaces_of(&self.environments, environment)?.building.name;
-        let comfort_weight = self.comfort_weights.of(building);
+        let spaces = spaces_of(&self.environments, environment)?;
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
             return Ok(());
         }
+        if progress.comfort.is_none() {
+            let counting = self.comfort_weights.counting(&spaces.building.name, &spaces.episode)?;
+            progress.comfort = Some(counting);
+        }
+        let comfort_weight = self.comfort_weights.of(progress.comfort.as_deref().unwrap_or_default());
         let order = Order {
             interface: self.interface,
             plan: progress.building.as_ref().map(|building| building.plan.clone()),
@@ -375,6 +379,7 @@ impl FragmentCollector {
         if let Some(building) = &progress.building {
             self.widths.check(&spaces.building.name, building.widths(), true)?;
         }
+        progress.comfort = None;
         progress.phase = Phase::Ready;
         progress.episodes += 1;
         progress.actions.clear();

@@ -15,6 +15,8 @@ pub(super) struct Progress {
     pub(super) fragments: u64,
     /// Factor of the rewards of the episode in progress.
     pub(super) scale: f32,
+    /// The evaluations whose multipliers of discomfort count in the episode, once they are known.
+    pub(super) comfort: Option<Vec<usize>>,
     /// Attributes that the agent observes of its building.
     pub(super) attributes: Vec<f64>,
     /// Reward factors in the rollout, each with the step from which it applies.
@@ -54,6 +56,7 @@ impl Progress {
             done: 0,
             fragments: 0,
             scale,
+            comfort: None,
             attributes,
             scales: Vec::new(),
             ends: Vec::new(),

@@ -76,6 +76,8 @@ pub struct BuildingScores {
     pub building: String,
     /// The task.
     pub task: String,
+    /// The run period.
+    pub period: String,
     /// Its scores.
     #[serde(flatten)]
     pub measures: Measures,
@@ -87,11 +89,6 @@ impl<'a> Judge<'a> {
         Self { evaluation, episodes, travel_limits: OnceCell::new() }
     }
 
-    /// Returns the names of the buildings, in the order of the scores.
-    pub(super) fn buildings(&self) -> Vec<String> {
-        self.episodes.iter().map(|(episode, _)| episode.subject.name.to_string()).collect()
-    }
-
     /// Returns the scores of an agent. It acts without exploration.
     pub(super) fn judge(&self, agent: &Agent) -> Result<Scores> {
         let limits = self.travel_limits()?;
@@ -100,6 +97,7 @@ impl<'a> Judge<'a> {
         let scores = judged.map(|(((episode, baseline), limit), metrics)| BuildingScores {
             building: episode.subject.label(),
             task: episode.task.to_string(),
+            period: episode.period.to_string(),
             measures: Measures::of(metrics, episode, baseline, *limit),
         });
         Ok(Scores::of(scores.collect()))

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
 use b2b_base::aside::write_whole;
+use b2b_building::Period;
 use b2b_building::morphology::NodeType;
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
@@ -15,7 +16,7 @@ use b2b_workers::{Launcher, WorkerOptions};
 use super::calibration::calibrate;
 use super::checkpoint::Checkpoint;
 use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
-use super::environments::{Environments, days, learner};
+use super::environments::{Environments, Evaluated, days, learner};
 use super::judge::{BuildingScores, Judge, Measures, Rating, Scores};
 use super::lock;
 use super::monitor::Monitor;
@@ -68,27 +69,30 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     let baselines = Baselines::open()?;
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
-    let episodes = |period| {
-        let scored = |(name, task): &(_, _)| environments.scored(name, task, period, &evaluation, &baselines);
+    let episodes = |days: &dyn Fn(Period) -> Period| {
+        let scored = |Evaluated { name, task, period }: &Evaluated| {
+            environments.scored(name, task, days(*period), &evaluation, &baselines)
+        };
         evaluated.iter().map(scored).collect::<Result<Vec<_>>>()
     };
 
     monitor.stage("computing baselines");
     let whole = match config.evaluation.whole_period {
         false => None,
-        true => Some(Judge::new(&evaluation, episodes(config.training_set.run_period()?)?)),
+        true => Some(Judge::new(&evaluation, episodes(&|whole| whole)?)),
     };
     let judge = match config.evaluation.every {
         0 => None,
-        _ => Some(Judge::new(&uninterrupted, episodes(days::evaluated(config)?)?)),
+        _ => Some(Judge::new(&uninterrupted, episodes(&|whole| days::evaluated(config, whole))?)),
     };
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let scale = environments.scale(&evaluation, &baselines)?;
     let collector = environments.fragments(workers, scale)?;
     let mut run = Run::new(config, &out, collector, monitor)?;
-    if let Some(judge) = judge.as_ref().filter(|_| config.rewards.comfort_rate > 0.0) {
-        run.collector.comfort_weights = ComfortWeights::new(judge.buildings());
+    if judge.is_some() && config.rewards.comfort_rate > 0.0 {
+        let held = evaluated.iter().map(|each| (each.name.to_string(), each.period));
+        run.collector.comfort_weights = ComfortWeights::new(held.collect());
     }
     run.resume()?;
     run.learn(judge.as_ref(), interrupted)?;

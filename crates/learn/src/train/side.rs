@@ -88,7 +88,7 @@ impl TrainingSide {
             let expected: Vec<String> = self.tasks.iter().map(ToString::to_string).collect();
             return Err(self.beyond("task", task, &expected.join(", ")));
         }
-        if set.run_period()? != self.period {
+        if set.periods()? != [self.period.into()] {
             return Err(self.beyond("run period", &set.period, &self.period));
         }
         if set.steps_per_hour != self.steps_per_hour {

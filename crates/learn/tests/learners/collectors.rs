@@ -48,6 +48,9 @@ const SUPERVISORY: Interface = Interface {
 /// Graph networks of houses and offices.
 const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
 
+/// Graph networks that supervise houses and offices.
+const GRAPH_SUPERVISORY: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..SUPERVISORY };
+
 /// Returns environments of a house on a winter day; for graph networks, the second is a small office.
 fn environments(interface: Interface) -> VecEnv {
     let catalog = Catalog::open(&mut Quiet).unwrap();
@@ -149,9 +152,9 @@ fn fragments_and_lockstep_collect_the_same_bits() {
 
 #[test]
 fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_its_steps() {
-    let collect = |discount: f32| {
-        let mut collector = fragments(SUPERVISORY, 0.0).with_discount(discount);
-        let quiet = actor(collector.widths(), SUPERVISORY, 1);
+    let collect = |interface: Interface, discount: f32| {
+        let mut collector = fragments(interface, 0.0).with_discount(discount);
+        let quiet = actor(collector.widths(), interface, 1);
         let Distribution::Gaussian { log_std } = &quiet.distribution else { panic!("a Gaussian") };
         let distribution = Distribution::Gaussian { log_std: vec![-20.0; log_std.len()] };
         let idle = Actor { parameters: vec![0.0; quiet.parameters.len()], distribution, ..quiet };
@@ -159,7 +162,9 @@ fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_its_step
         collector.collect(&idle, 24, &mut rollout).unwrap();
         rollout
     };
-    let [all, first] = [1.0, 0.0].map(collect);
+    let [all, first] = [1.0, 0.0].map(|discount| collect(SUPERVISORY, discount));
+    let by_node = collect(GRAPH_SUPERVISORY, 1.0);
+    assert_eq!(by_node.rewards[..24], all.rewards[..24], "nothing shifted at any node is the guideline too");
     let ends: Vec<(usize, usize)> = all.ends.iter().map(|end| (end.environment, end.step)).collect();
     assert_eq!(ends, [(0, 23), (1, 23), (2, 23)], "a day is 24 decisions");
     let catalog = Catalog::open(&mut Quiet).unwrap();

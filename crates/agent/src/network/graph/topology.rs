@@ -39,8 +39,14 @@ pub struct ActionPlace {
 }
 
 impl Graph {
-    /// Creates the graph of a building from the number of features of each node and the node outputs that are actions.
-    pub fn new(plan: &NodePlan, widths: &[usize], actions: &[(usize, usize)]) -> Self {
+    /// Creates the graph of a building from the number of features of each node, the node outputs that are actions, and the
+    /// number of outputs of a node of each type.
+    pub fn new(
+        plan: &NodePlan,
+        widths: &[usize],
+        actions: &[(usize, usize)],
+        outputs: impl Fn(NodeType) -> usize,
+    ) -> Self {
         let nodes = &plan.nodes;
         let mut features = vec![0];
         for width in widths {
@@ -48,7 +54,7 @@ impl Graph {
         }
         let before = |node_type: NodeType| -> usize {
             let earlier = NodeType::ALL.iter().take_while(|each| **each != node_type);
-            earlier.map(|each| each.action().len()).sum()
+            earlier.map(|each| outputs(*each)).sum()
         };
         let place = |(node, output): &(usize, usize)| ActionPlace {
             node: *node,

@@ -21,7 +21,7 @@ fn every_preset_is_complete_and_valid() {
     }
     let said = TrainConfig::preset("papper").unwrap_err().to_string();
     assert!(
-        said.contains("expected `graph` or `paper` or `residual` or `supervisory`; did you mean `paper`?"),
+        said.contains("expected `graph` or `paper` or `residual` or `supervisory` or `supervisory-graph`; did you mean `paper`?"),
         "{said}"
     );
 }
@@ -136,9 +136,7 @@ fn buildings_of_excluded_climate_zones_are_not_drawn() {
         )
     };
     let (all, some) = (of(""), of("'5B', '8'"));
-    let drawn = |config: &TrainConfig| {
-        config.training_set.drawn(BuildingType::OfficeSmall).collect::<Vec<BuildingId>>()
-    };
+    let drawn = |config: &TrainConfig| config.training_set.drawn(BuildingType::OfficeSmall);
     let zone = |id: &BuildingId| b2b_dataset::row(*id).building.location().ashrae_zone().unwrap();
     assert_eq!(drawn(&all).len(), 900);
     assert!(drawn(&all).iter().any(|id| zone(id) == "5B"));
@@ -187,4 +185,21 @@ fn only_the_caller_permits_a_model_to_run_code() {
     let said = TrainConfig::default().with_file(&path, &[]).unwrap_err().to_string();
     assert!(said.contains("pass --allow-external"), "{said}");
     assert!(!TrainConfig::of_run(folder.path()).unwrap().training_set.allow_external);
+}
+
+#[test]
+fn the_preset_for_many_buildings_draws_some_of_the_training_split_and_holds_comfort_in_every_period() {
+    let preset = TrainConfig::preset("supervisory-graph").unwrap();
+    let config = changed(&preset, "building_type = ['OfficeMedium', 'Warehouse']");
+    config.check().unwrap();
+    let drawn = config.training_set.drawn(BuildingType::OfficeMedium);
+    assert_eq!(drawn.len(), 24);
+    assert!(drawn.iter().all(|id| b2b_dataset::row(*id).split == b2b_dataset::Split::Train));
+    let spread = drawn.windows(2).all(|pair| (30..60).contains(&(pair[1].number() - pair[0].number())));
+    assert!(spread, "{drawn:?}");
+    assert_eq!(config.training_set.periods().unwrap().len(), 5);
+    let said = changed(&config, "period = 'peak-heating,wintr'").check().unwrap_err().to_string();
+    assert!(said.contains("wintr"), "{said}");
+    let said = changed(&config, "window_days = 20").check().unwrap_err().to_string();
+    assert!(said.contains("14 days"), "{said}");
 }

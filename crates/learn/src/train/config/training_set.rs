@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingId, BuildingName, Control, Placement, Row, Split};
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,8 @@ pub struct TrainingSet {
     /// over the environments. Empty: `buildings`.
     #[serde(with = "one_or_many")]
     pub building_type: Vec<String>,
+    /// Number of buildings of each type to draw from, evenly spread over its training split. 0: all.
+    pub type_buildings: usize,
     /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
     pub excluded_climate_zones: Vec<String>,
     /// Number of episodes that an environment spends in a drawn building.
@@ -47,7 +49,8 @@ pub struct TrainingSet {
     pub problem: String,
     /// Task, such as `occupancy+energy0.5`, or several, one of which is drawn for every episode. See [`Tasks`].
     pub task: Tasks,
-    /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
+    /// Run period: `winter`, `summer`, `full_year`, `MM-DD..MM-DD` or two weeks that the weather of a building decides, such as
+    /// `peak-heating`; or several, separated by commas, one of which is drawn for every episode.
     pub period: String,
     /// Zone time steps per hour, each one step.
     pub steps_per_hour: u32,
@@ -71,6 +74,7 @@ impl Default for TrainingSet {
             keep_design_days: false,
             allow_external: false,
             building_type: Vec::new(),
+            type_buildings: 0,
             excluded_climate_zones: Vec::new(),
             building_episodes: 1,
             problem: String::new(),
@@ -84,12 +88,15 @@ impl Default for TrainingSet {
 }
 
 impl TrainingSet {
-    /// Returns the run period.
+    /// Returns the run periods, at least one.
     ///
     /// # Errors
     /// [`Error::Invalid`].
-    pub fn run_period(&self) -> Result<RunPeriod> {
-        self.period.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
+    pub fn periods(&self) -> Result<Vec<Period>> {
+        let parsed = |text: &str| {
+            text.trim().parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
+        };
+        self.period.split(',').map(parsed).collect()
     }
 
     /// Returns the names of the training buildings; empty if a type is given instead.
@@ -122,12 +129,17 @@ impl TrainingSet {
         self.building_type.iter().map(parsed).collect()
     }
 
-    /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones.
-    pub(crate) fn drawn(&self, building_type: BuildingType) -> impl Iterator<Item = BuildingId> {
+    /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones, or some of it.
+    pub(crate) fn drawn(&self, building_type: BuildingType) -> Vec<BuildingId> {
         let is_excluded =
             |row: &Row| self.excluded_climate_zones.iter().any(|zone| row.is_in_climate_zone(zone));
         let rows = b2b_dataset::rows(building_type).iter();
-        rows.filter(move |row| row.split == Split::Train && !is_excluded(row)).map(|row| row.id)
+        let trained = rows.filter(|row| row.split == Split::Train && !is_excluded(row));
+        let all: Vec<BuildingId> = trained.map(|row| row.id).collect();
+        match self.type_buildings {
+            0 => all,
+            count => spread(&all, count),
+        }
     }
 
     /// Returns the site of `buildings`.
@@ -150,7 +162,11 @@ impl TrainingSet {
                 [] => String::new(),
                 zones => format!(" outside of the climate zones {}", zones.join(", ")),
             };
-            return format!("{types} of the training split{excluded}");
+            let some = match self.type_buildings {
+                0 => String::new(),
+                count => format!("{count} each of "),
+            };
+            return format!("{some}{types} of the training split{excluded}");
         }
         let site = match self.weather.file_stem() {
             Some(weather) => format!(" in {}", weather.display()),
@@ -167,7 +183,7 @@ impl TrainingSet {
         self.named()?;
         self.building_types()?;
         self.check_site()?;
-        let days = self.run_period()?.days();
+        let days = self.periods()?.into_iter().map(Period::days).min().unwrap_or(0);
         require(self.window_days <= days, || {
             format!(
                 "`window_days` is {}; the run period has {days} days: expected at most {days}, or 0 for the whole run period",
@@ -212,11 +228,17 @@ impl TrainingSet {
                  or a number, such as 5"
             )));
         }
-        match types.iter().find(|each| self.drawn(**each).next().is_none()) {
+        match types.iter().find(|each| self.drawn(**each).is_empty()) {
             Some(empty) => {
                 Err(Error::Invalid(format!("`excluded_climate_zones` leave no {empty} to train on")))
             }
             None => Ok(()),
         }
     }
+}
+
+/// Returns some of a list, evenly spread; all if there are fewer.
+pub(in crate::train) fn spread<T: Clone>(all: &[T], count: usize) -> Vec<T> {
+    let count = count.min(all.len());
+    (0..count).map(|index| all[index * all.len() / count].clone()).collect()
 }

@@ -1,39 +1,70 @@
-//! The days of the run period used for training episodes and for evaluations during training.
+//! The days of the run periods used for training episodes and for evaluations during training.
 
-use b2b_building::RunPeriod;
+use b2b_building::{Period, RunPeriod};
+use b2b_env::EpisodeConfig;
 
 use crate::error::Result;
 use crate::train::config::TrainConfig;
 
-/// Returns the window of evaluations during training: days in the middle of the run period.
-pub(crate) fn evaluated(config: &TrainConfig) -> Result<RunPeriod> {
-    let (period, days) = (config.training_set.run_period()?, config.evaluation.days.max(1));
-    Ok(period.part(first_evaluated(config)?, days.min(period.days())))
+/// Returns the days of evaluations during training in a run period: a window in its middle, or all of two weeks that the weather
+/// decides.
+pub(crate) fn evaluated(config: &TrainConfig, period: Period) -> Period {
+    match period {
+        Period::Days(days) => window(config, days).into(),
+        Period::TwoWeeks(_) => period,
+    }
 }
 
-/// Returns the parts of the run period for training episodes: before and after the evaluation window, where there is
-/// room for an episode; all of it if the window is not held out or neither part has room.
-pub(crate) fn trained(config: &TrainConfig) -> Result<Vec<RunPeriod>> {
-    let period = config.training_set.run_period()?;
-    let (before, days) = (first_evaluated(config)?, config.evaluation.days);
-    let after = before + days;
-    let parts = [(0, before), (after, period.days().saturating_sub(after))];
+/// Returns the parts of a run period for training episodes: before and after the evaluation window, where there is room for an
+/// episode; all of it if the window is not held out or neither part has room.
+pub(crate) fn trained(config: &TrainConfig, period: Period) -> Vec<Period> {
+    let Period::Days(days) = period else { return vec![period] };
+    let before = first_evaluated(config, days);
+    let after = before + config.evaluation.days;
+    let parts = [(0, before), (after, days.days().saturating_sub(after))];
     let is_held_out =
         config.evaluation.held_out && config.evaluation.every > 0 && config.training_set.window_days > 0;
     let has_room = |(_, days): &(u32, u32)| is_held_out && *days >= config.training_set.window_days;
-    let parts: Vec<RunPeriod> =
-        parts.into_iter().filter(has_room).map(|(first, days)| period.part(first, days)).collect();
-    Ok(if parts.is_empty() { vec![period] } else { parts })
+    let parts: Vec<Period> =
+        parts.into_iter().filter(has_room).map(|(first, count)| days.part(first, count).into()).collect();
+    if parts.is_empty() { vec![period] } else { parts }
 }
 
 /// Returns whether training leaves out the days of evaluations.
 pub(crate) fn are_held_out(config: &TrainConfig) -> Result<bool> {
-    let evaluated = evaluated(config)?;
-    Ok(trained(config)?.into_iter().all(|part| !part.overlaps(evaluated)))
+    let held_out = |period: Period| {
+        let Period::Days(days) = period else { return false };
+        let evaluated = window(config, days);
+        let is_apart = |part: Period| matches!(part, Period::Days(part) if !part.overlaps(evaluated));
+        trained(config, period).into_iter().all(is_apart)
+    };
+    Ok(config.training_set.periods()?.into_iter().all(held_out))
 }
 
-fn first_evaluated(config: &TrainConfig) -> Result<u32> {
-    Ok(config.training_set.run_period()?.days().saturating_sub(config.evaluation.days) / 2)
+/// Returns the run period to which an episode belongs.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) for an unknown period; [`Error::Env`](crate::Error::Env) for an unreadable weather
+/// file.
+pub(crate) fn period_of(config: &TrainConfig, episode: &EpisodeConfig) -> Result<Period> {
+    let periods = config.training_set.periods()?;
+    for period in &periods[..periods.len() - 1] {
+        let days = period.in_weather(&episode.weather).map_err(b2b_env::Error::building)?;
+        if days.overlaps(episode.period) {
+            return Ok(*period);
+        }
+    }
+    Ok(periods[periods.len() - 1])
+}
+
+/// Returns the window of evaluations in the middle of days of the year.
+fn window(config: &TrainConfig, period: RunPeriod) -> RunPeriod {
+    let days = config.evaluation.days.max(1);
+    period.part(first_evaluated(config, period), days.min(period.days()))
+}
+
+fn first_evaluated(config: &TrainConfig, period: RunPeriod) -> u32 {
+    period.days().saturating_sub(config.evaluation.days) / 2
 }
 
 #[cfg(test)]
@@ -44,8 +75,9 @@ mod tests {
     fn days(period: &str, window_days: u32, evaluation: EvaluationConfig) -> (String, Vec<String>) {
         let training_set = TrainingSet { period: period.into(), window_days, ..TrainingSet::default() };
         let config = TrainConfig { training_set, evaluation, ..TrainConfig::default() };
-        let trained = trained(&config).unwrap().iter().map(ToString::to_string).collect();
-        (evaluated(&config).unwrap().to_string(), trained)
+        let period = period.parse().unwrap();
+        let trained = trained(&config, period).iter().map(ToString::to_string).collect();
+        (evaluated(&config, period).to_string(), trained)
     }
 
     #[test]
@@ -63,6 +95,9 @@ mod tests {
         assert!(!are_held_out(&config).unwrap());
         config.training_set.period = "11-15..02-15".into();
         assert!(are_held_out(&config).unwrap(), "also in a period that passes New Year");
+        config.training_set.period = "winter,peak-heating".into();
+        assert!(!are_held_out(&config).unwrap(), "two weeks are trained on and evaluated");
+        assert_eq!(of("peak-heating", 14), ("peak-heating".into(), vec!["peak-heating".into()]));
         // Neither side has fourteen days.
         assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
         assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");

@@ -6,4 +6,4 @@ mod sampling;
 mod scale;
 mod staggered;
 
-pub(super) use sampling::{Environments, learner};
+pub(super) use sampling::{Environments, Evaluated, learner};

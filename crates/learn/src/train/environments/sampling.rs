@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Spaces, Task};
@@ -20,8 +20,17 @@ use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
 use crate::learner::{Learner, LearnerSetting};
 use crate::limits::require;
 use crate::lockstep::LockstepCollector;
-use crate::train::config::TrainConfig;
+use crate::train::config::{TrainConfig, TrainingSet, spread};
 use crate::widths::Widths;
+
+/// A building with a task in a run period.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Evaluated {
+    pub(crate) name: BuildingName,
+    pub(crate) task: Task,
+    /// The whole run period.
+    pub(crate) period: Period,
+}
 
 /// Makes the environments of a configuration.
 pub(crate) struct Environments<'a> {
@@ -68,7 +77,7 @@ impl<'a> Environments<'a> {
         }
         let mut all = Vec::new();
         for building_type in self.config.training_set.building_types()? {
-            let buildings = self.population(building_type, self.config.training_set.run_period()?)?;
+            let buildings = self.population(building_type, self.config.training_set.periods()?[0]);
             for (name, building) in buildings.population.representatives()? {
                 let setting = buildings.setting(name.clone(), &building)?;
                 let placement = self.config.training_set.placement()?;
@@ -82,15 +91,15 @@ impl<'a> Environments<'a> {
         Ok(all)
     }
 
-    fn population(&self, building_type: BuildingType, period: RunPeriod) -> Result<Buildings> {
-        Ok(Buildings {
+    fn population(&self, building_type: BuildingType, period: Period) -> Buildings {
+        Buildings {
             catalog: Arc::clone(&self.catalog),
-            population: Population::Ids(self.config.training_set.drawn(building_type).collect()),
+            population: Population::Ids(self.config.training_set.drawn(building_type)),
             control: self.config.training_set.control,
-            period: period.into(),
+            period,
             steps_per_hour: self.config.training_set.steps_per_hour,
             task: self.config.training_set.task.as_slice()[0].clone(),
-        })
+        }
     }
 
     /// Returns a collector in lockstep in the batch, with the first episodes begun.
@@ -124,15 +133,18 @@ impl<'a> Environments<'a> {
         })
     }
 
-    /// Returns the sampler for a number of environments: windows of some days in each part of the run period that is
-    /// used for training.
+    /// Returns the sampler for a number of environments: windows of some days in each part of a run period that is
+    /// used for training, with equal shares of the run periods.
     fn sampler_for(&self, environments: usize) -> Result<Box<dyn Sampler>> {
-        let (parts, settings) = (days::trained(self.config)?, self.settings()?);
-        let all: u32 = parts.iter().map(|part| part.days()).sum();
+        let settings = self.settings()?;
         let mut samplers = Vec::new();
-        for part in parts {
-            let starts = (self.config.training_set.window_starts * part.days()).div_ceil(all);
-            samplers.push((f64::from(starts), self.part(part, starts, &settings, environments)?));
+        for period in self.config.training_set.periods()? {
+            let parts = days::trained(self.config, period);
+            let all: u32 = parts.iter().map(|part| part.days()).sum();
+            for part in parts {
+                let starts = (self.config.training_set.window_starts * part.days()).div_ceil(all);
+                samplers.push((f64::from(starts), self.part(part, starts, &settings, environments)?));
+            }
         }
         let all: Box<dyn Sampler> = match samplers.len() {
             1 => samplers.remove(0).1,
@@ -149,7 +161,7 @@ impl<'a> Environments<'a> {
     /// Returns the sampler of windows that begin on a number of days of a part of the run period.
     fn part(
         &self,
-        part: RunPeriod,
+        part: Period,
         starts: u32,
         settings: &[Setting],
         environments: usize,
@@ -166,43 +178,46 @@ impl<'a> Environments<'a> {
         Ok(Box::new(Windows { of: buildings, days: (days, days), starts }))
     }
 
-    /// Returns the sampler of the buildings over all days of a part of the run period.
+    /// Returns the sampler of the buildings over all days of a part of a run period.
     fn buildings(
         &self,
-        period: RunPeriod,
+        period: Period,
         settings: &[Setting],
         environments: usize,
     ) -> Result<Box<dyn Sampler>> {
         let types = self.config.training_set.building_types()?;
         if !types.is_empty() {
             let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
-                Ok(Box::new(self.population(*building_type, period)?))
+                Ok(Box::new(self.population(*building_type, period)))
             };
             let all = RoundRobin(types.iter().map(of_type).collect::<Result<_>>()?);
             return Ok(Box::new(Kept::new(all, self.config.training_set.building_episodes)));
         }
         let mut settings = settings.to_vec();
-        settings.iter_mut().for_each(|setting| setting.episode.period = period);
+        for Setting { episode, .. } in &mut settings {
+            episode.period = period.in_weather(&episode.weather).map_err(b2b_env::Error::building)?;
+        }
         Ok(Box::new(Rotating::new(settings, environments)))
     }
 
-    /// Returns the settings of the buildings that are named, over the whole run period.
+    /// Returns the settings of the buildings that are named, over the whole first run period.
     fn settings(&self) -> Result<Vec<Setting>> {
-        let (period, steps_per_hour) =
-            (self.config.training_set.run_period()?, self.config.training_set.steps_per_hour);
+        let (periods, steps_per_hour) =
+            (self.config.training_set.periods()?, self.config.training_set.steps_per_hour);
         let (task, placement) =
             (&self.config.training_set.task.as_slice()[0], self.config.training_set.placement()?);
         let setting = |name: &BuildingName| {
             let found = self.catalog.find(name, &placement, &mut Quiet)?;
             let weather = found.weather.clone();
+            let period = periods[0].in_weather(&weather).map_err(b2b_env::Error::building)?;
             let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
             Ok(Setting::new(Source::from(found), episode))
         };
         self.config.training_set.named()?.iter().map(setting).collect()
     }
 
-    /// Returns the evaluations during training: evenly spread training buildings, each with every task.
-    pub(crate) fn evaluated(&self) -> Result<Vec<(BuildingName, Task)>> {
+    /// Returns the evaluations during training: evenly spread training buildings, each with every task in every run period.
+    pub(crate) fn evaluated(&self) -> Result<Vec<Evaluated>> {
         let all: Vec<BuildingName> = match &self.config.training_set.building_types()?[..] {
             [] => self.config.training_set.named()?,
             types => types
@@ -211,15 +226,20 @@ impl<'a> Environments<'a> {
                 .map(BuildingName::Id)
                 .collect(),
         };
-        let count = self.config.evaluation.buildings.clamp(1, all.len());
-        let spread = (0..count).map(|index| all[index * all.len() / count].clone()).collect();
-        Ok(self.with_every_task(spread))
+        self.in_every_way(spread(&all, self.config.evaluation.buildings.max(1)))
     }
 
-    pub(super) fn with_every_task(&self, names: Vec<BuildingName>) -> Vec<(BuildingName, Task)> {
-        let tasks = self.config.training_set.task.as_slice();
-        let with = |name: BuildingName| tasks.iter().map(move |task| (name.clone(), task.clone()));
-        names.into_iter().flat_map(with).collect()
+    /// Returns buildings with every task in every run period.
+    pub(super) fn in_every_way(&self, names: Vec<BuildingName>) -> Result<Vec<Evaluated>> {
+        let TrainingSet { task, .. } = &self.config.training_set;
+        let mut all = Vec::new();
+        for period in self.config.training_set.periods()? {
+            for name in &names {
+                let with = |task: &Task| Evaluated { name: name.clone(), task: task.clone(), period };
+                all.extend(task.as_slice().iter().map(with));
+            }
+        }
+        Ok(all)
     }
 }
 
@@ -275,7 +295,8 @@ mod tests {
         for buildings in ["buildings = ['OfficeSmall-0042']", "building_type = 'OfficeSmall'"] {
             let config = of(buildings);
             let day = |date: b2b_building::Date| date.day_of_year();
-            let held_out = days::evaluated(&config).unwrap();
+            let [winter] = config.training_set.periods().unwrap()[..] else { panic!("one period") };
+            let Period::Days(held_out) = days::evaluated(&config, winter) else { panic!("days") };
             let mut sampler = Environments::new(&config, Arc::clone(&catalog)).sampler().unwrap();
             let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
             let mut first_days: Vec<u32> = Vec::new();

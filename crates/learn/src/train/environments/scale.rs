@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use b2b_building::RunPeriod;
+use b2b_building::Period;
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Spaces, Task};
@@ -11,7 +11,7 @@ use b2b_evaluate::{Baseline, Baselines, Episode, Evaluation, Subject};
 use b2b_workers::Launcher;
 
 use super::days;
-use super::sampling::Environments;
+use super::sampling::{Environments, Evaluated};
 use crate::error::Result;
 use crate::fragments::RewardScale;
 use crate::train::config::TrainConfig;
@@ -20,8 +20,8 @@ use crate::train::config::TrainConfig;
 const SMALLEST_PENALTY: f64 = 4e-4;
 
 impl Environments<'_> {
-    /// Returns the factors of rewards: 1 over the reactive controllers' mean penalty per step in the building under the
-    /// task. A building drawn from many gets the median factor of the evaluated buildings, because its own baseline
+    /// Returns the factors of rewards: 1 over the baseline's mean penalty per step in the building under the task in the
+    /// run period. A building drawn from many gets the median factor of the evaluated buildings, because its own baseline
     /// would have to be run first. Graph networks, whose buildings differ more, use the building's own factor: see
     /// [`DrawnScale`].
     pub(crate) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
@@ -40,17 +40,18 @@ impl Environments<'_> {
             return Ok(Box::new(move |spaces: &Spaces| scale.of(spaces)));
         }
         let known = match self.config.training_set.building_type.is_empty() {
-            true => self.with_every_task(self.config.training_set.named()?),
+            true => self.in_every_way(self.config.training_set.named()?)?,
             false => self.evaluated()?,
         };
-        let period = self.config.training_set.run_period()?;
-        let mut scales: HashMap<String, HashMap<String, f64>> = HashMap::new();
-        for (name, task) in known {
+        let mut scales: HashMap<(String, Period), HashMap<String, f64>> = HashMap::new();
+        for Evaluated { name, task, period } in known {
             let scale = self.scale_of(&name, &task, period, evaluation, baselines)?;
-            scales.entry(task.hash()).or_default().insert(name.to_string(), scale);
+            scales.entry((task.hash(), period)).or_default().insert(name.to_string(), scale);
         }
+        let config = self.config.clone();
         Ok(Box::new(move |spaces: &Spaces| {
-            let of_task = &scales[&spaces.episode.task.hash()];
+            let period = days::period_of(&config, &spaces.episode)?;
+            let of_task = &scales[&(spaces.episode.task.hash(), period)];
             Ok(of_task.get(&spaces.building.name).copied().unwrap_or_else(|| median(of_task)))
         }))
     }
@@ -59,7 +60,7 @@ impl Environments<'_> {
         &self,
         name: &BuildingName,
         task: &Task,
-        period: RunPeriod,
+        period: Period,
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<f64> {
@@ -73,22 +74,21 @@ impl Environments<'_> {
         &self,
         name: &BuildingName,
         task: &Task,
-        period: RunPeriod,
+        period: Period,
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<(Episode, Baseline)> {
         let subject = Subject { name: name.clone(), placement: self.config.training_set.placement()? };
         let site = subject.locate(&self.catalog, &mut Quiet)?;
         let (task, steps_per_hour) = (task.clone(), self.config.training_set.steps_per_hour);
-        let period = period.into();
         let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
         let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
         Ok((episode, baseline))
     }
 }
 
-/// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the reactive controllers in the building, over
-/// the days of an evaluation. The baseline runs when a building is first drawn, and is then cached.
+/// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the baseline in the building, over
+/// the days of an evaluation in the episode's run period. The baseline runs when a building is first drawn, and is then cached.
 struct DrawnScale {
     config: TrainConfig,
     catalog: Arc<Catalog>,
@@ -104,7 +104,8 @@ impl DrawnScale {
         let (launcher, interrupted) = (launcher.clone(), *interrupted);
         let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
         let (name, task) = (spaces.building.name.parse()?, &spaces.episode.task);
-        environments.scale_of(&name, task, days::evaluated(config)?, &evaluation, baselines)
+        let period = days::evaluated(config, days::period_of(config, &spaces.episode)?);
+        environments.scale_of(&name, task, period, &evaluation, baselines)
     }
 }
 

@@ -104,7 +104,10 @@ fn note(config: &TrainConfig) -> Result<String> {
         0 => "not evaluated during training".to_owned(),
         _ => {
             let also = if days::are_held_out(config)? { "" } else { ", which training uses as well" };
-            format!("evaluated on {}{also}", days::evaluated(config)?)
+            let evaluated =
+                config.training_set.periods()?.into_iter().map(|each| days::evaluated(config, each));
+            let evaluated: Vec<String> = evaluated.map(|days| days.to_string()).collect();
+            format!("evaluated on {}{also}", evaluated.join(", "))
         }
     };
     Ok(format!("{}, seed {}; {evaluated}", config.training_set.period, config.budget.seed))

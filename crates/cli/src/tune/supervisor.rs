@@ -1,0 +1,205 @@
+//! `b2b tune supervisor`: the rules of the controller `linear-supervisor`.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use b2b_building::{BuildingType, Period};
+use b2b_climate::TwoWeeks;
+use b2b_control::linear_supervisor::{Rule, SearchOptions, Site, Tuned, run, tune};
+use b2b_dataset::{BuildingId, BuildingName, Catalog, Placement, Split};
+use b2b_env::{EpisodeConfig, Task};
+use b2b_workers::{Setting, Source, Workers};
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::arguments::jobs::Jobs;
+use crate::arguments::task;
+use crate::output_folder::{self, OutputFolder};
+use crate::progress::{Download, counter};
+use crate::table::Table;
+use crate::workers::worker_options;
+use crate::{interrupt, program, stdout};
+
+/// Search the rules of the controller linear-supervisor
+///
+/// Runs two weeks in many buildings of the training split under Guideline 36 with shifts that are linear in the weather and in
+/// what zones need, and finds the weights with the lowest cost at the guideline's discomfort. Finished rounds are kept: the same
+/// command resumes an interrupted search. linear_supervisor.json has the rule of every type, TYPE.json one rule, which `b2b run
+/// --controller linear-supervisor --parameters TYPE.json` carries out.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Building types, each with a rule of its own
+    #[arg(long = "type", value_name = "TYPE", num_args = 1.., required = true)]
+    types: Vec<BuildingType>,
+    /// Number of training buildings of a type, evenly spread over the training split
+    #[arg(long, default_value_t = 24, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    buildings: u32,
+    /// Run periods [default: the five two-week periods]
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
+    periods: Vec<Period>,
+    /// Task of operation [default: operate]
+    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
+    task: Option<Task>,
+    /// Rounds of a search
+    #[arg(long, default_value_t = SearchOptions::default().rounds, value_name = "N")]
+    rounds: usize,
+    /// Episodes of a round, each in another building or period
+    #[arg(long, default_value_t = SearchOptions::default().episodes, value_name = "N")]
+    episodes: usize,
+    /// Mirrored pairs of an episode
+    #[arg(long, default_value_t = SearchOptions::default().pairs, value_name = "N")]
+    pairs: usize,
+    /// Random seed of the search
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Folder for the rounds, a file for each rule, and linear_supervisor.json with all of them
+    #[arg(long, default_value = "b2b-supervisor", value_name = "FOLDER")]
+    out: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Name of the file with all rules.
+const ALL: &str = "linear_supervisor.json";
+/// Zone time steps per hour.
+const STEPS_PER_HOUR: u32 = 12;
+
+/// Runs the command.
+pub fn supervisor(arguments: &Arguments) -> Result<()> {
+    let _lock = output_folder::lock(&arguments.out)?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
+    let mut all: BTreeMap<String, Tuned> = BTreeMap::new();
+    for building_type in &arguments.types {
+        let tuned = arguments.search(&catalog, *building_type)?;
+        if let Some(last) = tuned.rounds.last() {
+            write(&arguments.out.join(format!("{building_type}.json")), &last.rule)?;
+        }
+        all.insert(building_type.to_string(), tuned);
+    }
+    let rules: BTreeMap<&String, Option<&Rule>> =
+        all.iter().map(|(name, tuned)| (name, tuned.rounds.last().map(|round| &round.rule))).collect();
+    write(&arguments.out.join(ALL), &rules)?;
+    stdout::print_result(arguments.json, &all, || arguments.text(&all))
+}
+
+impl Arguments {
+    /// Searches the rule of a type.
+    fn search(&self, catalog: &Catalog, building_type: BuildingType) -> Result<Tuned> {
+        let (ids, periods, task) = (self.ids(building_type), self.periods(), self.task());
+        let options = SearchOptions {
+            rounds: self.rounds,
+            episodes: self.episodes,
+            pairs: self.pairs,
+            seed: self.seed,
+        };
+        let days = periods.iter().map(|period| period.days()).max().unwrap_or(0) as usize;
+        let head = json!({
+            "buildings": ids.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "periods": periods,
+            "task_sha256": task.hash(),
+            "guideline36": b2b_control::guideline36::REVISION,
+        });
+        let path = self.out.join(format!("{building_type}.jsonl"));
+        let bar = counter(options.rounds * options.episodes, "episodes", self.json);
+        let pool = self.jobs.thread_pool()?;
+        let mut tries = |round: usize, all: &[Vec<Vec<Rule>>]| {
+            let first = round * all.len();
+            let site = |(number, tried): (usize, &Vec<Vec<Rule>>)| {
+                let number = first + number;
+                let id = ids[number % ids.len()];
+                let period = periods[(number + number / ids.len()) % periods.len()];
+                let site = self.site(catalog, id, period, &task, tried);
+                bar.inc(1);
+                site
+            };
+            pool.install(|| {
+                all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<Site>>>()
+            })
+            .map_err(|error| b2b_control::Error::Values { why: format!("{error:#}") })
+        };
+        let tuned = tune(options, days, Some((&path, &head)), &mut tries);
+        bar.finish_and_clear();
+        interrupt::check()?;
+        tuned.with_context(|| format!("cannot find a rule for {building_type}"))
+    }
+
+    /// Runs a building in a period.
+    fn site(
+        &self,
+        catalog: &Catalog,
+        id: BuildingId,
+        period: Period,
+        task: &Task,
+        tried: &[Vec<Rule>],
+    ) -> Result<Site> {
+        interrupt::check()?;
+        let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Download::new(true))?;
+        let weather = found.weather.clone();
+        let period = period.in_weather(&weather)?;
+        let config = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: task.clone() };
+        let workers = Workers::new(worker_options(catalog.library().path()))?;
+        let mut episode = workers.episode(&Setting::new(Source::from(found), config))?;
+        run(&mut episode, tried).with_context(|| format!("{id}, {period}"))
+    }
+
+    /// Returns the training buildings of a type.
+    fn ids(&self, building_type: BuildingType) -> Vec<BuildingId> {
+        let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train);
+        let all: Vec<BuildingId> = rows.map(|row| row.id).collect();
+        let count = all.len().min(self.buildings as usize);
+        (0..count).map(|index| all[index * all.len() / count]).collect()
+    }
+
+    fn periods(&self) -> Vec<Period> {
+        match self.periods.is_empty() {
+            true => TwoWeeks::ALL.map(Period::TwoWeeks).to_vec(),
+            false => self.periods.clone(),
+        }
+    }
+
+    fn task(&self) -> Task {
+        self.task.clone().unwrap_or_else(task::usual)
+    }
+
+    fn text(&self, all: &BTreeMap<String, Tuned>) -> String {
+        let mut rounds = Table::new(["type", "round", "cost (%)", "discomfort (K·h per zone and day)"]);
+        let mut weights = Table::new(["type", "shift", "constant", "cold", "heating", "cooling"]);
+        for (name, tuned) in all {
+            for (number, round) in tuned.rounds.iter().enumerate() {
+                let cost = format!("{:+.2}", 100.0 * round.cost);
+                rounds.row([
+                    name.clone(),
+                    (number + 1).to_string(),
+                    cost,
+                    format!("{:+.3}", round.discomfort),
+                ]);
+            }
+            for (shift, own) in tuned.rounds.last().iter().flat_map(|round| &round.rule.0) {
+                let [constant, cold, heating, cooling] =
+                    [own.constant, own.cold, own.heating, own.cooling].map(|own| format!("{own:.3}"));
+                weights.row([name.clone(), shift.clone(), constant, cold, heating, cooling]);
+            }
+        }
+        let file = self.out.join(ALL);
+        format!(
+            "change from guideline36 as the response surfaces have it:\n\n{}\n\n{}\n\n  {}",
+            rounds.text(),
+            weights.text(),
+            file.display()
+        )
+    }
+}
+
+fn write(path: &Path, value: &impl serde::Serialize) -> Result<()> {
+    OutputFolder::write_file(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, value)?;
+        writeln!(file)?;
+        Ok(())
+    })
+}
