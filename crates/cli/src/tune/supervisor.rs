@@ -17,9 +17,9 @@ use serde_json::json;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::task;
 use crate::output_folder::{self, OutputFolder};
-use crate::progress::{Download, counter};
-use crate::table::Table;
-use crate::workers::worker_options;
+use crate::program::worker_options;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::table::Table;
 use crate::{interrupt, program, stdout};
 
 /// Search the rules of the controller linear-supervisor
