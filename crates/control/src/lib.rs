@@ -10,7 +10,6 @@ pub mod foresight;
 pub mod guideline36;
 mod hold;
 mod kind;
-mod least_squares;
 pub mod linear_supervisor;
 mod objective;
 mod off;
@@ -20,9 +19,8 @@ mod parameter_set;
 mod planner;
 mod random;
 mod reactive;
-#[cfg(target_os = "linux")]
-mod record_file;
 mod replay;
+mod search;
 #[cfg(target_os = "linux")]
 pub mod tune;
 mod tuned;

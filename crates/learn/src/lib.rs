@@ -20,7 +20,6 @@ pub mod offline;
 mod policy;
 pub mod random;
 pub mod rollout;
-mod sealed_state;
 pub mod state;
 pub mod train;
 mod travel;

@@ -1,6 +1,6 @@
 //! The slope of each day's objective, estimated from mirrored pairs.
 
-use crate::least_squares::{dot, solve};
+use crate::search::least_squares::{dot, solve};
 
 /// Regularization of the slope that all days share: the square of a pair's error over the square of a usual slope.
 const SHARED: f64 = 0.01;

@@ -10,7 +10,7 @@ use super::schedule::Schedule;
 use crate::Result;
 use crate::kind::KindDescription;
 use crate::parameter_set::to_json;
-use crate::record_file::RecordFile;
+use crate::search::record_file::RecordFile;
 
 /// Runs the episodes of a search, one after another, in an episode that is reset for each.
 pub(super) struct Trials<'a> {

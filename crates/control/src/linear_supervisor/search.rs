@@ -21,7 +21,7 @@ use crate::foresight::{Days, Outcome};
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::kind::KindDescription;
 use crate::parameter_set::to_json;
-use crate::record_file::RecordFile;
+use crate::search::record_file::RecordFile;
 
 /// Deviation of the first draws, as a share of the limits.
 const FIRST_SPREAD: f64 = 0.3;

@@ -36,7 +36,7 @@ impl Surface {
             let diagonal = &mut matrix[index * count + index];
             *diagonal = *diagonal * (1.0 + RIDGE) + f64::MIN_POSITIVE.sqrt();
         }
-        crate::least_squares::solve(&mut matrix, &mut right);
+        crate::search::least_squares::solve(&mut matrix, &mut right);
         Self { terms, coefficients: right }
     }
 

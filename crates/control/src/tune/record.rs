@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::outcome::{Outcome, relative_losses, resolved_losses, worst_loss, worst_travel};
 use super::plan::Plan;
 use crate::Result;
-use crate::record_file::RecordFile;
+use crate::search::record_file::RecordFile;
 
 /// A set of parameters and its outcomes on the buildings of the search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

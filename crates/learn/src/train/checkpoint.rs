@@ -5,8 +5,8 @@ use std::path::Path;
 use b2b_base::aside::write_whole;
 
 use super::judge::Rating;
+use super::sealed_state::{seal, unseal};
 use crate::error::{Error, Result, at};
-use crate::sealed_state::{seal, unseal};
 use crate::state::State;
 
 /// Name of the file.

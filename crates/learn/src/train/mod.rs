@@ -16,6 +16,7 @@ mod monitor;
 mod problem;
 mod progress;
 mod run;
+mod sealed_state;
 mod side;
 mod summary;
 
