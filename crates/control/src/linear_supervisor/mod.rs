@@ -24,7 +24,7 @@ pub(crate) use kind::Kind;
 #[cfg(target_os = "linux")]
 pub use search::{Round, SearchOptions, Site, Tries, Tuned, run, tune};
 
-/// Outdoor temperature at which it is not cold, °C, and the difference that counts as 1.
+/// Outdoor temperature from which on it is not cold, °C, and the difference that counts as 1.
 const COLD: [f64; 2] = [10.0, 20.0];
 
 /// The weights of a kind of shift, as shares of its limits.
@@ -33,7 +33,7 @@ const COLD: [f64; 2] = [10.0, 20.0];
 pub struct Weights {
     /// Share whatever the inputs are.
     pub constant: f64,
-    /// Weight of (10 °C - outdoor temperature)/20 K, within ±1.
+    /// Weight of (10 °C - outdoor temperature)/20 K, from 0 to 1.
     pub cold: f64,
     /// Weight of the mean output of the heating loops, 0 to 1.
     pub heating: f64,
@@ -140,7 +140,7 @@ impl LinearSupervisor {
     /// Sets the points for the next hour.
     fn decide(&mut self, observation: &[f64]) {
         let day = (self.step / (24 * self.steps_per_hour)).min(self.days.len() - 1);
-        let cold = ((COLD[0] - observation[self.outdoor]) / COLD[1]).clamp(-1.0, 1.0);
+        let cold = ((COLD[0] - observation[self.outdoor]) / COLD[1]).clamp(0.0, 1.0);
         let points = self.guideline.supervisory_points().iter().zip(&self.days[day]).zip(&self.loops);
         for (value, ((point, weights), loops)) in self.values.iter_mut().zip(points) {
             let mean = |loops: &[usize]| {
