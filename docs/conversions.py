@@ -3,8 +3,8 @@
 Usage: python docs/conversions.py CHECKOUTS [B2B]
 
 CHECKOUTS is a folder with the repositories of conversions.csv as OWNER/NAME, and the folder of the engine's own models as
-`engine` (`b2b doctor` prints where it is). Every model keeps its own controls, with
-weather of Chicago. Differences are from the newest version of the example. Reports are kept in CHECKOUTS/conversions.
+`engine` (`data/model` beside the library that `b2b doctor` prints). Every model keeps its own controls, with weather of
+Chicago. Differences are from the newest version of the example. Reports are kept in CHECKOUTS/conversions.
 """
 
 import csv
