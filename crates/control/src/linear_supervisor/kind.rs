@@ -31,7 +31,7 @@ impl kind::Kind for Kind {
     }
 
     fn help(&self) -> &'static str {
-        "guideline36 under shifts linear in the weather and in what zones need, found in training buildings"
+        "guideline36 under shifts that are linear in the weather and in what zones need, one rule for all buildings of a type"
     }
 
     fn controls_whole_building(&self) -> bool {

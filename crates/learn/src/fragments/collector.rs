@@ -258,8 +258,7 @@ impl FragmentCollector {
         Block::new(place + environment * Block::numbers(steps, self.widths), steps, self.widths)
     }
 
-    /// Runs fragments until every environment has made its steps. An environment whose episode is lost in a replay has none left: the next
-    /// episode has nothing to replay.
+    /// Runs fragments until every environment has made its steps, of which an episode lost in a replay has none left.
     fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &mut [usize]) -> Result<()> {
         for (environment, steps) in steps.iter().enumerate() {
             self.send(environment, actor, purpose, *steps)?;
@@ -282,18 +281,14 @@ impl FragmentCollector {
     /// Requests the remaining steps of an environment, if it is ready.
     fn send(&mut self, environment: usize, actor: &Actor, purpose: Purpose, steps: usize) -> Result<()> {
         let block = self.block(environment);
-        // The environment whose noise this one shares.
+        // Whose noise this one shares.
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
         let spaces = spaces_of(&self.environments, environment)?;
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
             return Ok(());
         }
-        if progress.comfort.is_none() {
-            let counting = self.comfort_weights.counting(&spaces.building.name, &spaces.episode)?;
-            progress.comfort = Some(counting);
-        }
-        let comfort_weight = self.comfort_weights.of(progress.comfort.as_deref().unwrap_or_default());
+        let comfort_weight = progress.comfort_weight(&self.comfort_weights, spaces)?;
         let order = Order {
             interface: self.interface,
             plan: progress.building.as_ref().map(|building| building.plan.clone()),

@@ -2,7 +2,11 @@
 
 use std::sync::Arc;
 
+use b2b_env::Spaces;
+
 use super::building::GraphBuilding;
+use crate::comfort_weights::ComfortWeights;
+use crate::error::Result;
 use crate::rollout::{End, Scene};
 
 /// Progress of one environment in a collection.
@@ -66,6 +70,14 @@ impl Progress {
             lost_in_a_row: 0,
             times: [0.0; 2],
         }
+    }
+
+    /// Returns the multiplier of discomfort in the episode in progress.
+    pub(super) fn comfort_weight(&mut self, weights: &ComfortWeights, spaces: &Spaces) -> Result<f32> {
+        if self.comfort.is_none() {
+            self.comfort = Some(weights.counting(&spaces.building.name, &spaces.episode)?);
+        }
+        Ok(weights.of(self.comfort.as_deref().unwrap_or_default()))
     }
 
     pub(super) fn begin_rollout(&mut self, environment: usize) {

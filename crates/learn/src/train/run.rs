@@ -70,21 +70,18 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
     let episodes = |days: &dyn Fn(Period) -> Period| {
-        let scored = |Evaluated { name, task, period }: &Evaluated| {
-            environments.scored(name, task, days(*period), &evaluation, &baselines)
+        let scored = |each: &Evaluated| {
+            environments.scored(&each.name, &each.task, days(each.period), &evaluation, &baselines)
         };
         evaluated.iter().map(scored).collect::<Result<Vec<_>>>()
     };
 
     monitor.stage("computing baselines");
-    let whole = match config.evaluation.whole_period {
-        false => None,
-        true => Some(Judge::new(&evaluation, episodes(&|whole| whole)?)),
-    };
-    let judge = match config.evaluation.every {
-        0 => None,
-        _ => Some(Judge::new(&uninterrupted, episodes(&|whole| days::evaluated(config, whole))?)),
-    };
+    let whole = config.evaluation.whole_period.then(|| episodes(&|whole| whole)).transpose()?;
+    let whole = whole.map(|episodes| Judge::new(&evaluation, episodes));
+    let windows = || episodes(&|whole| days::evaluated(config, whole));
+    let judge = (config.evaluation.every > 0).then(windows).transpose()?;
+    let judge = judge.map(|episodes| Judge::new(&uninterrupted, episodes));
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let scale = environments.scale(&evaluation, &baselines)?;
