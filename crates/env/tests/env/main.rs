@@ -16,5 +16,4 @@ mod role_observation;
 mod room_unit;
 mod setpoints;
 mod tasks;
-mod terminals;
 mod ventilation;

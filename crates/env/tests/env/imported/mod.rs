@@ -1,6 +1,7 @@
 //! A user's building as an environment.
 
 mod calendar;
+mod terminals;
 mod weather;
 
 use crate::case::{Case, energy_is_the_engines, random_episode};
