@@ -20,11 +20,13 @@ mod modes;
 mod parameters;
 mod points;
 mod record;
+mod setpoints;
 mod single_zone;
 mod supervision;
 #[cfg(test)]
 mod tests;
 mod thermostat;
+mod trim_respond;
 mod zone;
 
 use std::ops::Range;
@@ -32,12 +34,12 @@ use std::ops::Range;
 use b2b_building::hvac::{Actuator, Sequence, System, SystemLayout};
 use b2b_env::{Controller, Decisions, Spaces};
 
-pub use air_loop::TrimRespond as Guideline36Reset;
 pub(crate) use kind::Kind;
 pub use modes::Mode;
 pub use parameters::{AirLoopParameters, Guideline36Parameters, UnitaryParameters};
 pub use points::{NextBand, Setpoints, SiteInput, ZoneInput};
 pub use supervision::{Shift, SupervisoryPoint};
+pub use trim_respond::TrimRespond as Guideline36Reset;
 pub use zone::LoopGains;
 pub use zone::demand::DemandLevel;
 

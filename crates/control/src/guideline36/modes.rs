@@ -11,7 +11,6 @@
 //! - Otherwise the group is unoccupied: no flow.
 
 use super::points::Side;
-use super::zone::ZoneNeed;
 
 /// Temperatures at which freeze protection starts in any zone and ends in all, °C.
 const FREEZE: [f64; 2] = [4.0, 7.0];
@@ -68,6 +67,19 @@ impl Mode {
             Self::Unoccupied => [false, false],
         }
     }
+}
+
+/// What a zone reports to its group. Arrays are by side: heating, cooling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ZoneNeed {
+    /// Air temperature, °C.
+    pub(super) temperature: f64,
+    /// Whether people are present.
+    pub(super) people: bool,
+    /// Whether it is outside its setpoint.
+    pub(super) calls: [bool; 2],
+    /// Whether the setpoint is one of unoccupied hours: a narrower one follows, and optimum start has not begun.
+    pub(super) relaxed: [bool; 2],
 }
 
 /// The mode of a group and whether freeze protection is on.

@@ -5,7 +5,7 @@ use std::path::Path;
 use b2b_building::parameter::Field;
 use serde::{Deserialize, Serialize};
 
-use super::air_loop::TrimRespond;
+use super::trim_respond::TrimRespond;
 use super::zone::{LoopGains, ZoneRules};
 use crate::Result;
 use crate::parameter_set::{self, parameter};

@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use b2b_base::folder_lock::FolderLock;
 
-use super::run::LAST;
 use crate::error::{Error, Result, at};
+
+/// Name of the folder of the last agent in a run's folder.
+pub const LAST: &str = "last";
 
 /// How long to wait for another run in the folder, which may be about to end: after its experiment is killed, a
 /// training still completes its update.

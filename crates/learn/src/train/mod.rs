@@ -27,8 +27,9 @@ pub use config::{
     TrainConfig, TrainingSet,
 };
 pub use judge::{BuildingScores, Measures, Scores};
+pub use lock::LAST;
 pub use measure::{Design, TrainingLoop, UpdateTimes};
 pub use monitor::Monitor;
 pub use progress::{PAGE, Row, TABLE, read_column};
-pub use run::{LAST, RunOptions, train};
+pub use run::{RunOptions, train};
 pub use summary::{SUMMARY, Summary};

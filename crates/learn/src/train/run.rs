@@ -18,7 +18,7 @@ use super::checkpoint::Checkpoint;
 use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
 use super::environments::{Environments, Evaluated, days, learner};
 use super::judge::{BuildingScores, Judge, Measures, Rating, Scores};
-use super::lock;
+use super::lock::{self, LAST};
 use super::monitor::Monitor;
 use super::progress::{ProgressFiles, Row, curve};
 use super::summary::Summary;
@@ -28,9 +28,6 @@ use crate::error::{Error, Result, at};
 use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
 use crate::rollout::Rollout;
-
-/// Name of the folder of the last agent in a run's folder.
-pub const LAST: &str = "last";
 
 /// Limit to which the cost of travel grows: at this cost, five strokes a day cost 174 times the reactive controllers'
 /// penalty.

@@ -3,9 +3,8 @@
 
 use serde_json::json;
 
-use super::commands::TERMINALS;
 use super::heat_pump;
-use super::unit::{HEATERS, UNITARY_SYSTEM, coil};
+use super::unit::{HEATERS, TERMINALS, UNITARY_SYSTEM, coil};
 use crate::hvac::air_loop_graph::{Component, components, only_branch, set_components, supply_components};
 use crate::hvac::distribution::served_zones;
 use crate::hvac::references::{Reference, is_one_of};

@@ -2,19 +2,13 @@
 
 use serde_json::json;
 
-use super::unit::{Nodes, Unit};
+use super::unit::{Nodes, TERMINALS, Unit, VARIABLE};
 use crate::hvac::distribution::ServedZone;
 use crate::hvac::references::{Reference, is_one_of, required};
 use crate::hvac::schedules::{ALWAYS_ON, constant_schedule};
 use crate::hvac::setpoint_managers::remove_setpoint_managers;
 use crate::model::Model;
 use crate::{Error, Result};
-
-/// The terminal of a zone that shares the air of a unit with others.
-pub(super) const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
-const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
-/// The terminals that a unit can feed.
-pub(super) const TERMINALS: [&str; 2] = [CONSTANT, VARIABLE];
 
 /// The control schedules of a zone's unit.
 pub(super) struct Schedules {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::commands::CONSTANT;
 use super::cooling_coil::{CURVES, PART_LOAD_CURVE};
+use super::unit::CONSTANT;
 use super::*;
 use crate::hvac::schedules::ALWAYS_ON;
 use crate::hvac::system::System as _;

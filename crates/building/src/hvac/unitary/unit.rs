@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-use super::commands::CONSTANT;
 use super::outdoor_air::OutdoorAir;
 use crate::hvac::air_loop_graph::{Component, branches, components};
 use crate::hvac::distribution::{ServedZone, served_zones};
@@ -16,6 +15,11 @@ use crate::{Error, Result};
 pub(super) const UNITARY_SYSTEM: &str = "AirLoopHVAC:UnitarySystem";
 /// Heating coils other than a heat pump's.
 pub(super) const HEATERS: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
+/// The terminal of a zone that shares the air of a unit with others.
+pub(super) const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+pub(super) const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
+/// The terminals that a unit can feed.
+pub(super) const TERMINALS: [&str; 2] = [CONSTANT, VARIABLE];
 /// The classes of units that can be made controllable.
 const UNIT_CLASSES: [&str; 4] = [
     UNITARY_SYSTEM,

@@ -8,7 +8,6 @@ mod economizer;
 mod outdoor_air;
 mod supply_temperature;
 mod terminal;
-mod trim_respond;
 
 use b2b_building::hvac;
 
@@ -23,7 +22,6 @@ use economizer::{Economizer, HighLimit};
 use outdoor_air::{Air, OutdoorAir};
 use supply_temperature::{SupplyTemperature, SupplyTemperatureRules};
 use terminal::{TerminalInput, TerminalRules};
-pub use trim_respond::TrimRespond;
 
 /// Highest supply air temperature in cooling where summers are humid (climate zones 0A to 4A), °C.
 const HUMID_SUPPLY: f64 = 16.0;

@@ -6,7 +6,7 @@
 //! free. With a zone that does, the coil of the air handler costs less than reheat where reheat is electric.
 
 use super::super::modes::Mode;
-use super::trim_respond::{Reset, TrimRespond};
+use super::super::trim_respond::{Reset, TrimRespond};
 
 /// Outdoor temperatures between which the setpoint falls from its reset value to its minimum, °C (OAT_Min, OAT_Max).
 const OUTDOOR: [f64; 2] = [16.0, 21.0];

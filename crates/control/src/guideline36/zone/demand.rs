@@ -1,6 +1,6 @@
 //! Demand limiting (Guideline 36, 5.3.2.6 and 5.3.2.7): levels that widen the band of a zone.
 
-use super::super::points::Setpoints;
+use super::super::setpoints::Setpoints;
 
 /// Widening of both setpoints by level, K. Levels are not cumulative.
 const OFFSETS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];

@@ -9,7 +9,7 @@ pub(super) mod optimum_start;
 pub(super) mod requests;
 pub(super) mod zone_loops;
 
-use super::modes::Mode;
+use super::modes::{Mode, ZoneNeed};
 use super::points::{Setpoints, Side, SiteInput, ZoneInput};
 use super::supervision::Shift;
 use optimum_start::{Goal, OptimumStart};
@@ -42,19 +42,6 @@ pub(super) struct ZoneRules {
     pub(super) optimum_start: f64,
     /// Whether the setpoints are relaxed in unoccupied hours.
     pub(super) setback: bool,
-}
-
-/// What a zone reports to its group. Arrays are by side: heating, cooling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ZoneNeed {
-    /// Air temperature, °C.
-    pub(super) temperature: f64,
-    /// Whether people are present.
-    pub(super) people: bool,
-    /// Whether it is outside its setpoint.
-    pub(super) calls: [bool; 2],
-    /// Whether the setpoint is one of unoccupied hours: a narrower one follows, and optimum start has not begun.
-    pub(super) relaxed: [bool; 2],
 }
 
 /// A zone.
