@@ -1,6 +1,6 @@
 //! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if they
-//! stay empty, digests, random streams, the calendar, energy carriers, suggestions for misspelled names, and the fingerprint of the machine's
-//! arithmetic.
+//! stay empty, digests, random streams, even samples, the calendar, energy carriers, suggestions for misspelled names, and
+//! the fingerprint of the machine's arithmetic.
 
 pub mod aside;
 pub mod calendar;
@@ -13,4 +13,5 @@ pub mod new_folders;
 pub mod random;
 pub mod scratch;
 pub mod seal;
+pub mod spread;
 pub mod suggestion;

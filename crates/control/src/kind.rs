@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use b2b_base::digest::sha256;
 use b2b_building::{Controls, Parameter, PreparedBuilding};
 use b2b_env::{ActionSpace, Controller, Spaces, Task};
 #[cfg(target_os = "linux")]
@@ -25,6 +26,12 @@ pub trait Kind: Sync {
     /// Returns whether the actions depend on the seed.
     fn is_stochastic(&self) -> bool {
         false
+    }
+
+    /// Returns what decides its actions beside an episode: its name, and for a kind with shipped schedules or rules their digest,
+    /// so that results of others are not reused.
+    fn identity(&self) -> String {
+        self.name().to_owned()
     }
 
     /// Returns whether controllers observe and control the whole building, even if a problem withholds actuators.
@@ -155,6 +162,11 @@ impl<T: Controller + Clone + Send + 'static> AnyController for T {
 /// Returns the kind with a name.
 pub fn kind(name: &str) -> Option<&'static dyn Kind> {
     KINDS.into_iter().find(|kind| kind.name() == name)
+}
+
+/// Returns the identity of a kind with what ships for it.
+pub(crate) fn shipped_identity(name: &str, shipped: &str) -> String {
+    format!("{name}#{}", &sha256(shipped)[..12])
 }
 
 /// Returns the baseline of a task: Guideline 36 in operation, the reactive controllers in tracking.

@@ -40,8 +40,9 @@ impl ComfortWeights {
                 Some((_, has_it)) => *has_it,
                 None => {
                     let days = period.in_weather(&episode.weather).map_err(b2b_env::Error::building)?;
-                    known.push((*period, days.overlaps(episode.period)));
-                    days.overlaps(episode.period)
+                    let has_it = days.overlaps(episode.period);
+                    known.push((*period, has_it));
+                    has_it
                 }
             };
             in_period.extend(has_it.then_some(number));

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use b2b_base::spread::spread;
 use b2b_building::{BuildingType, Period};
 use b2b_climate::TwoWeeks;
 use b2b_control::linear_supervisor::{Rule, SearchOptions, Site, Tuned, run, tune};
@@ -17,10 +18,11 @@ use serde_json::json;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::task;
 use crate::output_folder::{self, OutputFolder};
+use crate::program;
 use crate::program::worker_options;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
-use crate::{interrupt, program, stdout};
+use crate::terminal::{interrupt, stdout};
 
 /// Search the rules of the controller linear-supervisor
 ///
@@ -121,7 +123,6 @@ impl Arguments {
             pool.install(|| {
                 all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<Site>>>()
             })
-            .map_err(|error| b2b_control::Error::Values { why: format!("{error:#}") })
         };
         let tuned = tune(options, days, Some((&path, &head)), &mut tries);
         bar.finish_and_clear();
@@ -151,9 +152,7 @@ impl Arguments {
     /// Returns the training buildings of a type.
     fn ids(&self, building_type: BuildingType) -> Vec<BuildingId> {
         let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train);
-        let all: Vec<BuildingId> = rows.map(|row| row.id).collect();
-        let count = all.len().min(self.buildings as usize);
-        (0..count).map(|index| all[index * all.len() / count]).collect()
+        spread(&rows.map(|row| row.id).collect::<Vec<_>>(), self.buildings as usize)
     }
 
     fn periods(&self) -> Vec<Period> {

@@ -5,6 +5,7 @@ use std::path::Path;
 use b2b_workers::Episode;
 use serde_json::Value;
 
+use super::plan::SHIPPED;
 use super::{Foresight, NAME, Plan, Planned, Schedule, SearchOptions};
 use crate::kind::{self, AnyController, Case};
 use crate::parameter_set::{from_json, to_json};
@@ -20,6 +21,10 @@ impl kind::Kind for Kind {
 
     fn help(&self) -> &'static str {
         "guideline36 under a schedule found by a search with perfect foresight: shipped, or minutes to find"
+    }
+
+    fn identity(&self) -> String {
+        kind::shipped_identity(NAME, SHIPPED)
     }
 
     fn is_stochastic(&self) -> bool {

@@ -15,7 +15,7 @@ use crate::parameter_set::read;
 use crate::{Error, Result};
 
 /// The plans that ship with the program, one per line.
-const SHIPPED: &str = include_str!("../../data/foresight.jsonl");
+pub(super) const SHIPPED: &str = include_str!("../../data/foresight.jsonl");
 
 /// An episode that a plan is for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -31,7 +31,12 @@ impl kind::Kind for Kind {
     }
 
     fn help(&self) -> &'static str {
-        "guideline36 under shifts that are linear in the weather and in what zones need, one rule for all buildings of a type"
+        "guideline36 under one rule of shifts, linear in the weather and in what zones need, for all buildings of a type; \
+         guideline36 itself for a type without a rule"
+    }
+
+    fn identity(&self) -> String {
+        kind::shipped_identity(self.name(), SHIPPED)
     }
 
     fn controls_whole_building(&self) -> bool {
@@ -69,5 +74,12 @@ mod tests {
             rule.check().unwrap();
         }
         assert_eq!(shipped("none"), Rule::default());
+    }
+
+    #[test]
+    fn results_of_other_shipped_rules_have_another_identity() {
+        let [own, other] = [SHIPPED, "{}"].map(|rules| kind::shipped_identity("linear-supervisor", rules));
+        assert_eq!(kind::Kind::identity(&Kind), own);
+        assert_ne!(own, other);
     }
 }

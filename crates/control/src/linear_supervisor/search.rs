@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 
 use super::surface::{Surface, lowest};
 use super::{Rule, Weights};
-use crate::Result;
 use crate::foresight::{Days, Outcome};
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::kind::KindDescription;
 use crate::parameter_set::to_json;
 use crate::search::record_file::RecordFile;
+use crate::{Error, Result};
 
 /// Deviation of the first draws, as a share of the limits.
 const FIRST_SPREAD: f64 = 0.3;
@@ -121,20 +121,19 @@ pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<Site> {
 }
 
 /// Runs the episodes of a round: its number, and for each episode the lists of rules by day.
-pub type Tries<'a> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> Result<Vec<Site>> + 'a;
+pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Result<Vec<Site>, E> + 'a;
 
 /// Searches a rule for episodes of a number of days. With a record, a file and what the search depends on, an interrupted search
 /// resumes.
 ///
 /// # Errors
-/// [`Error::OtherTuning`](crate::Error::OtherTuning) for the record of another search; [`Error::Io`](crate::Error::Io); the errors
-/// of `tries`.
-pub fn tune(
+/// [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of `tries`.
+pub fn tune<E: From<Error>>(
     options: SearchOptions,
     days: usize,
     record: Option<(&Path, &serde_json::Value)>,
-    tries: &mut Tries<'_>,
-) -> Result<Tuned> {
+    tries: &mut Tries<'_, E>,
+) -> std::result::Result<Tuned, E> {
     // More rounds continue a search.
     let depends_on = SearchOptions { rounds: 0, ..options };
     let opened = record.map(|(path, head)| RecordFile::open(path, &(head, depends_on))).transpose()?;
@@ -321,7 +320,7 @@ mod tests {
                     outcomes: std::iter::once(guideline).chain(tried.iter().map(outcome)).collect(),
                 }
             };
-            Ok(episodes.iter().map(site).collect())
+            Ok::<_, Error>(episodes.iter().map(site).collect())
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("search.jsonl");

@@ -236,7 +236,7 @@ fn differences(there: &Value, here: &Value) -> String {
     for name in ["machine", "policy", "policy_identity"] {
         compare(name, &there[name], &here[name], &mut found);
     }
-    for name in ["package", "generator", "engine", "controllers"] {
+    for name in ["package", "generator", "engine", "controllers", "guideline36"] {
         compare(name, &there["versions"][name], &here["versions"][name], &mut found);
     }
     let list = |value: &Value| value["episodes"].as_array().cloned().unwrap_or_default();

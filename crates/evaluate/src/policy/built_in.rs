@@ -109,7 +109,7 @@ impl Policy for BuiltIn {
     }
 
     fn identity(&self) -> String {
-        self.to_string()
+        self.0.identity()
     }
 
     fn is_baseline(&self, task: &Task) -> bool {

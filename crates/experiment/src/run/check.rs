@@ -160,8 +160,7 @@ impl Checkable {
 
 /// Returns at most `limit` of `all`, evenly spaced.
 fn spread(all: &[String], limit: Option<NonZeroUsize>) -> Vec<String> {
-    let count = limit.map_or(all.len(), |limit| limit.get().min(all.len()));
-    (0..count).map(|index| all[index * all.len() / count].clone()).collect()
+    b2b_base::spread::spread(all, limit.map_or(all.len(), NonZeroUsize::get))
 }
 
 /// Returns the first difference between the episodes of results and their reruns.

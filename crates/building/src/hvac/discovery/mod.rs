@@ -304,7 +304,7 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
             let terminal = Reference { class: DISTRIBUTION.into(), name: zone.unit.clone() };
             let why = match passes_regardless(model, &zone.zone, &terminal)? {
                 true => {
-                    "it does not follow the thermostats of its zones, as dedicated outdoor air".to_owned()
+                    "it does not follow the thermostats of its zones, like dedicated outdoor air".to_owned()
                 }
                 false => format!("one of its zones also has a {} under the same thermostat", equipment.class),
             };

@@ -25,7 +25,6 @@ pub use rewards::RewardConfig;
 pub use tasks::Tasks;
 pub use train_config::TrainConfig;
 pub use training_set::TrainingSet;
-pub(super) use training_set::spread;
 
 #[cfg(test)]
 mod tests;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use b2b_base::spread::spread;
 use b2b_building::{BuildingType, Period};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingId, BuildingName, Control, Placement, Row, Split};
@@ -235,10 +236,4 @@ impl TrainingSet {
             None => Ok(()),
         }
     }
-}
-
-/// Returns some of a list, evenly spread; all if there are fewer.
-pub(in crate::train) fn spread<T: Clone>(all: &[T], count: usize) -> Vec<T> {
-    let count = count.min(all.len());
-    (0..count).map(|index| all[index * all.len() / count].clone()).collect()
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use b2b_base::spread::spread;
 use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
@@ -20,7 +21,7 @@ use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
 use crate::learner::{Learner, LearnerSetting};
 use crate::limits::require;
 use crate::lockstep::LockstepCollector;
-use crate::train::config::{TrainConfig, TrainingSet, spread};
+use crate::train::config::{TrainConfig, TrainingSet};
 use crate::widths::Widths;
 
 /// A building with a task in a run period.
