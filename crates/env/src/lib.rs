@@ -49,7 +49,7 @@ pub use reward::{
 pub use rollout::controller::Controller;
 pub use rollout::decisions::{DecisionLog, DecisionSlot, Decisions};
 pub use rollout::trajectory::Trajectory;
-pub use rollout::{Observer, rollout};
+pub use rollout::{Observer, rollout, rollout_next};
 pub use setpoints::band::{Band, Bands, Days, HoursPair, NextPair, Pair};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};
 pub use spaces::action::{ActionSpace, rescale, unscale};

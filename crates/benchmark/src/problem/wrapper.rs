@@ -168,6 +168,17 @@ impl Controller for WrappedController {
         }
     }
 
+    fn next_episode(&mut self) {
+        self.inner.next_episode();
+        if let Some(restricted) = &mut self.restricted {
+            restricted.reset();
+        }
+    }
+
+    fn reward(&mut self, reward: f64) {
+        self.inner.reward(reward);
+    }
+
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         if self.bypass {
             self.inner.act(observation, action);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::hvac::{Equipment, Kind, System};
+use crate::hvac::{Equipment, KindName, System};
 use crate::{Model, Result};
 
 /// A system with its capacities.
@@ -11,7 +11,7 @@ pub struct SystemDescription {
     /// Name of its air loop, or of the heater's zone.
     pub name: String,
     /// Its kind.
-    pub kind: Kind,
+    pub kind: KindName,
     /// The zones it serves, by number.
     pub zones: Vec<usize>,
     /// Design flow of its fan, kg/s; 0 for a heater of the zone.

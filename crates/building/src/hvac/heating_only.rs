@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::availability::switch_on;
-use super::kind::{Candidate, KindName};
+use super::candidate::Candidate;
 use super::references::{Reference, parts};
 use super::sequence::Sequence;
-use super::system::{FromModel, System, ZoneState};
+use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use super::zone_equipment::HEATERS;
 use crate::model::{Model, number, text};

@@ -1,90 +1,16 @@
-//! The kinds of systems.
+//! The kinds of systems, and how a system is read from a file.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
 use super::KINDS;
-use super::references::{Reference, is_one_of};
-use super::system::{FromModel, System};
-use crate::{Error, Model, Result};
-
-/// A part of a model that a system may control.
-#[derive(Clone, Copy, Debug)]
-pub enum Candidate<'a> {
-    /// An `AirLoopHVAC`, by name.
-    AirLoop(&'a str),
-    /// A piece of equipment of a zone.
-    Equipment {
-        /// Name of the zone.
-        zone: &'a str,
-        /// The equipment.
-        object: &'a Reference,
-    },
-    /// A zone, by name, with equipment that nothing else controls.
-    Zone(&'a str),
-}
-
-impl<'a> Candidate<'a> {
-    /// Returns the name of an air loop.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] for another candidate.
-    pub fn air_loop(self) -> Result<&'a str> {
-        match self {
-            Self::AirLoop(air_loop) => Ok(air_loop),
-            _ => Err(self.unsupported("it is not an air loop")),
-        }
-    }
-
-    /// Returns the zone of a piece of equipment, and the equipment.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] for another candidate.
-    pub fn equipment(self) -> Result<(&'a str, &'a Reference)> {
-        match self {
-            Self::Equipment { zone, object } => Ok((zone, object)),
-            _ => Err(self.unsupported("it is not equipment of a zone")),
-        }
-    }
-
-    /// Returns the name of a zone whose equipment nothing else controls.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] for another candidate.
-    pub fn zone(self) -> Result<&'a str> {
-        match self {
-            Self::Zone(zone) => Ok(zone),
-            _ => Err(self.unsupported("it is not a zone")),
-        }
-    }
-
-    /// An [`Error::Unsupported`] for it.
-    pub fn unsupported(self, why: &str) -> Error {
-        match self {
-            Self::AirLoop(air_loop) => Error::unsupported("AirLoopHVAC", air_loop, why),
-            Self::Equipment { object, .. } => Error::unsupported(&object.class, &object.name, why),
-            Self::Zone(zone) => Error::unsupported("Zone", zone, why),
-        }
-    }
-
-    /// Returns whether it is a piece of equipment of one of these classes.
-    pub fn is_equipment(self, classes: &[&str]) -> bool {
-        matches!(self, Self::Equipment { object, .. } if is_one_of(&object.class, classes))
-    }
-}
-
-/// Name of a kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct KindName {
-    /// Identifier in files, for example `air_loop`.
-    pub id: &'static str,
-    /// Name, for example `air loop`.
-    pub name: &'static str,
-    /// Name of several, for example `air loops`.
-    pub plural: &'static str,
-}
+use super::candidate::Candidate;
+use super::system::{FromModel, KindName, System};
+use crate::{Model, Result};
 
 /// A kind of system: how it is found, made controllable and read from a file.
 #[derive(Clone, Copy)]
@@ -149,20 +75,19 @@ impl Kind {
     }
 }
 
-impl PartialEq for Kind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
 impl fmt::Debug for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.id())
     }
 }
 
-impl Serialize for Kind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.id())
+impl<'de> Deserialize<'de> for Box<dyn System> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let tagged = BTreeMap::<String, Value>::deserialize(deserializer)?;
+        let (id, fields) =
+            tagged.into_iter().next().ok_or_else(|| D::Error::custom("a system without a kind"))?;
+        let kind =
+            Kind::find(&id).ok_or_else(|| D::Error::custom(format!("unknown kind of system `{id}`")))?;
+        kind.read(fields).map_err(D::Error::custom)
     }
 }

@@ -6,6 +6,7 @@
 
 mod actuator;
 pub mod air_loop;
+mod candidate;
 mod capacity;
 mod discovery;
 pub mod heating_only;
@@ -21,11 +22,12 @@ mod ventilation;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
 pub use air_loop::{AirLoop, Terminal};
+pub use candidate::Candidate;
 pub use capacity::{Equipment, SystemEquipment};
 pub use discovery::{Discovery, Uncontrolled, Unsupported};
 pub(crate) use discovery::{discover, discover_setpoints, has_own_controls};
 pub use heating_only::HeatingOnly;
-pub use kind::{Candidate, Kind, KindName};
+pub use kind::Kind;
 pub use layout::{ServedZone, SystemLayout};
 pub use objects::{air_loop_graph, references, thermostat, zone_equipment};
 use objects::{availability, schedules, setpoint_managers};
@@ -34,7 +36,7 @@ pub use room_unit::RoomUnit;
 pub use sequence::Sequence;
 pub use setpoints::{SetpointZone, separate};
 pub(crate) use setpoints::{Switch, switches_of_all};
-pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
+pub use system::{FromModel, KindName, Object, SharedFlow, System, ZoneState};
 pub use unitary::{Follower, HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 

@@ -1,18 +1,16 @@
-//! The interface of a system under control. Each kind implements it in a file or folder of its own; [`super::KINDS`] lists
-//! them.
+//! The interface of a system under control. Each kind implements it in a file or folder of its own.
 
 use std::any::Any;
-use std::collections::BTreeMap;
 use std::fmt::Debug;
 
-use serde::de::{DeserializeOwned, Error as _};
+use serde::de::DeserializeOwned;
 use serde::ser::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::actuator::Actuator;
+use super::candidate::Candidate;
 use super::capacity::SystemEquipment;
-use super::kind::{Candidate, Kind, KindName};
 use super::sequence::Sequence;
 use super::ventilation::Ventilation;
 use crate::morphology::NodeType;
@@ -81,6 +79,23 @@ pub trait System: Object + Debug + Send + Sync {
     }
 }
 
+/// Name of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KindName {
+    /// Identifier in files, for example `air_loop`.
+    pub id: &'static str,
+    /// Name, for example `air loop`.
+    pub name: &'static str,
+    /// Name of several, for example `air loops`.
+    pub plural: &'static str,
+}
+
+impl Serialize for KindName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.id)
+    }
+}
+
 /// How a kind of systems is found in a model.
 pub trait FromModel: System + Clone + PartialEq + Serialize + DeserializeOwned + 'static {
     /// Name of the kind.
@@ -102,8 +117,8 @@ pub trait FromModel: System + Clone + PartialEq + Serialize + DeserializeOwned +
 
 /// What every system can do as an object; implemented for all kinds.
 pub trait Object {
-    /// Returns its kind.
-    fn kind(&self) -> Kind;
+    /// Returns the name of its kind.
+    fn kind(&self) -> KindName;
 
     /// Returns it for conversion to its type.
     fn as_any(&self) -> &dyn Any;
@@ -125,8 +140,8 @@ pub trait Object {
 }
 
 impl<T: FromModel> Object for T {
-    fn kind(&self) -> Kind {
-        Kind::of::<T>()
+    fn kind(&self) -> KindName {
+        T::NAME
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -172,18 +187,7 @@ impl PartialEq for dyn System {
 impl Serialize for dyn System {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let fields = self.to_json().map_err(S::Error::custom)?;
-        serializer.collect_map([(self.kind().id(), fields)])
-    }
-}
-
-impl<'de> Deserialize<'de> for Box<dyn System> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        let tagged = BTreeMap::<String, Value>::deserialize(deserializer)?;
-        let (id, fields) =
-            tagged.into_iter().next().ok_or_else(|| D::Error::custom("a system without a kind"))?;
-        let kind =
-            Kind::find(&id).ok_or_else(|| D::Error::custom(format!("unknown kind of system `{id}`")))?;
-        kind.read(fields).map_err(D::Error::custom)
+        serializer.collect_map([(self.kind().id, fields)])
     }
 }
 

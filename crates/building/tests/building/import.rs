@@ -71,7 +71,7 @@ fn every_model_that_ships_with_the_engine_is_accepted() {
 fn the_supported_systems_of_a_hotel_are_controlled() {
     let stock = Stock::new();
     let hotel = stock.prepare(&stock.chicago("SmallHotel")).unwrap();
-    let count = |id: &str| hotel.systems.iter().filter(|system| system.kind().id() == id).count();
+    let count = |id: &str| hotel.systems.iter().filter(|system| system.kind().id == id).count();
     // The guest rooms have packaged units.
     assert_eq!([count("unitary"), count("heating_only"), count("room_unit")], [12, 13, 35]);
     let left: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();

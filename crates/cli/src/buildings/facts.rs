@@ -172,7 +172,7 @@ impl Facts {
         for system in &self.description.systems {
             table.row([
                 system.name.clone(),
-                system.kind.name().into(),
+                system.kind.name.into(),
                 self.served(system, served),
                 positive(system.design_flow, 2),
                 kilowatts(system.heating_capacity),

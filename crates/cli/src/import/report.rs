@@ -109,7 +109,7 @@ impl Zone {
 impl System {
     fn of(system: &dyn hvac::System) -> Self {
         Self {
-            kind: system.kind().id().to_owned(),
+            kind: system.kind().id.to_owned(),
             name: system.name().to_owned(),
             zones: system.zones().into_iter().map(str::to_owned).collect(),
             actuators: system.actuators().into_iter().map(|actuator| actuator.name.clone()).collect(),

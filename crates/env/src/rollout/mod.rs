@@ -42,8 +42,29 @@ pub fn rollout(
     controller: &mut dyn Controller,
     observer: &mut dyn Observer,
 ) -> Result<Metrics> {
-    let mut action = vec![0.0; environment.spaces().action.len()];
     controller.reset();
+    run(environment, controller, observer)
+}
+
+/// Runs another episode in the same building, as [`rollout`] does after [`Controller::next_episode`].
+///
+/// # Errors
+/// The errors of the environment and of the observer.
+pub fn rollout_next(
+    environment: &mut dyn Environment,
+    controller: &mut dyn Controller,
+    observer: &mut dyn Observer,
+) -> Result<Metrics> {
+    controller.next_episode();
+    run(environment, controller, observer)
+}
+
+fn run(
+    environment: &mut dyn Environment,
+    controller: &mut dyn Controller,
+    observer: &mut dyn Observer,
+) -> Result<Metrics> {
+    let mut action = vec![0.0; environment.spaces().action.len()];
     let mut observation = environment.reset()?;
     observer.begin(observation)?;
     loop {
@@ -52,6 +73,7 @@ pub fn rollout(
             observer.decided(decisions);
         }
         let step = environment.step(&action)?;
+        controller.reward(step.reward.total());
         observer.step(&step)?;
         if step.truncated {
             break;

@@ -89,7 +89,7 @@ fn the_environment_sees_the_actuators_of_a_new_kind_and_its_zones_follow_them() 
     let new: Vec<_> = case
         .building
         .laid_out_systems()
-        .filter(|(system, _)| system.kind().id() == "packaged_heater")
+        .filter(|(system, _)| system.kind().id == "packaged_heater")
         .collect();
     assert_eq!(new.len(), 35);
     assert!(case.building.uncontrolled.iter().all(|each| !each.object.class.contains("PackagedTerminal")));

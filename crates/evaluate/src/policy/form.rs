@@ -119,6 +119,14 @@ impl Controller for FormedController {
         self.inner.reset();
     }
 
+    fn next_episode(&mut self) {
+        self.inner.next_episode();
+    }
+
+    fn reward(&mut self, reward: f64) {
+        self.inner.reward(reward);
+    }
+
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         self.form.write(observation, &mut self.row);
         self.inner.act(&self.row, action);

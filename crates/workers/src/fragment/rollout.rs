@@ -69,6 +69,7 @@ impl Runner for ControllerRunner {
         while done < steps && !env.is_truncated() {
             self.controller.act(env.observation(), &mut self.action);
             let step = env.step(&self.action)?;
+            self.controller.reward(step.reward.total());
             if let Some(place) = record {
                 write_record(&mut self.row, &step);
                 memory.write_f64(place + done * 2 * self.row.len(), &self.row);

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::make_controllable;
 use crate::hvac::actuator::Actuator;
+use crate::hvac::candidate::Candidate;
 use crate::hvac::capacity::{Capacity, Equipment, SystemEquipment};
-use crate::hvac::kind::{Candidate, KindName};
 use crate::hvac::sequence::Sequence;
-use crate::hvac::system::{FromModel, SharedFlow, System, ZoneState};
+use crate::hvac::system::{FromModel, KindName, SharedFlow, System, ZoneState};
 use crate::hvac::ventilation::Ventilation;
 use crate::morphology::NodeType;
 use crate::{Model, Result};

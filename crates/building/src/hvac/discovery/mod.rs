@@ -9,9 +9,10 @@ use serde_json::Value;
 
 use super::actuator::Quantity;
 use super::air_loop_graph::supply_components;
+use super::candidate::Candidate;
 use super::distribution::served_zones;
 use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
-use super::kind::{Candidate, Kind};
+use super::kind::Kind;
 use super::references::{Reference, is_one_of, parts};
 use super::room_unit;
 use super::setpoints::{SetpointZone, passes_regardless};
@@ -121,7 +122,7 @@ impl Discovery {
 
     /// Returns the zones that are controlled through their setpoints.
     pub(crate) fn setpoint_zones(&self) -> Vec<&str> {
-        let of_setpoints = |system: &&dyn System| system.kind() == Kind::of::<SetpointZone>();
+        let of_setpoints = |system: &&dyn System| system.kind() == SetpointZone::NAME;
         self.systems.iter().map(|system| &**system).filter(of_setpoints).flat_map(System::zones).collect()
     }
 

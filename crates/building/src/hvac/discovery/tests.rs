@@ -42,7 +42,7 @@ fn unsupported_equipment_is_reported_and_follows_the_setpoints_of_its_zone() {
     let mut model = two_zones("ZoneHVAC:WindowAirConditioner");
     let found = left_alone(&mut model);
     assert_eq!(driven(&found), ["A", "B"]);
-    assert_eq!(found.systems[1].kind().id(), "setpoints");
+    assert_eq!(found.systems[1].kind().id, "setpoints");
     assert!(found.uncontrolled.iter().all(|item| item.follows_setpoints));
     let left: Vec<_> = found.uncontrolled.iter().map(|item| item.object.name.as_str()).collect();
     assert_eq!(left, ["X", "HB"]);

@@ -10,11 +10,11 @@ mod zone_nodes;
 use serde::{Deserialize, Serialize};
 
 use super::actuator::Actuator;
+use super::candidate::Candidate;
 use super::capacity::{Capacity, SystemEquipment};
-use super::kind::{Candidate, KindName};
 use super::references::{Reference, is_one_of};
 use super::sequence::Sequence;
-use super::system::{FromModel, System, ZoneState};
+use super::system::{FromModel, KindName, System, ZoneState};
 use super::unitary::{self, Unitary};
 use super::ventilation::Ventilation;
 use crate::morphology::NodeType;

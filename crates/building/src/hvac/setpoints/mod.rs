@@ -12,12 +12,12 @@ mod switches;
 use serde::{Deserialize, Serialize};
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
+use super::candidate::Candidate;
 use super::capacity::{Capacity, SystemEquipment, air_loop_of};
 use super::distribution::served_zones;
 use super::energy_management::remove_ems_programs;
-use super::kind::{Candidate, KindName};
 use super::sequence::Sequence;
-use super::system::{FromModel, System, ZoneState};
+use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat, remove_comfort_control};
 use crate::model::text;
 use crate::morphology::NodeType;

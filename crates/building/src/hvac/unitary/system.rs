@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{Packaged, has_unit, make_controllable};
 use crate::hvac::actuator::Actuator;
+use crate::hvac::candidate::Candidate;
 use crate::hvac::capacity::{Capacity, Equipment, SystemEquipment, air_loop_of};
-use crate::hvac::kind::{Candidate, KindName};
 use crate::hvac::sequence::Sequence;
-use crate::hvac::system::{FromModel, System, ZoneState};
+use crate::hvac::system::{FromModel, KindName, System, ZoneState};
 use crate::hvac::ventilation::Ventilation;
 use crate::morphology::NodeType;
 use crate::{Model, Result};

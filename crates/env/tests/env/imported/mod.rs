@@ -14,8 +14,7 @@ const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 #[test]
 fn a_hotel_is_driven_by_actuators_and_its_guest_rooms_by_their_packaged_units() {
     let case = Case::imported("RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO);
-    let of_kind =
-        |id: &'static str| case.building.laid_out_systems().filter(move |(s, _)| s.kind().id() == id);
+    let of_kind = |id: &'static str| case.building.laid_out_systems().filter(move |(s, _)| s.kind().id == id);
     assert_eq!(["unitary", "heating_only", "room_unit"].map(|id| of_kind(id).count()), [12, 13, 35]);
     let mut env = case.env("01-08..01-08");
     let trajectory = random_episode(&mut env, 1);

@@ -13,7 +13,7 @@ const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 const DAY: &str = "01-09..01-09";
 
 fn kinds(case: &Case, id: &str) -> usize {
-    case.building.systems.iter().filter(|system| system.kind().id() == id).count()
+    case.building.systems.iter().filter(|system| system.kind().id == id).count()
 }
 
 #[test]
