@@ -14,7 +14,7 @@ USUAL = {
     "air temperature": (5.0, 40.0),
     "target": (10.0, 35.0),
     "HVAC electricity": (0.0, 10.0),
-    "HVAC gas": (0.0, 20.0),
+    "HVAC non-electric": (0.0, 20.0),
 }
 
 

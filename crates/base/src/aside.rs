@@ -28,7 +28,6 @@ fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Resul
     let mut builder = tempfile::Builder::new();
     let prefix = owned(PREFIX);
     builder.prefix(&prefix);
-    #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         // The permissions of a new file, less the user's umask.
@@ -57,7 +56,6 @@ fn sweep_once(folder: &Path) {
 pub fn put(file: NamedTempFile, path: &Path) -> Result<()> {
     file.persist(path).map_err(|error| error.error)?;
     // The new name is on disk once the folder is, which not every file system can do.
-    #[cfg(unix)]
     if let Ok(folder) = File::open(folder_of(path)) {
         let _ = folder.sync_all();
     }
@@ -87,7 +85,6 @@ pub fn write_whole_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>
 pub fn append(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
     options.append(true).create(true);
-    #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt as _;
         options.custom_flags(libc::O_NOFOLLOW);
@@ -108,7 +105,6 @@ fn folder_of(path: &Path) -> &Path {
 mod tests {
     use super::*;
 
-    #[cfg(unix)]
     #[test]
     fn a_link_in_the_way_is_replaced_and_not_followed() {
         let root = tempfile::tempdir().unwrap();
@@ -121,7 +117,6 @@ mod tests {
         assert!(!link.is_symlink());
     }
 
-    #[cfg(unix)]
     #[test]
     fn a_link_is_not_appended_to() {
         let root = tempfile::tempdir().unwrap();

@@ -39,7 +39,6 @@ pub struct TemporaryFolderError {
 pub fn temporary_folder(prefix: &str) -> Result<TempDir, TemporaryFolderError> {
     let parent = std::env::temp_dir();
     let cannot = |why: String| TemporaryFolderError { path: parent.clone(), why };
-    #[cfg(unix)]
     {
         let found = rustix::fs::statvfs(&parent).map_err(|error| cannot(error.to_string()))?;
         check_space(found.f_bavail.saturating_mul(found.f_frsize)).map_err(cannot)?;
@@ -56,7 +55,6 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     let mut builder = tempfile::Builder::new();
     let prefix = owned(prefix);
     builder.prefix(&prefix);
-    #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o700));
@@ -134,7 +132,6 @@ fn started(process: u32) -> Option<u64> {
     fields.split_whitespace().nth(19)?.parse().ok()
 }
 
-#[cfg(unix)]
 fn check_space(free: u64) -> Result<(), String> {
     if free >= NEEDED {
         return Ok(());
@@ -157,7 +154,6 @@ mod tests {
         assert!(said.contains("0.9 MB") && said.contains("8 MB"), "{said}");
     }
 
-    #[cfg(target_os = "linux")]
     #[test]
     fn folders_of_dead_owners_are_removed_after_an_hour_and_no_others() {
         let root = tempfile::tempdir().unwrap();

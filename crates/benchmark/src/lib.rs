@@ -3,7 +3,6 @@
 //! 1. [`problem`] defines the problems as data: training side, test side and protocol.
 //! 2. [`entry`] runs a policy on a problem and verifies the result.
 //! 3. [`leaderboard`] ranks results.
-#![cfg(target_os = "linux")]
 
 pub mod entry;
 mod error;

@@ -8,7 +8,6 @@ use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, Task};
-#[cfg(target_os = "linux")]
 use b2b_workers::{
     Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
 };
@@ -121,7 +120,6 @@ impl EnvBuilder {
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`] and [`Workers::episode`].
-    #[cfg(target_os = "linux")]
     pub fn build_in_worker(self) -> Result<Episode> {
         let (setting, options) = self.setting()?;
         Ok(Workers::new(options)?.episode(&setting)?)
@@ -131,7 +129,6 @@ impl EnvBuilder {
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`] and [`VecEnv::new`].
-    #[cfg(target_os = "linux")]
     pub fn build_batch(self, count: usize) -> Result<VecEnv> {
         let (setting, workers) = self.setting()?;
         let options = VecEnvOptions { workers, autoreset: Autoreset::NextStep, widths: None };
@@ -143,7 +140,6 @@ impl EnvBuilder {
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`].
-    #[cfg(target_os = "linux")]
     pub fn setting(self) -> Result<(Setting, WorkerOptions)> {
         let catalog = catalog()?;
         let (building, episode) = self.prepare(&catalog)?;

@@ -23,13 +23,10 @@ pub enum Error {
     /// Controllers.
     Control(Box<b2b_control::Error>),
     /// Evaluation and benchmark problems.
-    #[cfg(target_os = "linux")]
     Evaluation(Box<b2b_evaluate::Error>),
     /// Trained agents.
-    #[cfg(target_os = "linux")]
     Agent(Box<b2b_agent::Error>),
     /// Training.
-    #[cfg(target_os = "linux")]
     Training(Box<b2b_learn::Error>),
     /// The system.
     System(#[from] std::io::Error),
@@ -55,5 +52,4 @@ boxed!(
     Environment: b2b_env::Error,
     Control: b2b_control::Error
 );
-#[cfg(target_os = "linux")]
 boxed!(Evaluation: b2b_evaluate::Error, Agent: b2b_agent::Error, Training: b2b_learn::Error);

@@ -36,12 +36,9 @@
 
 mod builder;
 mod error;
-#[cfg(target_os = "linux")]
 mod training;
 
-#[cfg(target_os = "linux")]
 pub use b2b_agent as agent;
-#[cfg(target_os = "linux")]
 pub use b2b_benchmark as benchmark;
 pub use b2b_building as building;
 pub use b2b_climate as climate;
@@ -49,11 +46,8 @@ pub use b2b_control as control;
 pub use b2b_dataset as dataset;
 pub use b2b_energyplus as energyplus;
 pub use b2b_env as env;
-#[cfg(target_os = "linux")]
 pub use b2b_evaluate as evaluation;
-#[cfg(target_os = "linux")]
 pub use b2b_learn as learn;
-#[cfg(target_os = "linux")]
 pub use b2b_workers as workers;
 
 pub use b2b_building::{BuildingType, RunPeriod};
@@ -63,13 +57,10 @@ pub use b2b_env::{
     Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
     Term, Trajectory, rollout,
 };
-#[cfg(target_os = "linux")]
 pub use b2b_learn::fragments::run_if_worker;
-#[cfg(target_os = "linux")]
 pub use b2b_workers::{Episode, Snapshot, VecEnv};
 pub use builder::{EnvBuilder, make};
 pub use error::{Error, Result};
-#[cfg(target_os = "linux")]
 pub use training::train;
 
 /// The examples for contributors, which are compiled as tests.

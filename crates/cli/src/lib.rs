@@ -2,19 +2,15 @@
 //!
 //! A library, because the Python package provides the command as well.
 
-#[cfg(target_os = "linux")]
 mod agents;
 mod arguments;
 mod bench;
-#[cfg(target_os = "linux")]
 mod benchmark;
 mod buildings;
 mod calibrate;
 mod compare;
 mod dataset;
-#[cfg(target_os = "linux")]
 mod evaluate;
-#[cfg(target_os = "linux")]
 mod experiment;
 mod generate;
 mod import;
@@ -23,15 +19,11 @@ mod output_folder;
 mod program;
 mod rollout;
 mod run;
-#[cfg(target_os = "linux")]
 mod scoring;
-#[cfg(target_os = "linux")]
 mod serve;
 mod terminal;
 mod time_series;
-#[cfg(target_os = "linux")]
 mod train;
-#[cfg(target_os = "linux")]
 mod tune;
 mod view;
 
@@ -40,14 +32,12 @@ use std::ffi::OsString;
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-#[cfg(target_os = "linux")]
 use agents::{clone, collect, export};
 use buildings::{check, edit, list, show};
 use installation::{doctor, setup};
 pub use program::Program;
 pub use rollout::Rollout;
 pub use run::Author;
-#[cfg(target_os = "linux")]
 use scoring::{baseline, score};
 pub use terminal::exit_code::ExitCode;
 use terminal::{front_page, interrupt, stdout, suggestion, wrap};
@@ -67,18 +57,13 @@ enum Command {
     Show(show::Arguments),
     View(view::Arguments),
     Compare(compare::Arguments),
-    #[cfg(target_os = "linux")]
     Serve(Box<serve::Arguments>),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
-    #[cfg(target_os = "linux")]
     Evaluate(evaluate::Arguments),
-    #[cfg(target_os = "linux")]
     Score(score::Arguments),
-    #[cfg(target_os = "linux")]
     Baseline(baseline::Arguments),
-    #[cfg(target_os = "linux")]
     Benchmark(benchmark::Arguments),
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
@@ -86,17 +71,11 @@ enum Command {
     Import(import::Arguments),
     Edit(edit::Arguments),
     Calibrate(calibrate::Arguments),
-    #[cfg(target_os = "linux")]
     Train(Box<train::Arguments>),
-    #[cfg(target_os = "linux")]
     Export(export::Arguments),
-    #[cfg(target_os = "linux")]
     Collect(Box<collect::Arguments>),
-    #[cfg(target_os = "linux")]
     Clone(clone::Arguments),
-    #[cfg(target_os = "linux")]
     Experiment(experiment::Arguments),
-    #[cfg(target_os = "linux")]
     Tune(tune::Arguments),
 }
 
@@ -105,7 +84,6 @@ enum Command {
 /// `program` is also started for workers and the jobs of experiments, so it must call this function. Must be called
 /// before any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    #[cfg(target_os = "linux")]
     b2b_learn::fragments::run_if_worker();
     program.set();
     let arguments: Vec<_> = arguments.into_iter().collect();
@@ -148,35 +126,24 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Show(arguments) => show::show(&arguments)?,
         Command::View(arguments) => view::view(&arguments)?,
         Command::Compare(arguments) => compare::compare(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Serve(arguments) => serve::serve(&arguments)?,
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Evaluate(arguments) => return evaluate::evaluate(&arguments),
-        #[cfg(target_os = "linux")]
         Command::Score(arguments) => score::score(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Baseline(arguments) => return baseline::baseline(&arguments),
-        #[cfg(target_os = "linux")]
         Command::Benchmark(arguments) => return benchmark::benchmark(&arguments),
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
         Command::Edit(arguments) => edit::edit(&arguments)?,
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Export(arguments) => export::export(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Collect(arguments) => collect::collect(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Clone(arguments) => clone::clone(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Experiment(arguments) => return experiment::experiment(&arguments),
-        #[cfg(target_os = "linux")]
         Command::Train(arguments) => train::train(&arguments)?,
-        #[cfg(target_os = "linux")]
         Command::Tune(arguments) => tune::tune(&arguments)?,
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }

@@ -9,7 +9,6 @@ use b2b_env::{
     Controller, DecisionLog, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory,
     authority, rollout,
 };
-#[cfg(target_os = "linux")]
 use b2b_workers::EpisodeReport;
 use cpu_time::ProcessTime;
 
@@ -37,7 +36,6 @@ pub struct Rollout {
 
 impl Rollout {
     /// Combines an episode with the report of its worker. The CPU time of this process is counted up to now.
-    #[cfg(target_os = "linux")]
     pub fn new(metrics: Metrics, trajectory: Trajectory, report: EpisodeReport, wall: Duration) -> Self {
         let EpisodeReport { engine, cpu: env_cpu } = report;
         let total_cpu = ProcessTime::now().as_duration() + env_cpu;
@@ -48,7 +46,6 @@ impl Rollout {
 
 impl Prepared {
     /// Runs an episode of this building to its end in a worker process, so that a crash of the engine becomes an error.
-    #[cfg(target_os = "linux")]
     pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
         use anyhow::Context;
         use b2b_workers::{EpisodeOptions, Workers};
@@ -63,29 +60,17 @@ impl Prepared {
 
     /// Checks the response of the building to its actuators, in a worker process.
     pub fn authority(&self) -> Result<authority::Report> {
-        #[cfg(target_os = "linux")]
         return Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?);
-        #[cfg(not(target_os = "linux"))]
-        Ok(authority::measure(&self.library, &self.building, &self.weather)?)
-    }
-
-    /// Starts an episode of one day, the first of the year that the weather file has, up to its first observation:
-    /// EnergyPlus detects some errors of a model only when it simulates.
-    pub fn check_start(&self) -> Result<()> {
-        let file = EpwFile::open(&self.weather)?;
         let first = (1..=365)
             .map(Date::of_day)
             .find(|date| file.record().is_ok_and(|record| record.has(date.month_and_day())));
         let first = first.unwrap_or(Date::of_day(1));
         let (period, steps, task) = (RunPeriod::new(first, first), self.trial_steps()?, Task::default());
-        #[cfg(target_os = "linux")]
         {
             let workers = b2b_workers::Workers::new(self.worker_options())?;
             let spaces = self.spaces(period, steps, task)?;
             workers.episode(&self.setting(spaces.episode))?.reset()?;
         }
-        #[cfg(not(target_os = "linux"))]
-        self.env(period, steps, task)?.reset()?;
         Ok(())
     }
 
@@ -97,15 +82,6 @@ impl Prepared {
 
     /// Runs an episode of this building to its end in this process. The CPU time of the environment includes the
     /// controller's.
-    #[cfg(not(target_os = "linux"))]
-    pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
-        let b2b_env::EpisodeConfig { period, steps_per_hour, task, .. } = spaces.episode.clone();
-        let mut env = self.env(period, steps_per_hour, task)?;
-        let before = ProcessTime::now();
-        let Recorded { metrics, trajectory, decisions, wall } = roll_out(&mut env, controller, quiet)?;
-        let (env_cpu, total_cpu) = (before.elapsed(), ProcessTime::now().as_duration());
-        Ok(Rollout { metrics, trajectory, decisions, engine: env.engine_report(), env_cpu, total_cpu, wall })
-    }
 }
 
 /// A complete episode.

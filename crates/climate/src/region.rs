@@ -164,7 +164,6 @@ mod tests {
         cache.packages = None;
         let package = user.root.join("cerc-hub-0.3.5");
         assert!(base.starts_with(&package));
-        #[cfg(unix)]
         std::os::unix::fs::symlink(&package, folder.path().join("cerc-hub-0.3.5")).unwrap();
         for region in Region::all() {
             region.epw(&cache, &mut Quiet).unwrap();

@@ -8,7 +8,6 @@ use std::path::Path;
 use b2b_base::digest::sha256;
 use b2b_building::{Controls, Parameter, PreparedBuilding};
 use b2b_env::{ActionSpace, Controller, Spaces, Task};
-#[cfg(target_os = "linux")]
 use b2b_workers::Episode;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -89,7 +88,6 @@ pub trait Kind: Sync {
     ///
     /// # Errors
     /// The errors of [`Episode`]; [`Error::Values`].
-    #[cfg(target_os = "linux")]
     fn plan(
         &self,
         _case: &Case<'_>,

@@ -5,7 +5,6 @@
 
 mod constant;
 mod error;
-#[cfg(target_os = "linux")]
 pub mod foresight;
 pub mod guideline36;
 mod hold;
@@ -15,13 +14,11 @@ mod objective;
 mod off;
 mod own;
 mod parameter_set;
-#[cfg(target_os = "linux")]
 mod planner;
 mod random;
 mod reactive;
 mod replay;
 mod search;
-#[cfg(target_os = "linux")]
 pub mod tune;
 mod tuned;
 mod versions;
@@ -34,7 +31,6 @@ pub use kind::{AnyController, Case, Kind, KindDescription, baseline, kind};
 pub use objective::Objective;
 pub use off::Off;
 pub use own::Own;
-#[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
 pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
@@ -42,11 +38,8 @@ pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, kind_hash, parameters_hash};
 
-/// Number of kinds. Planners need copies of the simulation.
-const KINDS_COUNT: usize = if cfg!(target_os = "linux") { 10 } else { 8 };
-
 /// The kinds of controllers that need no file.
-pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
+pub static KINDS: [&dyn Kind; 10] = [
     &guideline36::Kind,
     &own::Kind,
     &reactive::Kind,
@@ -55,8 +48,6 @@ pub static KINDS: [&dyn Kind; KINDS_COUNT] = [
     &random::Kind,
     &constant::Kind,
     &linear_supervisor::Kind,
-    #[cfg(target_os = "linux")]
     &foresight::Kind,
-    #[cfg(target_os = "linux")]
     &planner::Kind,
 ];

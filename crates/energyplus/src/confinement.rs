@@ -107,7 +107,6 @@ fn confine_to(folder: Option<&Path>) -> Confinement {
 
 /// Allows writing in some folders, removing empty folders in another, because a worker whose owner is gone removes its own
 /// temporary folder, and running some programs.
-#[cfg(target_os = "linux")]
 fn restrict(
     writable: impl Iterator<Item = PathBuf>,
     emptied: Option<PathBuf>,
@@ -135,12 +134,7 @@ fn restrict(
     }
 }
 
-#[cfg(not(target_os = "linux"))]
-fn restrict(_: impl Iterator<Item = PathBuf>, _: Option<PathBuf>, _: &[PathBuf]) -> Confinement {
-    Confinement::None
-}
-
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
 mod tests {
     use std::io::ErrorKind::PermissionDenied;
     use std::process::Command;

@@ -14,7 +14,6 @@ use std::sync::Arc;
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
-#[cfg(unix)]
 use crate::abort_line::Withheld;
 use crate::api::{Api, State};
 use crate::event::Event;
@@ -51,7 +50,6 @@ struct Context {
     stopping: Cell<bool>,
     messages: RefCell<Messages>,
     /// Standard error, from the last message of an aborted run to its return.
-    #[cfg(unix)]
     withheld: Cell<Option<Withheld>>,
 }
 
@@ -116,7 +114,6 @@ impl EngineRun {
             steps: Cell::new(0),
             stopping: Cell::new(false),
             messages: RefCell::new(Messages::default()),
-            #[cfg(unix)]
             withheld: Cell::new(None),
         });
         register(&api, state, stops, &requests);
@@ -140,7 +137,6 @@ impl EngineRun {
         let before = CURRENT.replace(&*self.context);
         let result = coroutine.resume(());
         CURRENT.set(before);
-        #[cfg(unix)]
         drop(self.context.withheld.take());
         match result {
             CoroutineResult::Yield(event) => Outcome::At(event),
@@ -271,7 +267,6 @@ extern "C" fn on_end_zone_step(_: State) {
 extern "C" fn on_error(level: c_int, text: *const c_char) {
     with_text(text, |run, messages, text| {
         messages.push(level, text);
-        #[cfg(unix)]
         if let Some(withheld) = Withheld::after(text) {
             run.withheld.set(Some(withheld));
         }

@@ -28,7 +28,6 @@
 //! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. A [`Host`] converts, sizes and runs models
 //!   in other processes.
 
-#[cfg(unix)]
 mod abort_line;
 mod api;
 mod confinement;
@@ -42,7 +41,6 @@ mod library;
 mod message;
 mod program;
 mod simulation;
-#[cfg(target_os = "linux")]
 pub mod snapshot;
 
 pub use confinement::{Confinement, confine, confine_with};

@@ -6,7 +6,6 @@
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
 //!    is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
-#![cfg(target_os = "linux")]
 
 pub mod any_number;
 mod baseline;

@@ -9,7 +9,6 @@
 //!   with status 500 and the server keeps running.
 //!
 //! `docs/serve.md` describes the calls and what differs from BOPTEST.
-#![cfg(target_os = "linux")]
 #![forbid(unsafe_code)]
 
 mod calls;

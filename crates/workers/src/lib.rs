@@ -4,7 +4,6 @@
 //! process. A set of [`Workers`] has a template for every building, which waits at the end of warm-up; an [`Episode`]
 //! is a copy of the template by `fork`, within milliseconds, and a [`Snapshot`] is a copy of an episode. [`VecEnv`] is
 //! a batch of N environments, and [`recv`] waits for several episodes at once.
-#![cfg(target_os = "linux")]
 
 mod batch;
 mod episode;

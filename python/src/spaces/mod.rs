@@ -276,7 +276,7 @@ impl Spaces {
         self.spaces.observation.electricity()
     }
 
-    /// Slot of the HVAC gas of the step, with other fuels and district energy.
+    /// Slot of the non-electric HVAC energy of the step: gas, other fuels and district energy.
     #[getter]
     fn gas_slot(&self) -> usize {
         self.spaces.observation.gas()

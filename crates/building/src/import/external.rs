@@ -112,7 +112,7 @@ fn files_mut(model: &mut Model) -> impl Iterator<Item = (String, String, Named, 
 /// Returns the path of a regular file in a folder or below it, with symbolic links resolved.
 fn within(folder: &Path, name: &str) -> Result<String, String> {
     // The engine takes either separator for the system's.
-    let name = if cfg!(windows) { name.to_owned() } else { name.replace('\\', "/") };
+    let name = name.replace('\\', "/");
     let folder = folder.canonicalize().map_err(|error| format!("cannot be opened: {error}"))?;
     let missing = |_| {
         format!("is missing. Put it where the model expects it; names are relative to {}", folder.display())
@@ -123,7 +123,7 @@ fn within(folder: &Path, name: &str) -> Result<String, String> {
     }
     match path.to_str() {
         _ if !path.is_file() => Err(format!("is not a regular file. {REMEDY}")),
-        Some(text) if cfg!(windows) || !text.contains('\\') => Ok(text.to_owned()),
+        Some(text) if !text.contains('\\') => Ok(text.to_owned()),
         _ => Err("has a path that EnergyPlus cannot read; expected UTF-8 without a backslash".into()),
     }
 }
@@ -192,7 +192,6 @@ mod tests {
         }
     }
 
-    #[cfg(unix)]
     #[test]
     fn a_file_elsewhere_is_refused_with_class_object_and_name() {
         let outside = tempfile::NamedTempFile::new().unwrap();

@@ -14,7 +14,7 @@ use crate::model::begins;
 /// Templates of HVAC systems.
 const HVAC: &str = "HVACTemplate:";
 /// The program that expands them.
-const PROGRAM: &str = if cfg!(windows) { "ExpandObjects.exe" } else { "ExpandObjects" };
+const PROGRAM: &str = "ExpandObjects";
 /// Its time limit: it takes seconds for large models.
 const LIMIT: Duration = Duration::from_secs(60);
 /// The list of classes that it reads.

@@ -78,7 +78,7 @@ pub enum Observed {
     Holiday,
     /// HVAC electricity of the step, Wh/m².
     Electricity,
-    /// HVAC gas of the step, with other fuels and district energy, Wh/m².
+    /// Non-electric HVAC energy of the step: gas, other fuels and district energy, Wh/m².
     Gas,
 }
 

@@ -22,7 +22,6 @@ fn one_episode_runs_to_its_end() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn a_batch_gives_every_environment_the_same_episode() {
     let output = output_of("vector_batch", &["2", "01-01..01-01"]);
     let ends: Vec<_> = output.lines().filter_map(|line| line.split_once(": ")).collect();
@@ -44,14 +43,12 @@ fn a_custom_controller_is_compared_with_the_built_in_ones() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn a_restored_episode_continues_bit_for_bit() {
     let output = output_of("snapshots", &[]);
     assert!(output.contains("the same bits"), "{output}");
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn a_trained_agents_score_is_its_return_divided_by_the_reactive_controllers() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");

@@ -5,7 +5,6 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-#[cfg(target_os = "linux")]
 use b2b_agent::{Agent, AgentController};
 use b2b_building::Controls;
 use b2b_control::{Case, Controller, KINDS, Kind, Reactive, ReactiveParameters};
@@ -51,7 +50,6 @@ pub struct Chosen<'a> {
 enum Choice {
     Kind(&'static dyn Kind),
     /// The agent in a folder.
-    #[cfg(target_os = "linux")]
     Agent(PathBuf),
 }
 
@@ -62,7 +60,6 @@ impl FromStr for Choice {
         if let Some(kind) = b2b_control::kind(text) {
             return Ok(Self::Kind(kind));
         }
-        #[cfg(target_os = "linux")]
         if Path::new(text).is_dir() {
             return Ok(Self::Agent(text.into()));
         }
@@ -78,7 +75,6 @@ impl ControllerArguments {
     /// # Errors
     /// The reason why the agent cannot be read.
     pub fn task(&self, given: Option<&Task>) -> Result<Task> {
-        #[cfg(target_os = "linux")]
         if let (None, Some(Choice::Agent(folder))) = (given, &self.choice) {
             return Ok(Agent::read(folder)?.info().task.clone());
         }
@@ -97,7 +93,6 @@ impl Chosen<'_> {
     pub fn name(&self) -> String {
         match &self.choice {
             Choice::Kind(kind) => kind.name().to_owned(),
-            #[cfg(target_os = "linux")]
             Choice::Agent(folder) => folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         }
     }
@@ -111,7 +106,6 @@ impl Chosen<'_> {
     pub fn controls(&self) -> Controls {
         match &self.choice {
             Choice::Kind(kind) => kind.controls(),
-            #[cfg(target_os = "linux")]
             Choice::Agent(_) => Controls::Actuators,
         }
     }
@@ -131,12 +125,10 @@ impl Chosen<'_> {
     ) -> Result<Box<dyn Controller>> {
         let kind = match &self.choice {
             Choice::Kind(kind) => *kind,
-            #[cfg(target_os = "linux")]
             Choice::Agent(folder) => return Ok(Box::new(agent(folder, spaces)?)),
         };
         let values = self.parameters.of(kind, spaces)?;
         let case = Case { spaces, action: &spaces.action, seed: self.seed, values: &values };
-        #[cfg(target_os = "linux")]
         if kind.plans()
             && let Some(plan) = plan(kind, prepared, &case, quiet)?
         {
@@ -147,7 +139,6 @@ impl Chosen<'_> {
 }
 
 /// Plans an episode on copies of the simulation. The actions are then replayed in the environment itself.
-#[cfg(target_os = "linux")]
 fn plan(
     kind: &dyn Kind,
     prepared: &Prepared,
@@ -205,7 +196,6 @@ impl Parameters {
 }
 
 /// Returns the controller of the agent in a folder.
-#[cfg(target_os = "linux")]
 fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
     let controller = Agent::read(folder)?.controller(spaces)?;
     let (corrected, actuators) = (controller.actuators(), spaces.action.len());

@@ -43,7 +43,6 @@ fn wait(child: &mut Child) -> Result<bool> {
 
 /// Ends a child, which may first end its own children.
 fn stop(child: &mut Child) -> Result<()> {
-    #[cfg(unix)]
     {
         // Fails if it has just ended.
         let _ = rustix::process::kill_process(

@@ -76,7 +76,7 @@ struct Outcome {
     rms_deviation_k: f64,
     /// HVAC electricity over the run period.
     electricity_kwh_per_m2: f64,
-    /// HVAC gas over the run period.
+    /// Non-electric HVAC energy over the run period.
     gas_kwh_per_m2: f64,
     /// Minimum over the heated zones.
     coldest: Extreme,
@@ -198,7 +198,7 @@ fn text(reports: &[Report]) -> String {
         "warmest zone (°C)",
         "RMS deviation (K)",
         "HVAC electricity (kWh/m²)",
-        "HVAC gas (kWh/m²)",
+        "HVAC non-electric (kWh/m²)",
         "severe messages",
         "result",
     ]);

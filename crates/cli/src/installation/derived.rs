@@ -55,7 +55,6 @@ pub fn remove_damaged(cache: &Cache) -> Result<Vec<String>> {
 fn sealed(cache: &Cache) -> impl Iterator<Item = (&'static str, PathBuf)> {
     [
         ("prepared buildings", prepared_folder(&cache.root)),
-        #[cfg(target_os = "linux")]
         ("baselines", b2b_evaluate::Baselines::folder_in(&cache.root)),
     ]
     .into_iter()

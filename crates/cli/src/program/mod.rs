@@ -57,7 +57,6 @@ pub fn command() -> Command {
 /// an error.
 pub fn catalog(download: &mut Download) -> Result<Catalog> {
     let catalog = Catalog::open(download)?;
-    #[cfg(target_os = "linux")]
     let catalog = {
         let jobs = b2b_workers::Jobs::new(worker_options(catalog.library().path()));
         catalog.hosted_by(std::sync::Arc::new(jobs))
@@ -66,14 +65,12 @@ pub fn catalog(download: &mut Download) -> Result<Catalog> {
 }
 
 /// Returns a launcher that starts this program as a worker.
-#[cfg(target_os = "linux")]
 pub fn launcher() -> b2b_workers::Launcher {
     let Program { executable, arguments } = Program::this();
     arguments.iter().fold(b2b_workers::Launcher::new(executable), |launcher, each| launcher.argument(each))
 }
 
 /// Returns the options of workers with this engine. An interrupt ends any wait for them.
-#[cfg(target_os = "linux")]
 pub fn worker_options(engine: &std::path::Path) -> b2b_workers::WorkerOptions {
     let options = b2b_workers::WorkerOptions::new(launcher(), engine);
     b2b_workers::WorkerOptions { interrupted: crate::terminal::interrupt::requested, ..options }

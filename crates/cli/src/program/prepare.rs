@@ -8,7 +8,6 @@ use b2b_building::{Controls, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
 use b2b_env::{Env, EpisodeConfig, Spaces, Task};
-#[cfg(target_os = "linux")]
 use b2b_workers::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
 
 use crate::arguments::location::Location;
@@ -93,7 +92,6 @@ impl Prepared {
 }
 
 /// For worker processes.
-#[cfg(target_os = "linux")]
 impl Prepared {
     /// Returns the options of workers with this building's engine.
     pub fn worker_options(&self) -> WorkerOptions {

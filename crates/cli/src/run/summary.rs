@@ -235,7 +235,7 @@ impl Summary {
             ("discomfort outside the band", format!("{:.1} K·h", metrics.discomfort)),
             ("too cold, too warm while occupied", self.occupied_text()),
             ("HVAC electricity", format!("{:.2} kWh/m²", of(Term::Electricity) / 1000.0)),
-            (self.fuels(), format!("{:.2} kWh/m²", of(Term::Gas) / 1000.0)),
+            ("HVAC non-electric", format!("{:.2} kWh/m²", of(Term::Gas) / 1000.0)),
             ("HVAC energy by end use", self.end_uses_text()),
             (
                 "cost, emissions",
@@ -283,14 +283,6 @@ impl Summary {
         });
         let used: Vec<_> = used.collect();
         if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }
-    }
-
-    /// Returns the name of HVAC energy other than electricity.
-    fn fuels(&self) -> &'static str {
-        match self.energy_carriers[..] {
-            [Carrier::Electricity, Carrier::Gas] => "HVAC gas",
-            _ => "HVAC gas and other carriers",
-        }
     }
 
     /// Returns the unit of costs: only the default prices have a known currency.

@@ -45,8 +45,7 @@ function trackingTiles(s) {
   if (heated) metric(`RMS below target, ${heated} zones without cooling`, of => fixed(of.rms_heating_only_k, 2) + " K");
   metric("outside comfort band", of => fixed(of.hours_outside_band, 1) + " h");
   metric("HVAC electricity", of => fixed(of.electricity_wh_m2 / 1000, 2) + " kWh/m²");
-  const others = s.energy_carriers.length > 2 ? " and other carriers" : "";
-  metric(`HVAC gas${others}`, of => fixed(of.gas_wh_m2 / 1000, 2) + " kWh/m²");
+  metric("HVAC non-electric", of => fixed(of.gas_wh_m2 / 1000, 2) + " kWh/m²");
   for (const use of ["heating", "cooling", "fans", "pumps"]) {
     if (s[`${use}_wh_m2`]) metric(`HVAC energy, ${use}`, of => fixed(of[`${use}_wh_m2`] / 1000, 2) + " kWh/m²");
   }

@@ -3,7 +3,6 @@
 use crate::terminal::wrap;
 
 /// Commands by purpose.
-#[cfg(target_os = "linux")]
 const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "compare"]),
     ("Explore buildings", &["list", "show", "view"]),
@@ -12,14 +11,6 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
     ("Other programs", &["serve"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
-    ("Installation and performance", &["setup", "doctor", "bench"]),
-];
-#[cfg(not(target_os = "linux"))]
-const GROUPS: &[(&str, &[&str])] = &[
-    ("Simulate", &["run", "compare"]),
-    ("Explore buildings", &["list", "show", "view"]),
-    ("Your own models", &["import", "edit", "calibrate"]),
-    ("Dataset", &["dataset", "generate", "check"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),
 ];
 

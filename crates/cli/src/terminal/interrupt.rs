@@ -22,11 +22,9 @@ static PATIENT: AtomicBool = AtomicBool::new(false);
 /// Installs the handlers. An interrupt or a termination request only sets the flag; a second one, or [`GRACE`] after
 /// the first, ends the process and its workers immediately.
 pub fn listen() -> Result<()> {
-    #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
         OWNER.get_or_init(|| owner);
     }
-    #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::clone(&TOO_LARGE))
         .context("cannot install the handler of file sizes")?;
     ctrlc::set_handler(|| {
@@ -62,7 +60,6 @@ pub fn remedy() -> Option<&'static str> {
 }
 
 /// Lets the command take longer to stop, because it writes a checkpoint first.
-#[cfg(target_os = "linux")]
 pub fn be_patient() {
     PATIENT.store(true, Ordering::Relaxed);
 }
@@ -72,14 +69,8 @@ pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed) || is_orphan()
 }
 
-#[cfg(target_os = "linux")]
 fn is_orphan() -> bool {
     OWNER.get().is_some_and(|owner| std::os::unix::process::parent_id() != *owner)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn is_orphan() -> bool {
-    OWNER.get().is_some()
 }
 
 /// Errors if the user asked to stop.

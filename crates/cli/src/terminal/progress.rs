@@ -99,7 +99,6 @@ pub fn counter(length: usize, name: &str, quiet: bool) -> ProgressBar {
 }
 
 /// Returns a bar of training steps that begins at `done`, with a message.
-#[cfg(target_os = "linux")]
 pub fn training(steps: u64, done: u64, quiet: bool) -> ProgressBar {
     let bar = bar(steps, "{wide_bar} {pos}/{len} steps, {msg}, {eta} left", quiet);
     bar.set_position(done);

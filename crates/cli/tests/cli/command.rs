@@ -144,7 +144,7 @@ fn the_trajectory_file_has_a_row_per_step_and_a_named_column_per_value() {
         "hour",
         "Kitchen air temperature",
         "outdoor air temperature",
-        "HVAC gas",
+        "HVAC non-electric",
         "Kitchen supply air flow",
         "Dining supply air temperature",
         "temperature penalty",
@@ -219,7 +219,6 @@ fn doctor_fails_and_names_a_problem() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn a_full_disk_is_reported_with_the_file_and_leaves_nothing_behind() {
     use rustix::process::{Resource, Rlimit, prlimit};
 
@@ -253,7 +252,6 @@ fn an_impossible_output_folder_is_rejected_before_the_run() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     for signal in [Signal::INT, Signal::TERM] {
         let sandbox = Sandbox::new();
@@ -273,7 +271,6 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn interrupted_commands_that_start_processes_leave_nothing_behind() {
     for arguments in [
         "check RestaurantFastFood-0001 --jobs 1",
@@ -293,7 +290,6 @@ fn interrupted_commands_that_start_processes_leave_nothing_behind() {
 }
 
 /// Returns the child processes of a process.
-#[cfg(target_os = "linux")]
 fn children_of(process: u32) -> Vec<u32> {
     let child = |entry: std::fs::DirEntry| {
         let id = entry.file_name().to_str()?.parse().ok()?;
@@ -306,7 +302,6 @@ fn children_of(process: u32) -> Vec<u32> {
 }
 
 /// Returns whether a command has a template and the copy that runs the episode.
-#[cfg(target_os = "linux")]
 fn runs_an_episode(command: u32) -> bool {
     workers_of(command).len() >= 2
 }
@@ -321,7 +316,6 @@ fn bench_speed_measures_the_costs_of_a_step() {
     }
 }
 
-#[cfg(target_os = "linux")]
 #[test]
 fn bench_train_measures_both_designs_and_the_shares_of_their_time() {
     let arguments = "bench train --type SingleFamilyHouse --environments 2 --steps 1000 --python none";

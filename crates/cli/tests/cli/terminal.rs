@@ -59,9 +59,7 @@ fn tables_fit_80_columns() {
         "list tariffs",
         "show OfficeSmall --all",
         "show SingleFamilyHouse-0042",
-        #[cfg(target_os = "linux")]
         "benchmark list",
-        #[cfg(target_os = "linux")]
         "benchmark show goal-setpoint-mode",
     ] {
         let text = printed(arguments, 80);

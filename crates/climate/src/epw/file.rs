@@ -30,7 +30,6 @@ struct Stamp {
     bytes: u64,
     modified: Option<SystemTime>,
     /// Inode and time of its last change.
-    #[cfg(unix)]
     changed: (u64, i64, i64),
 }
 
@@ -126,7 +125,6 @@ impl EpwFile {
 impl Stamp {
     fn of(path: &Path) -> std::io::Result<Self> {
         let found = std::fs::metadata(path)?;
-        #[cfg(unix)]
         let changed = {
             use std::os::unix::fs::MetadataExt;
             (found.ino(), found.ctime(), found.ctime_nsec())
@@ -134,7 +132,6 @@ impl Stamp {
         Ok(Self {
             bytes: found.len(),
             modified: found.modified().ok(),
-            #[cfg(unix)]
             changed,
         })
     }

@@ -6,7 +6,6 @@
 //! buildings at a time.
 
 mod kind;
-#[cfg(target_os = "linux")]
 mod search;
 mod surface;
 
@@ -21,7 +20,6 @@ use crate::guideline36::{Guideline36, Guideline36Parameters, Shift, SupervisoryP
 use crate::parameter_set::read;
 use crate::{Error, Result};
 pub(crate) use kind::Kind;
-#[cfg(target_os = "linux")]
 pub use search::{Round, SearchOptions, Site, Tries, Tuned, run, tune};
 
 /// Outdoor temperature from which on it is not cold, °C, and the difference that counts as 1.

@@ -67,10 +67,6 @@ fn cache_dir_from(variable: impl Fn(&str) -> Option<OsString>, home: Option<Path
     let home = home.filter(|home| !home.as_os_str().is_empty());
     let caches = if let Some(xdg) = xdg {
         xdg
-    } else if cfg!(target_os = "macos") {
-        home?.join("Library/Caches")
-    } else if cfg!(windows) {
-        variable("LOCALAPPDATA").map(PathBuf::from).or_else(|| Some(home?.join("AppData").join("Local")))?
     } else {
         home?.join(".cache")
     };
@@ -94,7 +90,6 @@ mod tests {
         cache_dir_from(variable, home.map(PathBuf::from))
     }
 
-    #[cfg(target_os = "linux")]
     #[test]
     fn the_cache_folder_is_b2b_cache_then_xdg_then_home() {
         let all = [("B2B_CACHE", "/b2b"), ("XDG_CACHE_HOME", "/xdg")];
@@ -104,7 +99,6 @@ mod tests {
         assert_eq!(dir(&relative, Some("/home/me")), Some("/home/me/.cache/building2building".into()));
     }
 
-    #[cfg(target_os = "linux")]
     #[test]
     fn without_a_home_there_is_no_cache_folder() {
         assert_eq!(dir(&[], None), None);

@@ -23,7 +23,7 @@ const CANDIDATES: &[&[&str]] = &[
 const POLL: Duration = Duration::from_millis(50);
 
 /// Folder in which clients run.
-const FOLDER: &str = if cfg!(windows) { r"C:\Windows" } else { "/" };
+const FOLDER: &str = "/";
 
 /// A working package client.
 pub(super) struct Client {
@@ -103,7 +103,6 @@ fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null()).current_dir(FOLDER);
     // A separate process group, so that it can be ended with its children: `python3` and `uv` may be wrappers.
-    #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command
 }
@@ -117,7 +116,6 @@ impl Drop for Running {
         if !matches!(self.0.try_wait(), Ok(None)) {
             return;
         }
-        #[cfg(unix)]
         let _ = rustix::process::kill_process_group(
             rustix::process::Pid::from_child(&self.0),
             rustix::process::Signal::KILL,

@@ -10,39 +10,21 @@ use super::progress::Progress;
 
 /// The package that contains EnergyPlus.
 ///
-/// The Linux and macOS wheels contain the library twice; the one without a version in its name loads on its own. On Windows
-/// the library needs the Python library next to it.
+/// The wheel contains the library twice; the one without a version in its name loads on its own.
 pub static ENGINE: Package = Package {
     name: "pyenergyplus-lbnl",
     version: "26.1.0",
     wheels: &[
         Wheel {
-            platform: Platform::LinuxX86_64,
+            platform: Platform::Linux("x86_64"),
             file_name: "pyenergyplus_lbnl-26.1.0-py3-none-manylinux1_x86_64.whl",
             sha256: "16bda1d451a72d8ec27697d8c52f804a7ce1c51b0ccb567b80033652e356720b",
             bytes: 46_106_986,
             files_sha256: "ae9a3276b82cd89fe6c04d99ceaf9641686654caac1a961d94cb9b61b496a45b",
         },
-        Wheel {
-            platform: Platform::MacArm64,
-            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-macosx_11_0_arm64.whl",
-            sha256: "629fb061b78f529b682477fb0396cf4f3e3c67e31fbff4e20d574b8352afc2a9",
-            bytes: 36_985_420,
-            files_sha256: "5bfe76c1cbb0d316c97ed0c3c60c68aaaadc9e03d46cba6156bf2721d774389d",
-        },
-        Wheel {
-            platform: Platform::WindowsX86_64,
-            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-win_amd64.whl",
-            sha256: "5669748080888d33424a6c2bae665fedc5b14fa7d43dc897cf20d46ee2ee3426",
-            bytes: 21_922_487,
-            files_sha256: "f1e62263e02ed976a8906e9ec7334cc14e04b9c06880bf8badff88e40856c0ca",
-        },
     ],
     keep: &[
         "libenergyplusapi.so",
-        "libenergyplusapi.dylib",
-        "energyplusapi.dll",
-        "python312.dll",
         "pyenergyplus/data/model/*.idf",
         "pyenergyplus/data/weather/*.epw",
         "pyenergyplus_lbnl-26.1.0.dist-info/licenses/LICENSE.txt",
@@ -50,14 +32,8 @@ pub static ENGINE: Package = Package {
     corrections: &[],
 };
 
-/// File name of the library on this platform.
-const LIBRARY: &str = if cfg!(windows) {
-    "energyplusapi.dll"
-} else if cfg!(target_os = "macos") {
-    "libenergyplusapi.dylib"
-} else {
-    "libenergyplusapi.so"
-};
+/// File name of the library.
+const LIBRARY: &str = "libenergyplusapi.so";
 
 /// Folders of example models, in the package and in an installation.
 const MODELS: &[&str] = &["pyenergyplus/data/model", "ExampleFiles"];

@@ -39,32 +39,23 @@ pub struct Wheel {
 pub enum Platform {
     /// Any platform: data or pure Python.
     Any,
-    /// Linux on x86-64, with glibc.
-    LinuxX86_64,
-    /// macOS on Apple silicon.
-    MacArm64,
-    /// Windows on x86-64.
-    WindowsX86_64,
+    /// Linux with glibc, on an architecture.
+    Linux(&'static str),
 }
 
 impl Platform {
     fn is_here(self) -> bool {
-        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
         match self {
             Self::Any => true,
-            Self::LinuxX86_64 => (os, arch) == ("linux", "x86_64"),
-            Self::MacArm64 => (os, arch) == ("macos", "aarch64"),
-            Self::WindowsX86_64 => (os, arch) == ("windows", "x86_64"),
+            Self::Linux(architecture) => std::env::consts::ARCH == architecture,
         }
     }
 
     /// Platform tag of the wheel (PEP 425); none for [`Platform::Any`].
-    pub(super) fn tag(self) -> Option<&'static str> {
+    pub(super) fn tag(self) -> Option<String> {
         match self {
             Self::Any => None,
-            Self::LinuxX86_64 => Some("manylinux1_x86_64"),
-            Self::MacArm64 => Some("macosx_11_0_arm64"),
-            Self::WindowsX86_64 => Some("win_amd64"),
+            Self::Linux(architecture) => Some(format!("manylinux1_{architecture}")),
         }
     }
 }

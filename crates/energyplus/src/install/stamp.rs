@@ -43,12 +43,9 @@ impl Stamp {
 }
 
 fn line(found: &Metadata) -> String {
-    #[cfg(unix)]
     let changed = {
         use std::os::unix::fs::MetadataExt;
         (found.ino(), found.ctime(), found.ctime_nsec())
     };
-    #[cfg(not(unix))]
-    let changed = ();
     format!("{} {:?} {changed:?}\n", found.len(), found.modified().ok())
 }

@@ -356,7 +356,6 @@ impl Environment for Env {
 }
 
 /// For processes that end with their episode.
-#[cfg(target_os = "linux")]
 impl Env {
     /// Copies this process at the current point of the episode: see
     /// [`Simulation::fork`](b2b_energyplus::Simulation::fork). The copy's engine writes its meters to its own file, if

@@ -49,7 +49,6 @@ fn numbers<const COUNT: usize>(reward: Reward, terms: impl Iterator<Item = f64>)
 }
 
 /// Returns reward and terms of [`to_numbers`].
-#[cfg(target_os = "linux")]
 pub fn from_numbers(numbers: StepNumbers) -> (Reward, Amounts) {
     let reward = Reward { temperature_penalty: numbers[0], energy_penalty: numbers[1] };
     (reward, Amounts::of(|term| numbers[2 + term as usize]))

@@ -187,7 +187,7 @@ impl ObservationSpace {
         self.shared(Shared::Electricity)
     }
 
-    /// Slot of the HVAC gas of the step, with other fuels and district energy, Wh/m².
+    /// Slot of the non-electric HVAC energy of the step, Wh/m².
     pub fn gas(&self) -> usize {
         self.shared(Shared::Gas)
     }

@@ -80,12 +80,12 @@ const SHARED_SLOTS: [SharedSlot; SHARED] = [
         "engine: meters of HVAC electricity (Electricity:HVAC without a plant), of the step",
     ),
     (
-        "HVAC gas",
+        "HVAC non-electric",
         Owner::Energy,
         Observed::Gas,
         "Wh/m²",
         (0.0, f64::INFINITY),
-        "engine: meters of HVAC gas, other fuels and district energy (NaturalGas:HVAC), of the step",
+        "engine: meters of non-electric HVAC energy (NaturalGas:HVAC, other fuels, district energy), of the step",
     ),
 ];
 

@@ -46,7 +46,7 @@ pub(super) const GAS: Entry = Entry {
         unit: "Wh/m²",
         divisor: 1.0,
         doc: "non-electric HVAC energy: gas, other fuels and district energy",
-        display: Display::lower("HVAC gas (kWh/m²)", 1e-3, 2),
+        display: Display::lower("HVAC non-electric (kWh/m²)", 1e-3, 2),
     }),
     info: None,
 };

@@ -105,7 +105,7 @@ impl Measured<'_> {
         self.energy[0]
     }
 
-    /// HVAC gas of the step, with other fuels and district energy, Wh/m².
+    /// Non-electric HVAC energy of the step: gas, other fuels and district energy, Wh/m².
     pub fn gas(&self) -> f64 {
         self.energy[1..].iter().sum()
     }

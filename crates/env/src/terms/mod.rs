@@ -51,7 +51,7 @@ terms! {
     Energy: energy::ENERGY;
     /// HVAC electricity, Wh/m².
     Electricity: energy::ELECTRICITY;
-    /// HVAC gas, with other fuels and district energy, Wh/m².
+    /// Non-electric HVAC energy: gas, other fuels and district energy, Wh/m².
     Gas: energy::GAS;
     /// Energy cost at the task's prices, currency/m².
     Cost: cost::COST;

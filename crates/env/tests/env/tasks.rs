@@ -90,7 +90,7 @@ fn rewards_and_metrics_follow_from_the_trajectory() {
     let (first, trajectory) = random_episode_from(&mut env, 2);
     let temperatures = temperatures(&env);
     let targets = slots(&env, "target");
-    let [electricity, gas] = ["HVAC electricity", "HVAC gas"].map(|name| slots(&env, name)[0]);
+    let [electricity, gas] = ["HVAC electricity", "HVAC non-electric"].map(|name| slots(&env, name)[0]);
     let (mut discomfort, mut penalty, mut energy) = (0.0, 0.0, [0.0; 2]);
     let (mut cost, mut emissions, mut peak) = (0.0, 0.0, 0.0f64);
     for ((before, after), reward) in steps(&first, &trajectory).zip(&trajectory.penalties) {

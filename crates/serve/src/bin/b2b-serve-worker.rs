@@ -1,7 +1,6 @@
 //! A worker process, for tests that cannot act as their own workers.
 
 fn main() {
-    #[cfg(target_os = "linux")]
     b2b_workers::run_if_worker();
     eprintln!("b2b-serve-worker is started automatically by tests, not by hand");
     std::process::exit(2);

@@ -1,5 +1,4 @@
 //! BOPTEST's interface on the real engine, over HTTP.
-#![cfg(target_os = "linux")]
 
 mod client;
 mod indicators;

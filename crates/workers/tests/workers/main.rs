@@ -1,5 +1,4 @@
 //! Environments in worker processes, on the real engine.
-#![cfg(target_os = "linux")]
 
 mod batch;
 #[path = "../../../env/tests/env/case.rs"]

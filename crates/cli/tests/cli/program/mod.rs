@@ -54,7 +54,6 @@ pub fn assert_rejected(folder: &Path, arguments: &str, words: &[&str]) {
 }
 
 /// Returns the worker processes of a process: templates, and the copies of them that run episodes.
-#[cfg(target_os = "linux")]
 pub fn workers_of(owner: u32) -> Vec<u32> {
     let owner = owner.to_string();
     let worker = |process: std::fs::DirEntry| {
