@@ -29,7 +29,7 @@ from .evaluation import Evaluation, Policy, Request, say_reused
 from .learning import Agent
 from .learning import train as train_here
 from .process import command
-from .process.temporary import temporary_folder
+from .process.temporary import replacing, temporary_folder
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]
@@ -321,6 +321,5 @@ def _write_all(folder: Path, files: Files) -> None:
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        aside = path.with_name(path.name + ".aside")
-        aside.write_bytes(content)
-        os.replace(aside, path)
+        with replacing(path) as aside:
+            Path(aside).write_bytes(content)

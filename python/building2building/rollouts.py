@@ -19,6 +19,7 @@ from .buildings.signatures import renamed
 from .env import unwrap
 from .env.layout import Layout, index_of
 from .errors import SettingError, need
+from .process.temporary import replacing
 
 Array = NDArray[Any]
 
@@ -244,14 +245,9 @@ class Trajectory:
         """Writes a NumPy file (.npz) atomically, which :meth:`load` reads."""
         described = {name: getattr(self, name) for name in _DESCRIBED}
         text = json.dumps(described, default=lambda value: np.asarray(value).tolist())
-        partial = f"{os.fspath(path)}.partial"
-        try:
-            with open(partial, "wb") as file:
-                np.savez_compressed(file, described=np.array(text), **{name: getattr(self, name) for name in _ARRAYS})
-            os.replace(partial, path)
-        finally:
-            if os.path.exists(partial):
-                os.unlink(partial)
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        with replacing(path) as partial, open(partial, "wb") as file:
+            np.savez_compressed(file, described=np.array(text), **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
@@ -282,13 +278,8 @@ class Trajectory:
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes a Parquet file atomically. Needs ``pyarrow``."""
         pyarrow, parquet = need("pyarrow", "pyarrow"), need("pyarrow.parquet", "pyarrow")
-        partial = f"{os.fspath(path)}.partial"
-        try:
+        with replacing(path) as partial:
             parquet.write_table(pyarrow.table(self.to_dict()), partial)
-            os.replace(partial, path)
-        finally:
-            if os.path.exists(partial):
-                os.unlink(partial)
 
 
 @renamed(max_steps="pass steps", stop_on_terminated="no episode terminates")

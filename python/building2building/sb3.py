@@ -20,6 +20,7 @@ from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
 from .env.physical_actions import warn_of_learner  # noqa: E402
 from .learning.acting import ActingVectorEnv  # noqa: E402
+from .process.temporary import replacing  # noqa: E402
 from .registration import make_vec  # noqa: E402
 from .scaling import Scale  # noqa: E402
 from .vector import BuildingVectorEnv  # noqa: E402
@@ -162,17 +163,12 @@ def export_onnx(model: Any, path: str | os.PathLike[str]) -> None:
     slots = envs.envs.single_observation_space.shape[0]
     actor = _actor(model.policy, envs.scale).to(model.device).eval()
     example = torch.zeros(1, slots, device=model.device)
-    partial = f"{os.fspath(path)}.partial"
-    try:
+    with replacing(path) as partial:
         with _quiet_export(), torch.no_grad():
             program = torch.onnx.export(
                 actor, (example,), input_names=["observation"], output_names=["action"], dynamo=True, verbose=False
             )
         program.save(partial)
-        os.replace(partial, path)
-    finally:
-        if os.path.exists(partial):
-            os.unlink(partial)
 
 
 @contextlib.contextmanager

@@ -23,14 +23,14 @@ pub fn fingerprint() -> String {
         .clone()
 }
 
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[cfg(target_env = "gnu")]
 fn c_library() -> String {
     // SAFETY: returns a static string that ends with a zero byte.
     let version = unsafe { std::ffi::CStr::from_ptr(libc::gnu_get_libc_version()) };
     format!("glibc {}", version.to_string_lossy())
 }
 
-#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+#[cfg(not(target_env = "gnu"))]
 fn c_library() -> String {
     std::env::consts::OS.to_owned()
 }

@@ -4,7 +4,6 @@
 //! no processes or files left behind. Every violation is a finding: it is saved with the files that reproduce it, and
 //! the exit code is 1.
 
-
 mod faults;
 mod inputs;
 mod ledger;

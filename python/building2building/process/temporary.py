@@ -1,7 +1,9 @@
-"""Temporary folders."""
+"""Temporary folders and files."""
 
 from __future__ import annotations
 
+import os
+import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,3 +20,15 @@ def temporary_folder(purpose: str) -> Iterator[Path]:
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[str]:
+    """The path of a new file beside a file, which replaces the file at the end. After an exception it is removed."""
+    aside = f"{os.fspath(path)}.{secrets.token_hex(4)}.partial"
+    try:
+        yield aside
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.unlink(aside)

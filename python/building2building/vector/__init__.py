@@ -91,12 +91,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         problem: _core.Problem | None = None,
     ):
         self._core: _core.VecEnv | None = None
-        if render_mode is not None:
-            raise SettingError("a vector environment cannot render; make a single environment with render_mode")
-        if reward is not None and not callable(reward):
-            raise SettingError(f"reward is {reward!r}; expected a function of a step's info")
-        if not isinstance(num_envs, int | np.integer) or num_envs < 1:
-            raise SettingError(f"num_envs is {num_envs!r}; expected a number from 1 on")
+        _check(num_envs, reward, render_mode)
         if weights is not None and not resample:
             raise SettingError("weights apply to draws; pass resample=True")
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:
@@ -134,21 +129,27 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             checked_weather(weather_years),
             control,
         )
-        self._core = core = self._make_core()
+        self._core = self._make_core()
         close_at_exit(self)
+        self._resample = bool(resample)
+        self._steps_per_hour = timesteps_per_hour
+        self._by_role = by_role
+        self._read_spaces(self._core)
+
+    def _read_spaces(self, core: _core.VecEnv) -> None:
+        """Reads the spaces of the core's buildings, and makes the arrays of a step."""
         #: Layouts of the buildings; with ``resample``, of a few representative ones.
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
-        self._resample = bool(resample)
         slots, actuators = core.slots(), core.actuators()
         #: Fixed bounds by which observations are normalized. They cover everything that a slot of the row may hold.
         self.scale = Scale.of_all(slots)
-        self._plain = len(slots) == 1 and not by_role
+        self._plain = len(slots) == 1 and not self._by_role
         bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
         box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
-        self.single_observation_space = self.scale.space if normalize else box
-        self.single_action_space = _action_space(actuators, core.widths[0], rescale_action)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.single_observation_space = self.scale.space if self.normalize else box
+        self.single_action_space = _action_space(actuators, core.widths[0], self.rescale_action)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.metadata = {
             **type(self).metadata,
             "autoreset_mode": self.autoreset_mode,
@@ -158,13 +159,11 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if self._plain:
             self.metadata["observation_names"] = [name for name, _, _ in slots[0]]
             self.metadata["action_names"] = [name for name, _, _ in actuators[0]]
-        self._steps_per_hour = timesteps_per_hour
-        self._by_role = by_role
         #: Number of steps done in every environment's episode.
-        self._steps = np.zeros(num_envs, dtype=int)
-        self._rows = [Row(self.layouts[i % len(self.layouts)].spaces, by_role) for i in range(num_envs)]
+        self._steps = np.zeros(self.num_envs, dtype=int)
+        self._rows = [Row(self.layouts[i % len(self.layouts)].spaces, self._by_role) for i in range(self.num_envs)]
         self._observations = np.zeros(self.observation_space.shape or (), dtype=np.float32)
-        self._done = np.zeros(num_envs, dtype=bool)
+        self._done = np.zeros(self.num_envs, dtype=bool)
 
     def layout_of(self, environment: int) -> Layout:
         """Returns the layout of the building that an environment runs now."""
@@ -330,6 +329,16 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             self.close_extras()
         except Exception:  # modules may be gone while the interpreter exits
             pass
+
+
+def _check(num_envs: int, reward: Callable[[dict[str, Any]], ArrayLike] | None, render_mode: str | None) -> None:
+    """Raises an error for the first argument that is invalid."""
+    if render_mode is not None:
+        raise SettingError("a vector environment cannot render; make a single environment with render_mode")
+    if reward is not None and not callable(reward):
+        raise SettingError(f"reward is {reward!r}; expected a function of a step's info")
+    if not isinstance(num_envs, int | np.integer) or num_envs < 1:
+        raise SettingError(f"num_envs is {num_envs!r}; expected a number from 1 on")
 
 
 def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:

@@ -31,11 +31,11 @@ pub enum Candidate<'py> {
 /// The buildings and tasks of a batch of environments.
 pub struct Episodes {
     tasks: Vec<Task>,
-    /// What an agent sets in buildings that are generated.
+    /// Control mode of generated buildings.
     control: Control,
     period: Period,
     steps_per_hour: u32,
-    /// Buildings that were found.
+    /// Buildings passed as objects.
     found: Vec<Arc<Inner>>,
     /// Buildings that are generated when they are drawn, with the name of their type.
     populations: BTreeMap<&'static str, Vec<Population>>,

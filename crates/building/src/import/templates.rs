@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_the_kernel_does_not_confine_is_said() {
+    fn a_program_that_the_kernel_does_not_confine_is_reported() {
         assert!(
             note(3, Confinement::Full)
                 .ends_with("its 3 templates were expanded with ExpandObjects of the engine's folder")

@@ -14,7 +14,6 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// The model in the folder where the programs work.
 const MODEL: &str = "model.idf";
 /// Ending of a program.
-const ENDING: &str = if cfg!(windows) { ".exe" } else { "" };
 
 /// Converts an IDF to a version by the programs of a folder, and returns the text with a report. `None` if it already has
 /// the version, has none, or has a newer one.
@@ -62,14 +61,14 @@ fn program(folder: &Path, from: &str) -> Result<Program, String> {
     let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let found = names.filter_map(|name| {
-        let to = name.strip_prefix(&beginning)?.strip_suffix(ENDING)?.to_owned();
+        let to = name.strip_prefix(&beginning)?.to_owned();
         let version = short(&to.strip_prefix('V')?.replace('-', "."));
         number(&version).filter(|next| Some(*next) > number(from))?;
         Some(Program { tags: [tag.clone(), to], to: version, name })
     });
     found.min_by_key(|program| number(&program.to)).ok_or_else(|| {
         format!(
-            "there is no program {beginning}V...{ENDING} in {}: give --transition the folder of an EnergyPlus installation \
+            "there is no program {beginning}V... in {}: give --transition the folder of an EnergyPlus installation \
              with it (PreProcess/IDFVersionUpdater)",
             folder.display()
         )

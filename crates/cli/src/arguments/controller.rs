@@ -116,7 +116,6 @@ impl Chosen<'_> {
     }
 
     /// Returns a controller for the environment of a prepared building. A planner plans the whole episode first.
-    #[cfg_attr(not(target_os = "linux"), expect(unused_variables, reason = "a planner needs Linux"))]
     pub fn build(
         &self,
         prepared: &Prepared,

@@ -88,7 +88,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 impl Run {
-    /// Returns the tasks: without any given, the policy's own, or the one of other commands.
+    /// Returns the given tasks; by default the policy's training task, else `operate`.
     fn tasks(&self, policy: &dyn Policy) -> Vec<Task> {
         match &self.tasks[..] {
             [] => vec![policy.trained_task().cloned().unwrap_or_else(task::usual)],

@@ -92,11 +92,11 @@ fn notes_text(notes: &Notes) -> Option<String> {
         lines.extend(changes("left out, because it no longer exists", &conversion.left_out));
     }
     if !notes.left_autosized.is_empty() {
-        lines.push("autosized, without a size from the engine, and left to it:".to_owned());
+        lines.push("still autosized, because the engine reported no size:".to_owned());
         lines.extend(notes.left_autosized.iter().map(|field| format!("  {field}")));
     }
     if !notes.switched_off.is_empty() {
-        lines.push("switched off by schedules of the model, whatever the setpoints:".to_owned());
+        lines.push("switched off by the model's schedules, regardless of setpoints:".to_owned());
         lines.extend(notes.switched_off.iter().map(|off| format!("  {off}")));
     }
     lines.extend(notes.warnings.iter().map(|warning| format!("warning: {warning}")));

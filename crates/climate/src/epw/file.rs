@@ -129,11 +129,7 @@ impl Stamp {
             use std::os::unix::fs::MetadataExt;
             (found.ino(), found.ctime(), found.ctime_nsec())
         };
-        Ok(Self {
-            bytes: found.len(),
-            modified: found.modified().ok(),
-            changed,
-        })
+        Ok(Self { bytes: found.len(), modified: found.modified().ok(), changed })
     }
 }
 

@@ -3,7 +3,7 @@
 /// Limits for a set of parameters in every cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the defaults.
+    /// Largest travel of actuators, full strokes/day, or the travel under the defaults if that is larger.
     pub(super) travel: f64,
     /// Relative increase of the loss over the loss of the defaults.
     pub(super) increase: f64,

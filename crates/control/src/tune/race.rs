@@ -2,8 +2,7 @@
 
 use super::outcome::percentile_75;
 
-/// Mean relative excess of a proposal's loss over the best set's, beyond which it is dropped after one, two, three and
-/// more buildings.
+/// A proposal is dropped if its mean loss exceeds the best set's by this fraction, after one, two, three and more buildings.
 const MARGINS: [f64; 4] = [0.10, 0.05, 0.03, 0.02];
 
 /// The best set so far.

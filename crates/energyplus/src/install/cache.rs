@@ -65,11 +65,7 @@ fn cache_dir_from(variable: impl Fn(&str) -> Option<OsString>, home: Option<Path
         // The XDG base directory specification requires relative paths to be ignored.
         .filter(|path| path.is_absolute());
     let home = home.filter(|home| !home.as_os_str().is_empty());
-    let caches = if let Some(xdg) = xdg {
-        xdg
-    } else {
-        home?.join(".cache")
-    };
+    let caches = if let Some(xdg) = xdg { xdg } else { home?.join(".cache") };
     Some(caches.join("building2building"))
 }
 

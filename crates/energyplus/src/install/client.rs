@@ -71,7 +71,7 @@ impl Client {
             .arg("--dest")
             .arg(destination);
         if let Some(tag) = platform.tag() {
-            command.args(["--platform", tag]);
+            command.args(["--platform", &tag]);
         }
         command
             .arg(requirement)

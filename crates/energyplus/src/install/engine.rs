@@ -14,15 +14,13 @@ use super::progress::Progress;
 pub static ENGINE: Package = Package {
     name: "pyenergyplus-lbnl",
     version: "26.1.0",
-    wheels: &[
-        Wheel {
-            platform: Platform::Linux("x86_64"),
-            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-manylinux1_x86_64.whl",
-            sha256: "16bda1d451a72d8ec27697d8c52f804a7ce1c51b0ccb567b80033652e356720b",
-            bytes: 46_106_986,
-            files_sha256: "ae9a3276b82cd89fe6c04d99ceaf9641686654caac1a961d94cb9b61b496a45b",
-        },
-    ],
+    wheels: &[Wheel {
+        platform: Platform::Linux("x86_64"),
+        file_name: "pyenergyplus_lbnl-26.1.0-py3-none-manylinux1_x86_64.whl",
+        sha256: "16bda1d451a72d8ec27697d8c52f804a7ce1c51b0ccb567b80033652e356720b",
+        bytes: 46_106_986,
+        files_sha256: "ae9a3276b82cd89fe6c04d99ceaf9641686654caac1a961d94cb9b61b496a45b",
+    }],
     keep: &[
         "libenergyplusapi.so",
         "pyenergyplus/data/model/*.idf",

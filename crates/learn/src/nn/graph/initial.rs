@@ -7,7 +7,7 @@ use b2b_agent::network::graph::GraphNetwork;
 use crate::nn::orthogonal::write_weights;
 use crate::random::Random;
 
-/// Standard deviation of encoder biases, which tell apart the types of nodes without features.
+/// Standard deviation of initial encoder biases; they alone distinguish node types without features.
 const TYPE_DEVIATION: f32 = 0.5;
 
 /// Returns initial parameters: orthogonal matrices, scaled by `last` in the decoders and, in layers that add to the

@@ -80,11 +80,9 @@ impl<'a> Environments<'a> {
         for building_type in self.config.training_set.building_types()? {
             let buildings = self.population(building_type, self.config.training_set.periods()?[0]);
             for (name, building) in buildings.population.representatives()? {
-                let setting = buildings.setting(name.clone(), &building)?;
-                let placement = self.config.training_set.placement()?;
-                let found = self.catalog.find(&name.parse()?, &placement, &mut Quiet)?;
-                let prepared = Arc::new(found.prepare(self.catalog.library())?);
-                let spaces = Arc::new(Spaces::new(prepared, setting.episode));
+                let setting = buildings.setting(name, &building)?;
+                let prepared = Arc::unwrap_or_clone(setting.source).prepare(self.catalog.library())?;
+                let spaces = Arc::new(Spaces::new(Arc::new(prepared), setting.episode));
                 let building = GraphBuilding::of(interface, self.config.rewards.credit_by_zone, &spaces)?;
                 all.extend(building.map(|building| building.widths()));
             }
