@@ -60,17 +60,21 @@ impl Prepared {
 
     /// Checks the response of the building to its actuators, in a worker process.
     pub fn authority(&self) -> Result<authority::Report> {
-        return Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?);
+        Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?)
+    }
+
+    /// Starts an episode of one day, the first of the year that the weather file has, up to its first observation:
+    /// EnergyPlus detects some errors of a model only when it simulates.
+    pub fn check_start(&self) -> Result<()> {
+        let file = EpwFile::open(&self.weather)?;
         let first = (1..=365)
             .map(Date::of_day)
             .find(|date| file.record().is_ok_and(|record| record.has(date.month_and_day())));
         let first = first.unwrap_or(Date::of_day(1));
         let (period, steps, task) = (RunPeriod::new(first, first), self.trial_steps()?, Task::default());
-        {
-            let workers = b2b_workers::Workers::new(self.worker_options())?;
-            let spaces = self.spaces(period, steps, task)?;
-            workers.episode(&self.setting(spaces.episode))?.reset()?;
-        }
+        let workers = b2b_workers::Workers::new(self.worker_options())?;
+        let spaces = self.spaces(period, steps, task)?;
+        workers.episode(&self.setting(spaces.episode))?.reset()?;
         Ok(())
     }
 
@@ -79,9 +83,6 @@ impl Prepared {
         let rows = EpwFile::open(&self.weather)?.record()?.intervals();
         Ok(if rows > 1 { rows } else { 12 })
     }
-
-    /// Runs an episode of this building to its end in this process. The CPU time of the environment includes the
-    /// controller's.
 }
 
 /// A complete episode.

@@ -126,7 +126,10 @@ impl Recorded {
             period,
             zones,
             outdoor: observed("outdoor air temperature")?,
-            energy: [observed("HVAC electricity")?, observed("HVAC non-electric").or_else(|_| observed("HVAC gas"))?],
+            energy: [
+                observed("HVAC electricity")?,
+                observed("HVAC non-electric").or_else(|_| observed("HVAC gas"))?,
+            ],
             described,
         })
     }
