@@ -13,7 +13,6 @@ use super::versions::{Conversion, number, short};
 const LIMIT: Duration = Duration::from_secs(120);
 /// The model in the folder where the programs work.
 const MODEL: &str = "model.idf";
-/// Ending of a program.
 
 /// Converts an IDF to a version by the programs of a folder, and returns the text with a report. `None` if it already has
 /// the version, has none, or has a newer one.

@@ -23,17 +23,6 @@ pub(super) fn proportional_mb(process: u32) -> Result<f64> {
     Ok(kilobytes(&text, |field| field == "Pss") / 1e3)
 }
 
-/// Returns the resident memory of a process, including shared memory, MB.
-pub(super) fn resident_mb(process: u32) -> Result<f64> {
-    let text = read(process, "status")?;
-    Ok(kilobytes(&text, |field| field == "VmRSS") / 1e3)
-}
-
-/// Returns the number of open files of this process.
-pub(super) fn open_files() -> Result<usize> {
-    Ok(fs::read_dir("/proc/self/fd")?.count())
-}
-
 fn kilobytes(text: &str, wanted: impl Fn(&str) -> bool) -> f64 {
     let fields = text.lines().filter_map(|line| line.split_once(':'));
     let values = fields
