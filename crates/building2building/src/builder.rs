@@ -9,7 +9,7 @@ use b2b_dataset::{BuildingName, Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, Task};
 use b2b_workers::{
-    Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+    Autoreset, Episode, Fixed, Jobs, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
 };
 
 use crate::{Error, Result};
@@ -141,7 +141,7 @@ impl EnvBuilder {
     /// # Errors
     /// The errors of [`EnvBuilder::build`].
     pub fn setting(self) -> Result<(Setting, WorkerOptions)> {
-        let catalog = catalog()?;
+        let catalog = hosted_catalog()?;
         let (building, episode) = self.prepare(&catalog)?;
         let options = WorkerOptions::new(Launcher::this_program()?, catalog.library().path());
         Ok((Setting::new(Source::Prepared(Box::new(building)), episode), options))
@@ -168,14 +168,31 @@ impl EnvBuilder {
     }
 }
 
-/// The engine and the prototypes, loaded once in a process.
-pub(crate) fn catalog() -> Result<Arc<Catalog>> {
-    static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
-    let mut catalog = CATALOG.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(catalog) = &*catalog {
+/// The engine and the prototypes, once in a process.
+type Shared = Mutex<Option<Arc<Catalog>>>;
+
+/// Returns the catalog for models in this process.
+fn catalog() -> Result<Arc<Catalog>> {
+    static CATALOG: Shared = Mutex::new(None);
+    shared(&CATALOG, || Ok(Catalog::open(&mut Quiet)?))
+}
+
+/// Returns the catalog for models in worker processes, where they are also read and sized.
+pub(crate) fn hosted_catalog() -> Result<Arc<Catalog>> {
+    static CATALOG: Shared = Mutex::new(None);
+    shared(&CATALOG, || {
+        let catalog = Catalog::open(&mut Quiet)?;
+        let options = WorkerOptions::new(Launcher::this_program()?, catalog.library().path());
+        Ok(catalog.hosted_by(Arc::new(Jobs::new(options))))
+    })
+}
+
+fn shared(kept: &Shared, open: impl FnOnce() -> Result<Catalog>) -> Result<Arc<Catalog>> {
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(catalog) = &*kept {
         return Ok(Arc::clone(catalog));
     }
-    let opened = Arc::new(Catalog::open(&mut Quiet)?);
-    *catalog = Some(Arc::clone(&opened));
+    let opened = Arc::new(open()?);
+    *kept = Some(Arc::clone(&opened));
     Ok(opened)
 }

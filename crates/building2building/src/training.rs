@@ -7,7 +7,7 @@ use b2b_learn::train::{RunOptions, Summary, TrainConfig};
 use b2b_workers::Launcher;
 
 use crate::Result;
-use crate::builder::catalog;
+use crate::builder::hosted_catalog;
 
 /// Trains an agent in a folder like `b2b train`, or continues the folder's run.
 /// [`Agent::read`](crate::agent::Agent::read) then reads the agent from the folder. Workers start this program again,
@@ -20,7 +20,7 @@ use crate::builder::catalog;
 pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<Summary> {
     let options = RunOptions {
         out: folder.as_ref().to_owned(),
-        catalog: catalog()?,
+        catalog: hosted_catalog()?,
         launcher: Launcher::this_program()?,
         jobs: available_parallelism().map_or(1, usize::from),
         interrupted: || false,
