@@ -38,6 +38,10 @@ impl Policy for External {
         self.policy.as_ref().is_some_and(|policy| policy.ignores_interface())
     }
 
+    fn has_memory(&self) -> bool {
+        self.policy.as_ref().is_some_and(|policy| policy.has_memory())
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         match &self.policy {
             Some(policy) => policy.controller(context),

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::as_text;
 use super::buildings::Buildings;
 use super::definition::Problem;
-use super::protocol::Attributes;
+use super::protocol::{Attributes, Memory};
 use super::restriction::Fallback;
 use super::side::Side;
 use crate::{Error, Result};
@@ -38,6 +38,8 @@ pub struct Changes {
     pub left_out: Option<String>,
     /// Run periods of training and test.
     pub windows: Vec<Period>,
+    /// How long a policy with memory keeps it.
+    pub memory: Option<Memory>,
     /// Seeds.
     pub seeds: Vec<u64>,
     /// Zone time steps per hour.
@@ -105,6 +107,7 @@ impl Problem {
             protocol.seeds.clone_from(&changes.seeds);
         }
         protocol.steps_per_hour = changes.steps_per_hour.unwrap_or(protocol.steps_per_hour);
+        protocol.memory = changes.memory.unwrap_or(protocol.memory);
         protocol.attributes = changes.attributes.unwrap_or(protocol.attributes);
         protocol.observation = changes.observation.unwrap_or(protocol.observation);
         protocol.observation_width = changes.observation_width.or(protocol.observation_width);

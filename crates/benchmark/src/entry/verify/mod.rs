@@ -20,7 +20,7 @@ use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
-use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row};
+use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row, sequences};
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
@@ -53,7 +53,7 @@ impl Check {
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
-/// baselines. Reruns are compared bit for bit on a machine that rounds like the one that produced the result
+/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a machine that rounds like the one that produced the result
 /// ([`fingerprint`](b2b_base::machine::fingerprint)), and within [`TOLERANCE`] on another.
 ///
 /// # Errors
@@ -239,10 +239,22 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
-    match Measures::of(stages) {
+    match Measures::of(stages, result.problem.protocol.consecutive()) {
         Some(measures) if measures == result.measures => Ok("as the episodes give".into()),
         _ => Err("they differ from what the episodes give".into()),
     }
+}
+
+/// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its memory.
+fn units(result: &RunResult, stages: &[(Stage, Vec<Row>)], policies: &Policies) -> Vec<(Stage, Vec<usize>)> {
+    let of_stage = |(stage, _): &(Stage, Vec<Row>)| {
+        let episodes = expected(result, *stage).unwrap_or_default();
+        let policy = policies.get(&stage.to_string())?;
+        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
+        let units = sequences(&episodes, &policy).into_iter();
+        Some(units.map(|numbers| (*stage, numbers)).collect::<Vec<_>>())
+    };
+    stages.iter().filter_map(of_stage).flatten().collect()
 }
 
 /// Runs a sample again and compares hashes, metrics and baselines.
@@ -254,14 +266,13 @@ fn run_again(
     sample: Sample,
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
-    let all: Vec<(Stage, usize)> =
-        stages.iter().flat_map(|(stage, rows)| (0..rows.len()).map(|number| (*stage, number))).collect();
+    let all = units(result, stages, policies);
     let drawn = sample.draw(all.len());
     let accuracy = Accuracy::on(&result.machine);
     let mut external = None;
     for (stage, rows) in stages {
-        let of_stage = drawn.iter().map(|index| all[*index]).filter(|(of, _)| of == stage);
-        let numbers: Vec<usize> = of_stage.map(|(_, number)| number).collect();
+        let of_stage = drawn.iter().map(|index| &all[*index]).filter(|(of, _)| of == stage);
+        let numbers: Vec<usize> = of_stage.flat_map(|(_, numbers)| numbers).copied().collect();
         let Some(episodes) = expected(result, *stage).filter(|_| !numbers.is_empty()) else { continue };
         let policy = &policies[&stage.to_string()];
         if let EntryPolicy::External(External { name, .. }) = policy {
@@ -297,7 +308,8 @@ fn run_again(
         )));
     }
     let power = sample.power(size, total);
-    Ok(Ok(format!("{size} of {total} agree {accuracy}, and so do their baselines; {power}")))
+    let what = if all.iter().any(|(_, numbers)| numbers.len() > 1) { " sequences of episodes" } else { "" };
+    Ok(Ok(format!("{size} of {total}{what} agree {accuracy}, and so do their baselines; {power}")))
 }
 
 fn compare(
