@@ -26,9 +26,7 @@ class _EntryMaker(Protocol):
     """The same for an entry, whose controllers may keep their memory over consecutive episodes in a building."""
 
     has_memory: bool
-    def __call__(
-        self, spaces: Spaces, building: Building, seed: int, /
-    ) -> Callable[[NDArray[Any]], ArrayLike]: ...
+    def __call__(self, spaces: Spaces, building: Building, seed: int, /) -> Callable[[NDArray[Any]], ArrayLike]: ...
 
 class _Request(Protocol):
     """A policy and the episodes that it runs."""

@@ -124,19 +124,10 @@ impl Problem {
         let _running = running()?;
         let raised = Arc::new(Mutex::new(None));
         let external = |make: Py<PyAny>| {
-            let has_memory = make.getattr(py, "has_memory")?.extract(py)?;
             let (name, identity, raised) = (name.clone(), identity.clone(), Arc::clone(&raised));
-            let own = InPython {
-                name: name.clone(),
-                identity: identity.clone(),
-                make,
-                rescale,
-                whole,
-                has_memory,
-                raised,
-            };
-            let external = External { name, identity, by_seed, policy: Some(Box::new(own)) };
-            Ok::<_, PyErr>(EntryPolicy::External(external))
+            let has_memory = make.getattr(py, "has_memory")?.extract(py)?;
+            let own = InPython { name, identity, make, rescale, whole, has_memory, raised };
+            Ok::<_, PyErr>(EntryPolicy::External(External::new(Box::new(own), by_seed)))
         };
         let entry = Entry {
             problem: self.inner.clone(),

@@ -234,7 +234,7 @@ fn by_episode(board: &[&Ranked]) -> Option<Chart> {
     curves(board, points, ["Memory", note, "days in the building", "resolved score"])
 }
 
-/// Draws a curve per entry with points. `texts` are title, note, and labels of both axes.
+/// Draws a curve for every entry that has points. The texts are title, note, and labels of both axes.
 fn curves(
     board: &[&Ranked],
     points: impl Fn(&Measures) -> Option<Vec<(u64, Interval)>>,

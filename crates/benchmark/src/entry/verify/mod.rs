@@ -53,8 +53,9 @@ impl Check {
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
-/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a machine that rounds like the one that produced the result
-/// ([`fingerprint`](b2b_base::machine::fingerprint)), and within [`TOLERANCE`] on another.
+/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a machine
+/// that rounds like the one that produced the result ([`fingerprint`](b2b_base::machine::fingerprint)), and within
+/// [`TOLERANCE`] on another.
 ///
 /// # Errors
 /// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
@@ -245,12 +246,16 @@ fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
     }
 }
 
+/// Returns the policy of a stage behind the spaces of its side.
+fn wrapped<'a>(policy: &'a EntryPolicy, result: &'a RunResult, stage: Stage) -> WrappedPolicy<'a> {
+    WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(stage))
+}
+
 /// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its memory.
 fn units(result: &RunResult, stages: &[(Stage, Vec<Row>)], policies: &Policies) -> Vec<(Stage, Vec<usize>)> {
     let of_stage = |(stage, _): &(Stage, Vec<Row>)| {
         let episodes = expected(result, *stage).unwrap_or_default();
-        let policy = policies.get(&stage.to_string())?;
-        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
+        let policy = wrapped(policies.get(&stage.to_string())?, result, *stage);
         let units = sequences(&episodes, &policy).into_iter();
         Some(units.map(|numbers| (*stage, numbers)).collect::<Vec<_>>())
     };
@@ -286,15 +291,9 @@ fn run_again(
             external.get_or_insert(name);
             continue;
         }
-        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
         let chosen: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
-        let outcomes = Mutex::new(Vec::new());
-        progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
-        evaluation.run(&chosen, &policy, progress, &|number, outcome| {
-            outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
-            Ok(())
-        })?;
-        for (number, outcome) in outcomes.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        let policy = wrapped(policy, result, *stage);
+        for (number, outcome) in outcomes(&chosen, &policy, evaluation, progress)? {
             let (row, episode) = (&rows[number], &episodes[number]);
             if let Err(why) = compare(row, episode, outcome, accuracy, evaluation, progress)? {
                 return Ok(Err(format!("{stage}: {}: {why}", row.info)));
@@ -310,6 +309,22 @@ fn run_again(
     let power = sample.power(size, total);
     let what = if all.iter().any(|(_, numbers)| numbers.len() > 1) { " sequences of episodes" } else { "" };
     Ok(Ok(format!("{size} of {total}{what} agree {accuracy}, and so do their baselines; {power}")))
+}
+
+/// Runs episodes and returns their outcomes by number.
+fn outcomes(
+    chosen: &[(usize, &Episode)],
+    policy: &WrappedPolicy<'_>,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<Vec<(usize, Outcome)>> {
+    let outcomes = Mutex::new(Vec::new());
+    progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
+    evaluation.run(chosen, policy, progress, &|number, outcome| {
+        outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
+        Ok(())
+    })?;
+    Ok(outcomes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 fn compare(
