@@ -22,6 +22,12 @@ _Episode = tuple[str, str | None, str | None, bool, str, bool, str, str, int, in
 #: Makes the controller of an episode from its spaces, building and seed.
 _ControllerMaker = Callable[[Spaces, Building, int], Callable[[NDArray[Any]], ArrayLike]]
 
+class _EntryMaker(Protocol):
+    """The same for an entry, whose controllers may keep their memory over consecutive episodes in a building."""
+
+    has_memory: bool
+    def __call__(self, spaces: Spaces, building: Building, seed: int, /) -> Callable[[NDArray[Any]], ArrayLike]: ...
+
 class _Request(Protocol):
     """A policy and the episodes that it runs."""
 
@@ -347,6 +353,7 @@ class Controller:
     @staticmethod
     def agent(folder: str | PathLike[str], spaces: Spaces) -> Controller: ...
     def reset(self) -> None: ...
+    def reward(self, reward: float) -> None: ...
     def copy(self) -> Controller: ...
     def act(self, observation: ArrayLike) -> NDArray[np.float64]: ...
 
@@ -467,8 +474,8 @@ class Problem:
     def restricted(self, side: str, spaces: Spaces) -> Restriction | None: ...
     def run(
         self,
-        make: _ControllerMaker,
-        train_make: _ControllerMaker | None,
+        make: _EntryMaker,
+        train_make: _EntryMaker | None,
         folder: str | PathLike[str],
         jobs: int,
         rescale: bool,

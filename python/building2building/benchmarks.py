@@ -274,7 +274,13 @@ class Problem:
 
         ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
+        Every episode begins without memory; :meth:`run` keeps it where the problem says so.
         """
+        if hasattr(policy, "next_episode") and self.definition["protocol"].get("memory") == "building":
+            raise SettingError(
+                f"{name_of(policy)} has the method next_episode, and policies keep their memory in {self.name}; call "
+                "Problem.run, which runs consecutive episodes"
+            )
         episodes: list[dict[str, Any]] = []
         strata: dict[tuple[str, str, str], list[list[float]]] = {}
         resolved: dict[tuple[str, str, str], list[list[float]]] = {}
@@ -323,6 +329,12 @@ class Problem:
           controls the whole building. ``context.morphology`` is the building as a graph: ``split_observation`` gives
           one array ``[nodes, slots]`` for each node type, ``to_pyg()["edge_index"]`` the edges, and ``join_actions``
           makes an action from one array for each node type. A graph policy of your own can thus control any building.
+
+        Where the problem says that policies keep their memory (``protocol["memory"] == "building"``), a class or a callable
+        object with a method ``next_episode()`` controls all episodes with the same building, task and seed: it is made or
+        copied for the first, and ``next_episode()`` is called before each of the others. Its method ``reward(value)``, if it
+        has one, is called after each step. An object, which observes what the problem defines, also observes the previous
+        step: its action in [-1, 1], its reward, and 1 in the first step of an episode.
 
         The folder receives ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
         ``verify`` checks them like any other result, but reports that it did not rerun the policy, which is your

@@ -60,6 +60,11 @@ impl Controller {
         locked(&self.controller).reset();
     }
 
+    /// Takes the reward of the last action.
+    fn reward(&self, reward: f64) {
+        locked(&self.controller).reward(reward);
+    }
+
     /// Returns a copy with the current state.
     fn copy(&self) -> Self {
         Self { controller: Mutex::new(locked(&self.controller).boxed_clone()), widths: self.widths }

@@ -31,7 +31,7 @@ pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
-    read_stages, relative_energy, relative_resource, write_episodes, write_stages,
+    read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
 };
 pub use output::read_rows;
 pub use panics::panic_message;

@@ -8,7 +8,7 @@ use b2b_env::Task;
 use crate::Result;
 use crate::baseline::{Baselines, Key};
 use crate::evaluation::{
-    Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards,
+    Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards, sequences,
 };
 use crate::policy::Policy;
 use crate::return_terms::ReturnTerms;
@@ -115,7 +115,7 @@ fn run(
     Ok(Ran { episodes: ran, lost })
 }
 
-/// Runs the episodes that a folder does not contain, and returns the lost ones by number.
+/// Runs the sequences with an episode that a folder does not contain, and returns the lost episodes by number.
 fn run_missing(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
@@ -123,7 +123,13 @@ fn run_missing(
     policy: &dyn Policy,
     progress: &dyn Progress,
 ) -> Result<HashMap<usize, Lost>> {
-    let missing: Vec<_> = episodes.iter().filter(|(n, _)| folder.read(*n).is_none()).copied().collect();
+    let mut missing = Vec::new();
+    for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
+        let own = || sequence.iter().map(|position| episodes[*position]);
+        if own().any(|(number, _)| folder.read(number).is_none()) {
+            missing.extend(own());
+        }
+    }
     progress.begin("episodes", missing.len(), missing.iter().map(|(_, episode)| episode.days()).sum());
     let lost = Mutex::new(HashMap::new());
     evaluation.run(&missing, policy, progress, &|number, outcome| match outcome {

@@ -261,29 +261,54 @@ def say_reused(reused: int, episodes: int, folder: PathLike | None) -> None:
         print(f"{folder}: {reused} of {episodes} episodes had finished before and are reused", file=sys.stderr)
 
 
+class _WithMemory:
+    """The controller of consecutive episodes in a building: a function with the policy's own methods."""
+
+    def __init__(self, act: Callable[[Array], ArrayLike], policy: Any):
+        self._act = act
+        #: Begins another episode in the same building.
+        self.next_episode = policy.next_episode
+        if hasattr(policy, "reward"):
+            #: Takes the reward of the last action.
+            self.reward = policy.reward
+
+    def __call__(self, observation: Array) -> ArrayLike:
+        return self._act(observation)
+
+
 class ControllerMaker:
     """Makes the controller of an episode for the core: a function from an f64 observation to an action."""
 
     def __init__(self, policy: Any, rescale_action: bool, normalize: bool):
         self._policy = _function_of(policy)
         self._rescale, self._normalize = rescale_action, normalize
+        #: Whether its controllers can keep their memory over several episodes in a building.
+        self.has_memory = hasattr(self._policy, "next_episode")
 
     def __call__(self, spaces: _core.Spaces, building: _core.Building, seed: int) -> Callable[[Array], ArrayLike]:
+        policy, act = self._make(spaces, building, seed)
+        return _WithMemory(act, policy) if self.has_memory else act
+
+    def _make(
+        self, spaces: _core.Spaces, building: _core.Building, seed: int
+    ) -> tuple[Any, Callable[[Array], ArrayLike]]:
+        """Returns the policy and its function from an f64 observation to an action."""
         policy, scale = self._policy, None
         if isinstance(policy, type) or self._normalize:
             context = EpisodeContext(spaces, building, seed, self._rescale, self._normalize)
             scale = context.scale
             if isinstance(policy, type):
                 policy = policy(context)
-        if not isinstance(self._policy, type) and hasattr(policy, "reset"):
+        has_state = self.has_memory or hasattr(policy, "reset")
+        if not isinstance(self._policy, type) and has_state:
             policy = copy.deepcopy(policy)
         if hasattr(policy, "reset"):
             policy.reset()
         if isinstance(policy, BuiltInController):
-            return policy.physical
+            return policy, policy.physical
         if scale is not None:
-            return lambda observation: policy(scale(observation))
-        return lambda observation: policy(observation.astype(np.float32))
+            return policy, lambda observation: policy(scale(observation))
+        return policy, lambda observation: policy(observation.astype(np.float32))
 
 
 class ProgressLine:

@@ -19,11 +19,13 @@ from ..rollouts import BuiltInController, ReactiveController
 from ..scaling import Scale
 from .hours_ahead import PriceSignal, WeatherForecast
 from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
+from .previous_step import PreviousStepObservation
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
     "NormalizeObservation",
     "PadObservation",
+    "PreviousStepObservation",
     "PriceSignal",
     "ResampleBuildingOnResetWrapper",
     "RoleObservation",

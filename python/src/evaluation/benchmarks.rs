@@ -100,8 +100,8 @@ impl Problem {
     /// Runs a policy written in Python on the problem, writes the result to a folder and returns it as JSON text.
     /// Episodes already in the folder are not run again.
     ///
-    /// `make` takes spaces, building and seed and returns the controller of an episode; `train_make`, if given, does so
-    /// for training buildings. `whole` is whether these controllers observe and control the whole building instead of
+    /// `make` takes spaces, building and seed and returns the controller of an episode, or of consecutive ones if its
+    /// attribute `has_memory` is true and the problem says so; `train_make`, if given, does so for training buildings. `whole` is whether these controllers observe and control the whole building instead of
     /// the problem's interface. `progress` is called regularly with a label and the simulated days done and in total.
     #[pyo3(signature = (make, train_make, folder, jobs, rescale, whole, by_seed, name, identity, description, training_steps, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
@@ -125,14 +125,14 @@ impl Problem {
         let raised = Arc::new(Mutex::new(None));
         let external = |make: Py<PyAny>| {
             let (name, identity, raised) = (name.clone(), identity.clone(), Arc::clone(&raised));
-            let own =
-                InPython { name: name.clone(), identity: identity.clone(), make, rescale, whole, raised };
-            EntryPolicy::External(External { name, identity, by_seed, policy: Some(Box::new(own)) })
+            let has_memory = make.getattr(py, "has_memory")?.extract(py)?;
+            let own = InPython { name, identity, make, rescale, whole, has_memory, raised };
+            Ok::<_, PyErr>(EntryPolicy::External(External::new(Box::new(own), by_seed)))
         };
         let entry = Entry {
             problem: self.inner.clone(),
-            policy: external(make),
-            train_policy: train_make.map(external),
+            policy: external(make)?,
+            train_policy: train_make.map(external).transpose()?,
             name: name.clone(),
             description,
             training_steps,

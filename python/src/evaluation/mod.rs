@@ -83,7 +83,7 @@ impl Request<'_> {
             return <dyn Policy>::named(&name, scale).map_err(of_evaluation);
         }
         let (make, raised) = (policy.unbind(), Arc::clone(raised));
-        Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
+        Ok(Box::new(InPython { name, identity, make, rescale, whole: true, has_memory: false, raised }))
     }
 }
 
@@ -261,12 +261,14 @@ fn episode(key: EpisodeKey) -> PyResult<Episode> {
 pub struct InPython {
     pub name: String,
     pub identity: String,
-    /// Takes spaces, building and seed and returns the controller of an episode.
+    /// Takes spaces, building and seed and returns the controller of an episode, or of consecutive episodes in a building.
     pub make: Py<PyAny>,
     /// Whether actions are in [-1, 1].
     pub rescale: bool,
     /// Whether it observes and controls the whole building, regardless of the interface of the problem.
     pub whole: bool,
+    /// Whether its controllers have the method `next_episode`.
+    pub has_memory: bool,
     /// The first exception that it raised.
     pub raised: Arc<Mutex<Option<PyErr>>>,
 }
@@ -284,26 +286,36 @@ impl Policy for InPython {
         self.whole
     }
 
+    fn has_memory(&self) -> bool {
+        self.has_memory
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, interface, seed, .. } = context;
         let building = Arc::new(Inner::of_subject(subject, site, spaces));
-        let made = Python::attach(|py| {
+        let made: PyResult<_> = Python::attach(|py| {
             let seen = Spaces::new(Arc::clone(spaces), Arc::clone(&building));
-            self.make.call1(py, (seen, Building { inner: building }, seed))
+            let act = self.make.call1(py, (seen, Building { inner: building }, seed))?;
+            let method = |name: &str| Ok::<_, PyErr>(act.bind(py).getattr_opt(name)?.map(Bound::unbind));
+            let (next_episode, reward) = (method("next_episode")?, method("reward")?);
+            Ok((act, next_episode, reward))
         });
-        let act = made.map_err(|error| {
+        let (act, next_episode, reward) = made.map_err(|error| {
             fail(&self.raised, error);
             b2b_evaluate::Error::Interrupted
         })?;
         let space = if self.whole { &spaces.action } else { &interface.action };
         let (space, raised) = (space.clone(), Arc::clone(&self.raised));
-        Ok(Box::new(Acting { act, space, rescale: self.rescale, raised }))
+        Ok(Box::new(Acting { act, next_episode, reward, space, rescale: self.rescale, raised }))
     }
 }
 
-/// The controller of one episode of a policy written in Python.
+/// The controller of one episode of a policy written in Python, or of consecutive episodes.
 struct Acting {
     act: Py<PyAny>,
+    /// Its methods of these names, if it has them.
+    next_episode: Option<Py<PyAny>>,
+    reward: Option<Py<PyAny>>,
     space: ActionSpace,
     rescale: bool,
     raised: Arc<Mutex<Option<PyErr>>>,
@@ -322,11 +334,30 @@ impl Acting {
             Ok(())
         })
     }
+
+    /// Keeps an exception of a method, which ends the evaluation.
+    fn keep(&self, called: PyResult<Option<Py<PyAny>>>) {
+        if let Err(error) = called {
+            fail(&self.raised, error);
+        }
+    }
 }
 
 impl Controller for Acting {
-    /// Does nothing: every episode has its own controller.
+    /// Does nothing: a controller is made for its first episode.
     fn reset(&mut self) {}
+
+    fn next_episode(&mut self) {
+        let method = self.next_episode.as_ref();
+        self.keep(Python::attach(|py| method.map(|method| method.call0(py)).transpose()));
+    }
+
+    fn reward(&mut self, reward: f64) {
+        // Most policies have no such method, and the interpreter has one lock.
+        if let Some(method) = &self.reward {
+            self.keep(Python::attach(|py| method.call1(py, (reward,)).map(Some)));
+        }
+    }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         if let Err(error) = self.ask(observation, action) {

@@ -58,6 +58,12 @@ def test_the_notebook_runs_and_plots():
 
 
 @pytest.mark.nightly
+def test_a_policy_with_memory_is_scored_by_week(tmp_path):
+    printed = run(EXAMPLES / "memory.py", tmp_path / "entry", "SingleFamilyHouse-0018")
+    assert re.findall(r"after (\d+) days in the building: score \d", printed) == [str(7 * week) for week in range(8)]
+
+
+@pytest.mark.nightly
 def test_planning_on_snapshots_is_no_worse_than_not_planning():
     alone, planned = re.findall(r"-\d+\.\d+", run(EXAMPLES / "plan.py"))
     assert float(planned) > float(alone)

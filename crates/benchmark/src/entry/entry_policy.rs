@@ -392,6 +392,10 @@ impl Policy for Files {
         self.format == Format::Agents
     }
 
+    fn has_memory(&self) -> bool {
+        self.files.values().any(|file| file.policy.policy().has_memory())
+    }
+
     fn description(&self, context: &EpisodeContext<'_>) -> b2b_evaluate::Result<Option<Value>> {
         self.of_episode(context)?.description(context)
     }

@@ -19,6 +19,13 @@ pub struct External {
     pub policy: Option<Box<dyn Policy + Send>>,
 }
 
+impl External {
+    /// Returns a policy that can act.
+    pub fn new(policy: Box<dyn Policy + Send>, by_seed: bool) -> Self {
+        Self { name: policy.name(), identity: policy.identity(), by_seed, policy: Some(policy) }
+    }
+}
+
 impl fmt::Debug for External {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "External({})", self.identity)
@@ -36,6 +43,10 @@ impl Policy for External {
 
     fn ignores_interface(&self) -> bool {
         self.policy.as_ref().is_some_and(|policy| policy.ignores_interface())
+    }
+
+    fn has_memory(&self) -> bool {
+        self.policy.as_ref().is_some_and(|policy| policy.has_memory())
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {

@@ -1,9 +1,11 @@
 //! The measures of a benchmark run.
 
+use b2b_building::Period;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::adaptation::Adaptation;
+use super::episode_curve::EpisodeCurve;
 use super::scores::{
     Performance, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
 };
@@ -41,6 +43,9 @@ pub struct Measures {
     pub upper_bound: Option<Performance>,
     /// Adaptation to the test environments, if the policy adapts.
     pub adaptation: Option<Adaptation>,
+    /// Performance by episode in a test building, if policies keep their memory over several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_episode: Option<EpisodeCurve>,
 }
 
 /// The performance in a stratum.
@@ -62,8 +67,9 @@ fn bounds() -> Vec<f64> {
 }
 
 impl Measures {
-    /// Returns the measures over the rows of every stage; `None` if the test stage has no score.
-    pub fn of(stages: &[(Stage, Vec<Row>)]) -> Option<Self> {
+    /// Returns the measures over the rows of every stage; `None` if the test stage has no score. `consecutive` are the run
+    /// periods of [`Protocol::consecutive`](crate::problem::Protocol::consecutive).
+    pub fn of(stages: &[(Stage, Vec<Row>)], consecutive: &[Period]) -> Option<Self> {
         let rows_of = |wanted: Stage| {
             stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())
         };
@@ -85,6 +91,7 @@ impl Measures {
             train: performance_of(Stage::Train),
             upper_bound: performance_of(Stage::UpperBound),
             adaptation: Adaptation::of(stages, &test, SEED),
+            by_episode: EpisodeCurve::of(test_rows, consecutive, SEED),
         })
     }
 }
@@ -176,7 +183,7 @@ mod tests {
             (Stage::Adapted(100), rows(first)),
             (Stage::Adapted(200), rows(second)),
         ];
-        let measures = Measures::of(&stages).unwrap();
+        let measures = Measures::of(&stages, &[]).unwrap();
         let scores = means(test);
         near(measures.test.scores.mean.value, scores.iter().sum::<f64>() / 17.0);
         near(measures.test.scores.interquartile_mean.value, trimmed(&scores));
@@ -221,6 +228,25 @@ mod tests {
     }
 
     #[test]
+    fn a_policy_that_keeps_its_memory_is_scored_by_episode_in_a_building() {
+        let periods = ["01-01..01-02", "01-03..01-09"].map(|period| period.parse::<Period>().unwrap());
+        let (early, late) =
+            (|number, seed| 1.3 + noise(number, seed), |number, seed| 0.8 + noise(number, seed));
+        let mut episodes = rows(early);
+        for mut row in rows(late) {
+            row.info.period = periods[1].to_string();
+            episodes.push(row);
+        }
+        let curve = Measures::of(&[(Stage::Test, episodes)], &periods).unwrap().by_episode.unwrap();
+        let [first, last] = &curve.points[..] else { panic!("{curve:?}") };
+        assert_eq!((first.days_before, last.days_before, last.period.as_str()), (0, 2, "01-03..01-09"));
+        near(first.performance.resolved.interquartile_mean.value, trimmed(&means(early)));
+        near(last.performance.scores.interquartile_mean.value, trimmed(&means(late)));
+        near(curve.improvement.value, 0.5);
+        assert_eq!(Measures::of(&[(Stage::Test, rows(early))], &[]).unwrap().by_episode, None);
+    }
+
+    #[test]
     fn random_actions_have_0_and_the_baseline_1_on_the_second_scale() {
         let random = |number, seed| 3.0 + noise(number, seed);
         let on_scale =
@@ -241,9 +267,9 @@ mod tests {
             (Stage::Untrained, rows(|_, _| 3.0)),
             (Stage::Adapted(5), rows(|_, _| 1.5)),
         ];
-        let adaptation = Measures::of(&stages).unwrap().adaptation.unwrap();
+        let adaptation = Measures::of(&stages, &[]).unwrap().adaptation.unwrap();
         assert_eq!((adaptation.median_steps_to_baseline, adaptation.reach_baseline), (None, 0.0));
         assert_eq!(adaptation.jump_start.value, 1.0);
-        assert_eq!(Measures::of(&[]), None);
+        assert_eq!(Measures::of(&[], &[]), None);
     }
 }

@@ -10,6 +10,7 @@
 mod adaptation;
 mod definition;
 mod entry_policy;
+mod episode_curve;
 mod external;
 mod measures;
 mod result;
@@ -20,6 +21,7 @@ mod verify;
 pub use adaptation::{Adaptation, Point};
 pub use definition::Entry;
 pub use entry_policy::{EntryPolicy, PolicyDescription};
+pub use episode_curve::{EpisodeCurve, EpisodePoint};
 pub use external::External;
 pub use measures::{Measures, Stratum, mean_from_random, measure_scores};
 pub use result::{RunResult, Stages, read_result};

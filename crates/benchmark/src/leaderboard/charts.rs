@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::Ranked;
-use crate::entry::Stages;
+use crate::entry::{Measures, Stages};
 use crate::problem::Stage;
 use b2b_evaluate::report::{
     Chart, Series, color, has_several_tasks, horizontal_line, label_logarithmic, labels, make_logarithmic,
@@ -27,7 +27,7 @@ pub(super) fn all(board: &[&Ranked]) -> Vec<Value> {
         step_rewards(&series(board)),
         rms_deviations(&series(board)),
     ];
-    charts.into_iter().chain(curves(board)).map(Chart::json).collect()
+    charts.into_iter().chain(adaptation(board)).chain(by_episode(board)).map(Chart::json).collect()
 }
 
 fn chart(title: &str, note: &str, data: Vec<Value>, layout: Value) -> Chart {
@@ -213,21 +213,45 @@ fn by_type(board: &[&Ranked]) -> Chart {
 }
 
 /// Draws scores over the training steps on the test environments.
-fn curves(board: &[&Ranked]) -> Option<Chart> {
+fn adaptation(board: &[&Ranked]) -> Option<Chart> {
+    let points = |measures: &Measures| {
+        let curve = &measures.adaptation.as_ref()?.curve;
+        Some(curve.iter().map(|point| (point.steps, point.scores.interquartile_mean)).collect())
+    };
+    let note = "scores after training on each test environment; dashed: the baseline";
+    curves(board, points, ["Adaptation", note, "training steps on the test environment", "score"])
+}
+
+/// Draws scores over the days in a test building, in which a policy keeps its memory.
+fn by_episode(board: &[&Ranked]) -> Option<Chart> {
+    let points = |measures: &Measures| {
+        let points = measures.by_episode.as_ref()?.points.iter();
+        let means =
+            points.map(|point| (point.days_before.into(), point.performance.resolved.interquartile_mean));
+        Some(means.collect())
+    };
+    let note = "episodes after days in the building; weights do not change; dashed: the baseline";
+    curves(board, points, ["Memory", note, "days in the building", "resolved score"])
+}
+
+/// Draws a curve for every entry that has points. The texts are title, note, and labels of both axes.
+fn curves(
+    board: &[&Ranked],
+    points: impl Fn(&Measures) -> Option<Vec<(u64, Interval)>>,
+    [title, note, x, y]: [&str; 4],
+) -> Option<Chart> {
     let mut data = Vec::new();
     let mut values = Vec::new();
     for (number, (result, _)) in board.iter().enumerate() {
-        let Some(adaptation) = &result.measures.adaptation else { continue };
-        let of = |value: fn(&Interval) -> f64| {
-            let means = adaptation.curve.iter().map(|point| &point.scores.interquartile_mean);
-            means.map(value).collect::<Vec<f64>>()
-        };
+        let Some(points) = points(&result.measures) else { continue };
+        let of =
+            |value: fn(&Interval) -> f64| points.iter().map(|(_, mean)| value(mean)).collect::<Vec<f64>>();
         let above: Vec<f64> = of(|each| each.high - each.value);
         let below: Vec<f64> = of(|each| each.value - each.low);
         values.extend(of(|each| each.value));
         data.push(json!({
             "type": "scatter", "mode": "lines+markers", "name": result.name,
-            "x": adaptation.curve.iter().map(|point| point.steps).collect::<Vec<_>>(), "y": of(|each| each.value),
+            "x": points.iter().map(|(x, _)| *x).collect::<Vec<_>>(), "y": of(|each| each.value),
             "error_y": {"type": "data", "symmetric": false, "array": above, "arrayminus": below, "thickness": 1.2},
             "line": {"color": color(number), "width": 2}, "marker": {"size": 7},
         }));
@@ -236,12 +260,12 @@ fn curves(board: &[&Ranked]) -> Option<Chart> {
         return None;
     }
     let mut layout = json!({
-        "xaxis": {"title": {"text": "training steps on the test environment"}, "zeroline": false},
-        "yaxis": {"title": {"text": "score, interquartile mean"}, "zeroline": false}, "shapes": [horizontal_line(1.0)],
+        "xaxis": {"title": {"text": x}, "zeroline": false},
+        "yaxis": {"title": {"text": format!("{y}, interquartile mean")}, "zeroline": false},
+        "shapes": [horizontal_line(1.0)],
     });
     scale_y(&mut layout, &values);
-    let note = "scores after training on each test environment; dashed: the baseline";
-    Some(chart("Adaptation", &and_beyond(note, &values), data, layout))
+    Some(chart(title, &and_beyond(note, &values), data, layout))
 }
 
 #[cfg(test)]

@@ -6,7 +6,9 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random};
+use crate::entry::{
+    EpisodeCurve, Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random,
+};
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
 use b2b_evaluate::RESOLUTION;
@@ -88,12 +90,17 @@ fn section(board: &[&Ranked]) -> Value {
         None => " · custom problem".to_owned(),
     };
     let windows: Vec<_> = problem.protocol.windows.iter().map(ToString::to_string).collect();
+    let memory = match problem.protocol.consecutive() {
+        [] => "",
+        _ => " Policies keep their memory over all of them.",
+    };
     let mut tables = vec![scores(board)];
     tables.extend(strata(board));
     tables.extend(adaptation(board));
+    tables.extend(by_episode(board));
     json!({
         "title": format!("{}, version {}{changed}", problem.name, problem.version),
-        "note": format!("{}. {} Test buildings: {}. Run periods: {}. Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
+        "note": format!("{}. {} Test buildings: {}. Run periods: {}.{memory} Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
             problem.test.buildings, windows.join(", "), problem.protocol.attributes, &problem.hash()[..12]),
         "tables": tables, "drawings": charts::all(board),
     })
@@ -241,6 +248,24 @@ fn adaptation(board: &[&Ranked]) -> Option<Value> {
         "interquartile mean in it",
     ];
     (!rows.is_empty()).then(|| table("adaptation", &header, rows))
+}
+
+/// Returns the scores of every entry by episode in a building.
+fn by_episode(board: &[&Ranked]) -> Option<Value> {
+    let curves = board.iter().filter_map(|(result, _)| Some((result, result.measures.by_episode.as_ref()?)));
+    let curves: Vec<_> = curves.collect();
+    let (_, first) = curves.first()?;
+    let days = first.points.iter().map(|point| format!("after {} days", point.days_before));
+    let mut header = vec!["entry".to_owned()];
+    header.extend(days.chain(["first minus last".to_owned()]));
+    let row = |(result, curve): &(&RunResult, &EpisodeCurve)| {
+        let scores = curve.points.iter().map(|point| point.performance.resolved.interquartile_mean);
+        let cells = scores.chain([curve.improvement]).map(|each| Value::from(each.to_string()));
+        Value::from_iter(std::iter::once(Value::from(result.name.clone())).chain(cells))
+    };
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let title = "resolved score by days in the building, interquartile mean";
+    Some(table(title, &header, curves.iter().map(row).collect()))
 }
 
 fn footer(results: &[Ranked], rank_by: RankBy) -> String {

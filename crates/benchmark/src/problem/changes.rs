@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::as_text;
 use super::buildings::Buildings;
 use super::definition::Problem;
-use super::protocol::Attributes;
+use super::protocol::{Attributes, Memory, Protocol};
 use super::restriction::Fallback;
 use super::side::Side;
 use crate::{Error, Result};
@@ -38,6 +38,8 @@ pub struct Changes {
     pub left_out: Option<String>,
     /// Run periods of training and test.
     pub windows: Vec<Period>,
+    /// How long a policy with memory keeps it.
+    pub memory: Option<Memory>,
     /// Seeds.
     pub seeds: Vec<u64>,
     /// Zone time steps per hour.
@@ -93,21 +95,7 @@ impl Problem {
                 restriction.pin = changes.pin.unwrap_or(restriction.pin);
             }
         }
-        let protocol = &mut self.protocol;
-        if let Some(first) = changes.windows.first() {
-            protocol.windows.clone_from(&changes.windows);
-            // Two-week periods that differ by building are only for tests.
-            if let Period::Days(first) = first {
-                protocol.training_period = *first;
-            }
-        }
-        if !changes.seeds.is_empty() {
-            protocol.seeds.clone_from(&changes.seeds);
-        }
-        protocol.steps_per_hour = changes.steps_per_hour.unwrap_or(protocol.steps_per_hour);
-        protocol.attributes = changes.attributes.unwrap_or(protocol.attributes);
-        protocol.observation = changes.observation.unwrap_or(protocol.observation);
-        protocol.observation_width = changes.observation_width.or(protocol.observation_width);
+        self.protocol.change(changes);
         self.check()?;
         Ok(self)
     }
@@ -127,6 +115,26 @@ impl Problem {
         }
         found.dedup();
         Some(found)
+    }
+}
+
+impl Protocol {
+    fn change(&mut self, changes: &Changes) {
+        if let Some(first) = changes.windows.first() {
+            self.windows.clone_from(&changes.windows);
+            // Two-week periods that differ by building are only for tests.
+            if let Period::Days(first) = first {
+                self.training_period = *first;
+            }
+        }
+        if !changes.seeds.is_empty() {
+            self.seeds.clone_from(&changes.seeds);
+        }
+        self.steps_per_hour = changes.steps_per_hour.unwrap_or(self.steps_per_hour);
+        self.memory = changes.memory.unwrap_or(self.memory);
+        self.attributes = changes.attributes.unwrap_or(self.attributes);
+        self.observation = changes.observation.unwrap_or(self.observation);
+        self.observation_width = changes.observation_width.or(self.observation_width);
     }
 }
 

@@ -25,7 +25,7 @@ pub use buildings::{Buildings, Subset};
 pub use changes::Changes;
 pub(crate) use changes::differences;
 pub use definition::{Family, Problem};
-pub use protocol::{Attributes, Protocol};
+pub use protocol::{Attributes, Memory, Protocol};
 pub use restriction::{Fallback, RestrictedAction, Restriction};
 pub use side::{Side, Size};
 pub use stage::Stage;

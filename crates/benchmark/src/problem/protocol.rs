@@ -18,6 +18,9 @@ pub struct Protocol {
     pub training_period: RunPeriod,
     /// Run periods of the tests, one episode each.
     pub windows: Vec<Period>,
+    /// How long a policy with memory keeps it.
+    #[serde(default, skip_serializing_if = "Memory::is_of_episode")]
+    pub memory: Memory,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
     /// Seeds of training, and of stochastic policies.
@@ -48,6 +51,45 @@ pub enum Attributes {
     Given,
 }
 
+/// How long a policy with memory, such as a recurrent network, keeps it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Memory {
+    /// For an episode.
+    #[default]
+    Episode,
+    /// In each building, task and seed over all run periods of the test, which are then consecutive episodes of one controller. No
+    /// weights change, and a policy without memory sees no difference.
+    Building,
+}
+
+impl Memory {
+    fn is_of_episode(&self) -> bool {
+        *self == Self::Episode
+    }
+}
+
+impl fmt::Display for Memory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Episode => "episode",
+            Self::Building => "building",
+        })
+    }
+}
+
+impl FromStr for Memory {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "episode" => Ok(Self::Episode),
+            "building" => Ok(Self::Building),
+            _ => Err(format!("unknown value `{text}`; expected episode or building")),
+        }
+    }
+}
+
 impl fmt::Display for Attributes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -70,6 +112,14 @@ impl FromStr for Attributes {
 }
 
 impl Protocol {
+    /// Returns the run periods over which policies keep their memory, one episode after another; none without such memory.
+    pub fn consecutive(&self) -> &[Period] {
+        match self.memory {
+            Memory::Building => &self.windows,
+            Memory::Episode => &[],
+        }
+    }
+
     /// Returns the fault of the protocol, if it has one.
     pub(super) fn fault(&self) -> Option<String> {
         if self.windows.is_empty() {
@@ -84,6 +134,12 @@ impl Protocol {
         if let Some(window) = repeated(&self.windows) {
             return Some(format!("window {window} is listed twice"));
         }
+        if let Some(pair) = self.consecutive().windows(2).find(|pair| !is_before(pair[0], pair[1])) {
+            return Some(format!(
+                "policies keep their memory over the windows, but {} does not end before {}; list days of one year in order",
+                pair[0], pair[1]
+            ));
+        }
         if self.steps_per_hour == 0 || 60 % self.steps_per_hour != 0 {
             let given = self.steps_per_hour;
             return Some(format!("steps_per_hour is {given}; expected a divisor of 60"));
@@ -95,6 +151,16 @@ impl Protocol {
             ));
         }
         None
+    }
+}
+
+/// Returns whether a run period ends before another begins in the same year.
+fn is_before(earlier: Period, later: Period) -> bool {
+    match (earlier, later) {
+        (Period::Days(earlier), Period::Days(later)) => {
+            earlier.first() <= earlier.last() && earlier.last() < later.first()
+        }
+        _ => false,
     }
 }
 

@@ -13,7 +13,7 @@ use crate::error::at;
 use crate::{Error, Result};
 
 /// The shipped problems.
-pub(super) const SHIPPED: [&str; 23] = [
+pub(super) const SHIPPED: [&str; 26] = [
     include_str!("../../data/problems/operate-office-small.json"),
     include_str!("../../data/problems/operate-office-medium.json"),
     include_str!("../../data/problems/operate-retail.json"),
@@ -22,6 +22,9 @@ pub(super) const SHIPPED: [&str; 23] = [
     include_str!("../../data/problems/operate-house.json"),
     include_str!("../../data/problems/operate-all.json"),
     include_str!("../../data/problems/operate-goal.json"),
+    include_str!("../../data/problems/adapt-house.json"),
+    include_str!("../../data/problems/adapt-office-small.json"),
+    include_str!("../../data/problems/adapt-all.json"),
     include_str!("../../data/problems/goal-energy-weight.json"),
     include_str!("../../data/problems/goal-setpoint-mode.json"),
     include_str!("../../data/problems/goal-leave-one-out.json"),
@@ -40,7 +43,7 @@ pub(super) const SHIPPED: [&str; 23] = [
 ];
 
 impl Problem {
-    /// Returns the shipped problems: operation first, then the tracking problems family by family.
+    /// Returns the shipped problems: operation first, then memory, then the tracking problems family by family.
     pub fn all() -> &'static [Self] {
         static ALL: OnceLock<Vec<Problem>> = OnceLock::new();
         ALL.get_or_init(|| {

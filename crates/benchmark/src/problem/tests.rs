@@ -64,6 +64,7 @@ fn sides_have_the_documented_numbers_of_buildings() {
     assert_eq!(counts("operate-warehouse"), (900, 8));
     assert_eq!(counts("operate-all"), (5400, 48));
     assert_eq!(counts("operate-goal"), (1, 1));
+    assert_eq!(counts("adapt-house"), (900, 8));
     let custom = Problem::cross_domain(
         &[BuildingType::RetailStandalone, BuildingType::RestaurantFastFood],
         &[BuildingType::OfficeSmall, BuildingType::OfficeMedium],
@@ -98,6 +99,16 @@ fn a_problem_that_cannot_measure_generalization_is_an_error_that_names_the_fault
         ("dynamics-house", json!({"fallback": "pin"}), ["no actuators are withheld", "dynamics-house"]),
         ("dynamics-house", json!({"seeds": [1, 1]}), ["seed 1", "twice"]),
         ("dynamics-house", json!({"steps_per_hour": 7}), ["steps_per_hour is 7", "60"]),
+        (
+            "adapt-house",
+            json!({"windows": ["01-08..01-14", "01-14..01-20"]}),
+            ["keep their memory", "01-08..01-14 does not end before 01-14..01-20"],
+        ),
+        (
+            "operate-house",
+            json!({"memory": "building"}),
+            ["keep their memory", "peak-heating does not end before typical-heating"],
+        ),
         (
             "dynamics-house",
             json!({"test": ["SingleFamilyHouse-1", "SingleFamilyHouse-1"]}),

@@ -96,6 +96,10 @@ fn text(problem: &Problem) -> String {
 fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
     let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
     let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
+    let memory = match protocol.consecutive() {
+        [] => String::new(),
+        periods => format!("; policies keep their memory over these {} episodes", periods.len()),
+    };
     let padding = protocol.observation_width.map(|width| format!("; zero-padded to {width} slots"));
     [
         (
@@ -106,7 +110,10 @@ fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
                 protocol.training_period
             ),
         ),
-        ("test run periods", format!("{}; {} steps per hour", windows.join(", "), protocol.steps_per_hour)),
+        (
+            "test run periods",
+            format!("{}; {} steps per hour{memory}", windows.join(", "), protocol.steps_per_hour),
+        ),
         ("seeds", list(&protocol.seeds)),
         ("adaptation", format!("scored after {} steps in each test environment", list(&protocol.adaptation))),
         ("generalization gap", format!("sample of training buildings, size {}", protocol.train_sample)),

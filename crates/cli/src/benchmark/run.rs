@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
+use b2b_benchmark::entry::{Entry, EntryPolicy, EpisodePoint, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_evaluate::statistics::{Aggregate, score_text};
 use b2b_evaluate::{Baselines, Row};
@@ -24,7 +24,8 @@ use crate::terminal::table::Table;
 ///
 /// Runs the policy in the test environments of a problem and in a sample of its training environments, and writes a
 /// result folder: result.json, episodes.parquet, and the ONNX files of the policy. Finished episodes are kept: the same
-/// command resumes an interrupted run and produces the same bytes. Exits with code 1 if an episode fails.
+/// command resumes an interrupted run and produces the same bytes. In problems whose policies keep their memory (`adapt-…`),
+/// one controller runs all episodes of a building, task and seed in order. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -220,6 +221,11 @@ fn aggregate_table(measures: &Measures) -> String {
     for point in measures.adaptation.iter().flat_map(|adaptation| adaptation.curve.iter().skip(1)) {
         row(&mut table, format!("test, after {} steps", point.steps), &point.scores, None);
     }
+    let points = measures.by_episode.iter().flat_map(|curve| &curve.points);
+    for (number, EpisodePoint { days_before, performance, .. }) in points.enumerate() {
+        let name = format!("test, episode {}, after {days_before} days in the building", number + 1);
+        row(&mut table, name, &performance.scores, Some(performance));
+    }
     table.text()
 }
 
@@ -235,6 +241,9 @@ fn generalization_text(measures: &Measures) -> String {
         };
         let jump_start = adaptation.jump_start;
         text += &format!("  jump-start {jump_start}; median steps to reach the baseline: {steps}\n");
+    }
+    if let Some(curve) = &measures.by_episode {
+        text += &format!("  first minus last episode in a building, resolved score: {}\n", curve.improvement);
     }
     text
 }

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use b2b_benchmark::Problem;
 use b2b_evaluate::HouseForm;
 
-use b2b_benchmark::problem::{Attributes, Changes, Fallback};
+use b2b_benchmark::problem::{Attributes, Changes, Fallback, Memory};
 use b2b_building::{BuildingType, Period};
 use b2b_dataset::BuildingId;
 use b2b_env::Task;
@@ -52,6 +52,9 @@ struct ChangeArguments {
     /// Run periods of the test episodes: winter, summer, full_year or MM-DD..MM-DD
     #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
     windows: Vec<Period>,
+    /// How long a policy with memory keeps it: for an episode, or for all test episodes of a building
+    #[arg(long, value_name = "episode|building")]
+    memory: Option<Memory>,
     /// Random seeds
     #[arg(long = "seed", value_name = "N", num_args = 1..)]
     seeds: Vec<u64>,
@@ -90,7 +93,7 @@ impl Selection {
 
 impl ChangeArguments {
     fn changes(&self) -> Changes {
-        let Self { attributes, observation, fallback, pin, steps_per_hour, .. } = *self;
+        let Self { memory, attributes, observation, fallback, pin, steps_per_hour, .. } = *self;
         Changes {
             buildings: self.buildings.clone(),
             train: self.train.clone(),
@@ -100,6 +103,7 @@ impl ChangeArguments {
             left_out: self.left_out.clone(),
             windows: self.windows.clone(),
             seeds: self.seeds.clone(),
+            memory,
             steps_per_hour,
             attributes,
             observation,

@@ -33,8 +33,8 @@ pub struct Arguments {
     /// Result folder
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Number of episodes to simulate again, at least 1 [default: enough to find a forged one with a probability of
-    /// 95 % if a tenth of the episodes are forged]
+    /// Number of episodes to simulate again, at least 1, or of sequences of episodes if the policy keeps its memory
+    /// [default: enough to find a forged one with a probability of 95 % if a tenth of them are forged]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     episodes: Option<NonZeroUsize>,
     /// Random seed of the choice of episodes, to repeat a verification [default: from the operating system]

@@ -13,13 +13,15 @@ use b2b_workers::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 use super::episode::Episode;
 use super::parallel::Evaluation;
 use super::progress::Progress;
+use super::sequence::sequences;
 use crate::Result;
+use crate::policy::Policy;
 use crate::subject::{SiteInfo, Subject};
 
-/// The episodes of one building that wait to be run.
+/// The episodes of one building that wait to be run, by [sequence](sequences).
 pub(super) struct Group<'a> {
     subject: &'a Subject,
-    waiting: Mutex<VecDeque<usize>>,
+    waiting: Mutex<VecDeque<Vec<usize>>>,
     located: Mutex<Option<Arc<Located>>>,
     /// Set once a thread has prepared the building, so that the others need not.
     prepared: OnceLock<Arc<PreparedBuilding>>,
@@ -50,14 +52,15 @@ pub(super) struct Bench {
 
 impl<'a> Group<'a> {
     /// Groups episodes in list order: consecutive episodes in the same building form a group.
-    pub(super) fn of(episodes: &[(usize, &'a Episode)]) -> Vec<Self> {
+    pub(super) fn of(episodes: &[(usize, &'a Episode)], policy: &dyn Policy) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
-        for (position, (_, episode)) in episodes.iter().enumerate() {
+        for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
+            let subject = &episodes[sequence[0]].1.subject;
             match groups.last_mut() {
-                Some(group) if *group.subject == episode.subject => lock(&group.waiting).push_back(position),
+                Some(group) if group.subject == subject => lock(&group.waiting).push_back(sequence),
                 _ => groups.push(Self {
-                    subject: &episode.subject,
-                    waiting: Mutex::new(VecDeque::from([position])),
+                    subject,
+                    waiting: Mutex::new(VecDeque::from([sequence])),
                     located: Mutex::default(),
                     prepared: OnceLock::new(),
                 }),
@@ -66,8 +69,8 @@ impl<'a> Group<'a> {
         groups
     }
 
-    /// Takes an episode that has not been started, and returns its position.
-    pub(super) fn take(&self) -> Option<usize> {
+    /// Takes a sequence that has not been started, and returns the positions of its episodes.
+    pub(super) fn take(&self) -> Option<Vec<usize>> {
         lock(&self.waiting).pop_front()
     }
 

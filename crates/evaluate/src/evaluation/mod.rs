@@ -2,7 +2,7 @@
 //!
 //! Threads take episodes from a list, building by building. Each thread has its own pool of processes, in which it
 //! prepares the building and runs its episodes one after another. Memory grows with the number of threads, not with the
-//! list, and a process that dies loses one episode.
+//! list, and a process that dies loses one episode, or one [sequence](sequences) of a policy that keeps its memory.
 
 mod bench;
 mod episode;
@@ -15,6 +15,7 @@ mod recording;
 mod rollout;
 mod row;
 mod runner;
+mod sequence;
 mod step_rewards;
 
 pub use episode::Episode;
@@ -29,4 +30,5 @@ pub use row::hours::Hours;
 pub use row::table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};
 pub use row::{Row, Scored, relative_energy, relative_resource};
 pub use runner::KeepRecorded;
+pub use sequence::sequences;
 pub use step_rewards::StepRewards;

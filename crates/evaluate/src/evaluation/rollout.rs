@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout};
+use b2b_control::Controller;
+use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout, rollout_next};
 
 use super::bench::Bench;
 use super::episode::Episode;
@@ -14,10 +15,15 @@ use super::recording::{Recorded, Recording};
 use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
 
+/// The controller of a sequence, which keeps its memory from one episode to the next; `None` before the first, and for a
+/// policy that does not keep its memory.
+pub(super) type Memory = Option<Box<dyn Controller>>;
+
 /// Runs an episode.
 pub(super) fn run(
     bench: &mut Bench,
     (number, episode): (usize, &Episode),
+    memory: &mut Memory,
     work: &Work<'_>,
 ) -> Result<Finished> {
     let mut environment = bench.workers.episode(&bench.setting(episode)?)?;
@@ -31,12 +37,20 @@ pub(super) fn run(
         episode: &mut environment,
     };
     let mut recorder = Recorder::new(&spaces, work);
-    let ran = match work.policy.description(&context)? {
-        Some(description) => environment.rollout(&description, &mut bench.memory, &mut recorder),
-        None => {
-            let mut controller = policy::controller(work.policy, context)?;
-            rollout(&mut environment, controller.as_mut(), &mut recorder)
+    let ran = if work.policy.keeps_memory() {
+        // In this process, because a worker's controller ends with its episode.
+        match memory {
+            Some(controller) => rollout_next(&mut environment, controller.as_mut(), &mut recorder),
+            none => {
+                let controller = none.insert(policy::controller(work.policy, context)?);
+                rollout(&mut environment, controller.as_mut(), &mut recorder)
+            }
         }
+    } else if let Some(description) = work.policy.description(&context)? {
+        environment.rollout(&description, &mut bench.memory, &mut recorder)
+    } else {
+        let mut controller = policy::controller(work.policy, context)?;
+        rollout(&mut environment, controller.as_mut(), &mut recorder)
     };
     let metrics = ran.map_err(|error| match error {
         b2b_env::Error::Interrupted => Error::Interrupted,

@@ -10,6 +10,7 @@ use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
 use super::recording::Recorded;
 use super::rollout;
+use super::rollout::Memory;
 use crate::panics::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
@@ -19,7 +20,8 @@ pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Los
 
 impl Evaluation<'_> {
     /// Runs episodes and passes each with its number to `keep` as it ends. An episode that cannot be run or whose process
-    /// dies is [`Lost`]. Episodes of one building should be adjacent in the list.
+    /// dies is [`Lost`]. Episodes of one building should be adjacent in the list. A policy that keeps its memory runs the
+    /// [sequences](super::sequences) of the list.
     ///
     /// # Errors
     /// [`Error::ObservationShape`], [`Error::ActionShape`] and [`Error::InvalidPolicy`] for an incompatible policy;
@@ -57,7 +59,7 @@ impl Evaluation<'_> {
     }
 
     fn run_all(&self, work: &Work<'_>) -> Result<()> {
-        let groups = Group::of(work.episodes);
+        let groups = Group::of(work.episodes, work.policy);
         let next = AtomicUsize::new(0);
         let thread = || {
             // First takes buildings that no thread has taken, then remaining episodes in other threads' buildings.
@@ -82,32 +84,53 @@ impl Evaluation<'_> {
         })
     }
 
-    /// Runs the remaining episodes of a building.
+    /// Runs the remaining sequences of a building.
     fn work_on(&self, group: &Group<'_>, work: &Work<'_>) -> Result<()> {
         let mut bench = None;
-        while let Some(position) = group.take() {
-            let (number, episode) = work.episodes[position];
-            // A panic, for example in a library reading a damaged network, loses one episode and its processes.
-            let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, (number, episode), work));
-            let outcome = match catch_unwind(finish) {
-                Ok(Ok(finished)) => Ok(finished),
-                Ok(Err(error)) if ends_evaluation(&error) => return Err(error),
-                Ok(Err(error)) => Err(Lost { reason: error.to_string() }),
-                Err(panic) => {
-                    bench = None;
-                    Err(Lost { reason: format!("it panicked: {}", panic_message(&*panic)) })
+        while let Some(sequence) = group.take() {
+            let (mut memory, mut lost) = (None, None);
+            for (number, episode) in sequence.into_iter().map(|position| work.episodes[position]) {
+                let outcome = match &lost {
+                    // The memory of the episodes after it is unknown.
+                    Some(reason) => Err(Lost { reason: format!("an earlier episode was lost: {reason}") }),
+                    None => self.outcome(group, &mut bench, &mut memory, (number, episode), work)?,
+                };
+                if let Err(Lost { reason }) = &outcome {
+                    lost.get_or_insert_with(|| reason.clone());
                 }
-            };
-            (work.keep)(number, outcome)?;
-            work.progress.episode();
+                (work.keep)(number, outcome)?;
+                work.progress.episode();
+            }
         }
         Ok(())
+    }
+
+    /// Runs an episode. A panic, for example in a library reading a damaged network, loses it and its processes.
+    fn outcome(
+        &self,
+        group: &Group<'_>,
+        bench: &mut Option<Bench>,
+        memory: &mut Memory,
+        episode: (usize, &Episode),
+        work: &Work<'_>,
+    ) -> Result<Outcome> {
+        let finish = AssertUnwindSafe(|| self.finish(group, bench, memory, episode, work));
+        match catch_unwind(finish) {
+            Ok(Ok(finished)) => Ok(Ok(finished)),
+            Ok(Err(error)) if ends_evaluation(&error) => Err(error),
+            Ok(Err(error)) => Ok(Err(Lost { reason: error.to_string() })),
+            Err(panic) => {
+                *bench = None;
+                Ok(Err(Lost { reason: format!("it panicked: {}", panic_message(&*panic)) }))
+            }
+        }
     }
 
     fn finish(
         &self,
         group: &Group<'_>,
         bench: &mut Option<Bench>,
+        memory: &mut Memory,
         episode: (usize, &Episode),
         work: &Work<'_>,
     ) -> Result<Finished> {
@@ -116,7 +139,7 @@ impl Evaluation<'_> {
             Some(bench) => bench,
             None => bench.insert(Bench::new(self, work.policy.controls(), group, work.progress)?),
         };
-        let finished = rollout::run(bench, episode, work)?;
+        let finished = rollout::run(bench, episode, memory, work)?;
         group.is_prepared(bench);
         Ok(finished)
     }

@@ -1,6 +1,7 @@
 //! Trained agents as policies.
 
 use b2b_agent::Agent;
+use b2b_agent::network::Shape;
 use b2b_control::Controller;
 use b2b_env::Task;
 use serde_json::Value;
@@ -20,6 +21,10 @@ impl Policy for Agent {
 
     fn ignores_interface(&self) -> bool {
         true
+    }
+
+    fn has_memory(&self) -> bool {
+        !matches!(self.info().network, Shape::Mlp(_) | Shape::Graph(_))
     }
 
     fn trained_task(&self) -> Option<&Task> {

@@ -74,6 +74,14 @@ impl Form {
         }
     }
 
+    /// Returns the number of values.
+    pub fn width(&self, spaces: &Spaces) -> usize {
+        match self {
+            Self::Roles(_) => RoleObservation::WIDTH,
+            Self::Raw { padding } => spaces.observation.len() + padding,
+        }
+    }
+
     /// Returns the names of the values.
     pub fn names(&self, spaces: &Spaces) -> Vec<String> {
         match self {

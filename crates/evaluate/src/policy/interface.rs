@@ -45,6 +45,18 @@ pub trait Policy: Sync {
         None
     }
 
+    /// Returns whether its controllers have memory that may outlast an episode: they keep it in
+    /// [`Controller::next_episode`].
+    fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Returns whether one controller runs all episodes with the same building, task and seed, one after another, and keeps
+    /// its memory from one to the next, as the protocol of a benchmark problem may say.
+    fn keeps_memory(&self) -> bool {
+        false
+    }
+
     /// Returns the description from which a worker can create the same controller for a whole building, if possible.
     /// The episode then runs without exchanging every step with the worker.
     ///
@@ -54,7 +66,8 @@ pub trait Policy: Sync {
         Ok(None)
     }
 
-    /// Makes a controller for one episode. The controller keeps the state it needs.
+    /// Makes a controller for one episode, or for a sequence of a policy that keeps its memory. The controller keeps the
+    /// state it needs.
     ///
     /// # Errors
     /// [`Error::ObservationShape`](crate::Error::ObservationShape) and

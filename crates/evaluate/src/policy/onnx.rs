@@ -22,7 +22,8 @@ use crate::{Error, Result};
 
 /// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1, observation];
 /// its first output the action, float32 [1, action]. Every further input is a state, which the output of the
-/// same number replaces at every step.
+/// same number replaces at every step. The states are its memory, which it keeps over several episodes in a building if the
+/// protocol of a problem says so.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
@@ -103,6 +104,10 @@ impl Policy for OnnxPolicy {
         self.input_width()
     }
 
+    fn has_memory(&self) -> bool {
+        !self.states.is_empty()
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
@@ -130,6 +135,9 @@ impl Controller for OnnxController {
     fn reset(&mut self) {
         self.inference.reset();
     }
+
+    /// Keeps the states.
+    fn next_episode(&mut self) {}
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         for (single, value) in self.observation.iter_mut().zip(observation) {

@@ -6,7 +6,7 @@ use rten_tensor::Tensor;
 /// Maximum number of values of a state. Policies have hundreds.
 const MOST_VALUES: usize = 1 << 20;
 
-/// What a network keeps from one step to the next, float32. It begins every episode with zeros.
+/// What a network keeps from one step to the next, float32. It begins with zeros.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct OnnxState {
     /// Extents of its dimensions; one that the file does not fix is the batch, 1.

@@ -20,7 +20,7 @@ use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
-use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row};
+use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row, sequences};
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
@@ -53,8 +53,9 @@ impl Check {
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
-/// baselines. Reruns are compared bit for bit on a machine that rounds like the one that produced the result
-/// ([`fingerprint`](b2b_base::machine::fingerprint)), and within [`TOLERANCE`] on another.
+/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a machine
+/// that rounds like the one that produced the result ([`fingerprint`](b2b_base::machine::fingerprint)), and within
+/// [`TOLERANCE`] on another.
 ///
 /// # Errors
 /// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
@@ -239,10 +240,26 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
-    match Measures::of(stages) {
+    match Measures::of(stages, result.problem.protocol.consecutive()) {
         Some(measures) if measures == result.measures => Ok("as the episodes give".into()),
         _ => Err("they differ from what the episodes give".into()),
     }
+}
+
+/// Returns the policy of a stage behind the spaces of its side.
+fn wrapped<'a>(policy: &'a EntryPolicy, result: &'a RunResult, stage: Stage) -> WrappedPolicy<'a> {
+    WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(stage))
+}
+
+/// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its memory.
+fn units(result: &RunResult, stages: &[(Stage, Vec<Row>)], policies: &Policies) -> Vec<(Stage, Vec<usize>)> {
+    let of_stage = |(stage, _): &(Stage, Vec<Row>)| {
+        let episodes = expected(result, *stage).unwrap_or_default();
+        let policy = wrapped(policies.get(&stage.to_string())?, result, *stage);
+        let units = sequences(&episodes, &policy).into_iter();
+        Some(units.map(|numbers| (*stage, numbers)).collect::<Vec<_>>())
+    };
+    stages.iter().filter_map(of_stage).flatten().collect()
 }
 
 /// Runs a sample again and compares hashes, metrics and baselines.
@@ -254,14 +271,13 @@ fn run_again(
     sample: Sample,
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
-    let all: Vec<(Stage, usize)> =
-        stages.iter().flat_map(|(stage, rows)| (0..rows.len()).map(|number| (*stage, number))).collect();
+    let all = units(result, stages, policies);
     let drawn = sample.draw(all.len());
     let accuracy = Accuracy::on(&result.machine);
     let mut external = None;
     for (stage, rows) in stages {
-        let of_stage = drawn.iter().map(|index| all[*index]).filter(|(of, _)| of == stage);
-        let numbers: Vec<usize> = of_stage.map(|(_, number)| number).collect();
+        let of_stage = drawn.iter().map(|index| &all[*index]).filter(|(of, _)| of == stage);
+        let numbers: Vec<usize> = of_stage.flat_map(|(_, numbers)| numbers).copied().collect();
         let Some(episodes) = expected(result, *stage).filter(|_| !numbers.is_empty()) else { continue };
         let policy = &policies[&stage.to_string()];
         if let EntryPolicy::External(External { name, .. }) = policy {
@@ -275,15 +291,9 @@ fn run_again(
             external.get_or_insert(name);
             continue;
         }
-        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
         let chosen: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
-        let outcomes = Mutex::new(Vec::new());
-        progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
-        evaluation.run(&chosen, &policy, progress, &|number, outcome| {
-            outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
-            Ok(())
-        })?;
-        for (number, outcome) in outcomes.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        let policy = wrapped(policy, result, *stage);
+        for (number, outcome) in outcomes(&chosen, &policy, evaluation, progress)? {
             let (row, episode) = (&rows[number], &episodes[number]);
             if let Err(why) = compare(row, episode, outcome, accuracy, evaluation, progress)? {
                 return Ok(Err(format!("{stage}: {}: {why}", row.info)));
@@ -297,7 +307,24 @@ fn run_again(
         )));
     }
     let power = sample.power(size, total);
-    Ok(Ok(format!("{size} of {total} agree {accuracy}, and so do their baselines; {power}")))
+    let what = if all.iter().any(|(_, numbers)| numbers.len() > 1) { " sequences of episodes" } else { "" };
+    Ok(Ok(format!("{size} of {total}{what} agree {accuracy}, and so do their baselines; {power}")))
+}
+
+/// Runs episodes and returns their outcomes by number.
+fn outcomes(
+    chosen: &[(usize, &Episode)],
+    policy: &WrappedPolicy<'_>,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<Vec<(usize, Outcome)>> {
+    let outcomes = Mutex::new(Vec::new());
+    progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
+    evaluation.run(chosen, policy, progress, &|number, outcome| {
+        outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
+        Ok(())
+    })?;
+    Ok(outcomes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 fn compare(

@@ -19,8 +19,38 @@ pub fn linear_policy(observation: usize, action: usize, bias: f32) -> Vec<u8> {
         bytes(12, &value("action", action)),
     ]
     .concat();
+    model(&graph)
+}
+
+/// Returns a policy with memory: its state adds up a small part of every observation, and its actions, in [-1, 1], follow the
+/// state.
+pub fn summing_policy(observation: usize, action: usize) -> Vec<u8> {
+    let node = |inputs: &[&str], output: &str, operator: &str| {
+        let inputs = inputs.iter().flat_map(|name| text(1, name)).collect();
+        bytes(1, &[inputs, text(2, output), text(4, operator)].concat())
+    };
+    let graph = [
+        node(&["observation", "part"], "small", "Mul"),
+        node(&["state", "small"], "next state", "Add"),
+        node(&["next state", "weights", "bias"], "drive", "Gemm"),
+        node(&["drive"], "action", "Tanh"),
+        text(2, "policy"),
+        bytes(5, &tensor("part", &[1], &[1e-5])),
+        bytes(5, &tensor("weights", &[observation, action], &vec![0.2; observation * action])),
+        bytes(5, &tensor("bias", &[action], &vec![-0.5; action])),
+        bytes(11, &value("observation", observation)),
+        bytes(11, &value("state", observation)),
+        bytes(12, &value("action", action)),
+        bytes(12, &value("next state", observation)),
+    ]
+    .concat();
+    model(&graph)
+}
+
+/// A `ModelProto` of a graph.
+fn model(graph: &[u8]) -> Vec<u8> {
     let opset = [text(1, ""), integer(2, 17)].concat();
-    [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
+    [integer(1, 8), bytes(7, graph), bytes(8, &opset)].concat()
 }
 
 /// A `TensorProto` of single-precision numbers.
@@ -60,6 +90,5 @@ pub fn endless_policy() -> Vec<u8> {
         bytes(12, &[text(1, &name(2000)), bytes(2, &bytes(1, &integer(1, FLOAT)))].concat()),
     ]
     .concat();
-    let opset = [text(1, ""), integer(2, 17)].concat();
-    [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
+    model(&graph)
 }

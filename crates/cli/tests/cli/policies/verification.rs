@@ -184,7 +184,10 @@ fn a_tampered_result_fails_verification() {
         *result.pointer_mut(name).unwrap() = value;
         std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
     };
-    edit("/measures", serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages).unwrap()).unwrap());
+    edit(
+        "/measures",
+        serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages, &[]).unwrap()).unwrap(),
+    );
     assert_eq!(judged.wrong(&copy, 0), "");
     let said = judged.wrong(&copy, 1);
     assert!(said.contains("episodes run again") && said.contains("its metrics differ"), "{said}");

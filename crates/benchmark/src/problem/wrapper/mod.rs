@@ -1,5 +1,7 @@
 //! A wrapper that gives a policy the observation and action spaces of a problem's side.
 
+mod previous_step;
+
 use b2b_base::digest::sha256;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
@@ -7,16 +9,18 @@ use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attrib
 use serde_json::Value;
 
 use super::definition::Problem;
-use super::protocol::Attributes;
+use super::protocol::{Attributes, Memory};
 use super::restriction::{Fallback, RestrictedAction};
 use super::side::Side;
 use crate::{Error, Result};
 use b2b_evaluate::controller_parameters;
 use b2b_evaluate::{EpisodeContext, Form, Interface, Policy};
+use previous_step::PreviousStep;
 
 /// A policy behind the observation and action spaces of a problem's side: observations have the problem's form (or the
 /// other form if the policy expects its width), followed by the building's attributes; withheld actuators are
-/// controlled by their fallback.
+/// controlled by their fallback. A policy that keeps its memory over several episodes also observes the previous step,
+/// unless it expects the width without it.
 pub struct WrappedPolicy<'a> {
     policy: &'a dyn Policy,
     problem: &'a Problem,
@@ -28,8 +32,19 @@ struct Access {
     restricted: Option<RestrictedAction>,
     /// Attributes that follow the observation.
     attributes: Vec<f64>,
+    previous: PreviousStep,
     form: Form,
     action: ActionSpace,
+}
+
+impl Access {
+    /// Returns what the policy observes and controls.
+    fn interface(&self, spaces: &Spaces) -> Interface {
+        let attributes = COMMON.iter().take(self.attributes.len()).map(|slot| attribute_name(slot.quantity));
+        let names = self.form.names(spaces).into_iter().chain(attributes);
+        let observation = names.chain(self.previous.names(&self.action)).collect();
+        Interface { observation, action: self.action.clone() }
+    }
 }
 
 impl<'a> WrappedPolicy<'a> {
@@ -53,28 +68,37 @@ impl<'a> WrappedPolicy<'a> {
         let parameters = controller_parameters(subject, site, &spaces.episode.task);
         let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
         let attributes = self.attributes(context)?;
-        let form = self.form(spaces, attributes.len())?;
         let action = match &restricted {
             Some(restricted) => spaces.action.select(restricted.kept()),
             None => spaces.action.clone(),
         };
+        let (form, previous) = self.form(spaces, attributes.len(), &action)?;
         if let Some(building_type) = subject.name.building_type()
             && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
         {
             return Err(Error::Problem { name: self.problem.name.clone(), why });
         }
-        Ok(Access { restricted, attributes, form, action })
+        Ok(Access { restricted, attributes, previous, form, action })
     }
 
-    /// Returns the form of the observations of a building, to which `attributes` values are appended.
-    fn form(&self, spaces: &Spaces, attributes: usize) -> Result<Form> {
-        let roles = || RoleObservation::of(spaces).filter(|_| self.problem.protocol.observation.is_roles());
-        let default = match roles() {
+    /// Returns the form of the observations of a building, to which `attributes` values and the previous step are appended; this
+    /// is empty for a policy that does not keep its memory, or whose width is a form's own.
+    fn form(&self, spaces: &Spaces, attributes: usize, action: &ActionSpace) -> Result<(Form, PreviousStep)> {
+        let (slots, roles) = (spaces.observation.len(), RoleObservation::of(spaces));
+        let role_width = roles.as_ref().map(|_| RoleObservation::WIDTH);
+        let default = match roles.filter(|_| self.problem.protocol.observation.is_roles()) {
             Some(roles) => Form::Roles(roles),
-            None => Form::Raw { padding: self.padding(spaces.observation.len())? },
+            None => Form::Raw { padding: self.padding(slots)? },
         };
         let width = self.policy.observation_width().and_then(|width| width.checked_sub(attributes));
-        Ok(Form::of_width(spaces, width, default))
+        let forms = [Some(default.width(spaces)), Some(slots), role_width];
+        let has_room = width.is_none() || !forms.contains(&width);
+        let previous = match self.keeps_memory() && has_room {
+            true => PreviousStep::of(action),
+            false => PreviousStep::default(),
+        };
+        let width = width.and_then(|width| width.checked_sub(previous.len()));
+        Ok((Form::of_width(spaces, width, default), previous))
     }
 
     /// Returns the number of zeros that pad an observation of `slots` values.
@@ -100,12 +124,21 @@ impl Policy for WrappedPolicy<'_> {
             self.problem.protocol.observation,
         );
         let wrapper = serde_json::to_vec(&wrapper).unwrap_or_default();
-        format!("{}, interface {}", self.policy.identity(), &sha256(wrapper)[..16])
+        let memory = if self.keeps_memory() { ", memory of a building" } else { "" };
+        format!("{}, interface {}{memory}", self.policy.identity(), &sha256(wrapper)[..16])
     }
 
     fn is_baseline(&self, task: &Task) -> bool {
         let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
         self.policy.is_baseline(task) && !pinned
+    }
+
+    fn has_memory(&self) -> bool {
+        self.policy.has_memory()
+    }
+
+    fn keeps_memory(&self) -> bool {
+        self.problem.protocol.memory == Memory::Building && self.policy.has_memory()
     }
 
     fn description(&self, context: &EpisodeContext<'_>) -> b2b_evaluate::Result<Option<Value>> {
@@ -118,14 +151,12 @@ impl Policy for WrappedPolicy<'_> {
 
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, seed, .. } = context;
-        let Access { restricted, attributes, form, action } = self.access(&context)?;
-        let attribute_names = COMMON.iter().take(attributes.len()).map(|slot| attribute_name(slot.quantity));
-        let interface = Interface {
-            observation: form.names(spaces).into_iter().chain(attribute_names).collect(),
-            action,
-        };
-        let mut row = vec![0.0; interface.observation.len() - attributes.len()];
+        let access = self.access(&context)?;
+        let interface = access.interface(spaces);
+        let Access { restricted, attributes, previous, form, action } = access;
+        let mut row = vec![0.0; form.width(spaces)];
         row.extend(attributes);
+        row.resize(interface.observation.len(), 0.0);
         let bypass = self.policy.ignores_interface();
         let partial_action = vec![0.0; interface.action.len()];
         if bypass && restricted.is_some() && !self.policy.is_baseline(&spaces.episode.task) {
@@ -143,7 +174,16 @@ impl Policy for WrappedPolicy<'_> {
             seed,
             ..context
         })?;
-        Ok(Box::new(WrappedController { inner, bypass, restricted, form, row, partial_action }))
+        Ok(Box::new(WrappedController {
+            inner,
+            bypass,
+            restricted,
+            form,
+            row,
+            previous,
+            action,
+            partial_action,
+        }))
     }
 }
 
@@ -154,28 +194,38 @@ struct WrappedController {
     bypass: bool,
     restricted: Option<RestrictedAction>,
     form: Form,
-    /// Observation in its form, and attributes.
+    /// Observation in its form, attributes and previous step.
     row: Vec<f64>,
+    previous: PreviousStep,
+    /// Space of the remaining actuators.
+    action: ActionSpace,
     /// Action of the remaining actuators.
     partial_action: Vec<f64>,
+}
+
+impl WrappedController {
+    /// Begins an episode of what the inner controller observes and does not control.
+    fn begin(&mut self) {
+        self.previous.reset();
+        if let Some(restricted) = &mut self.restricted {
+            restricted.reset();
+        }
+    }
 }
 
 impl Controller for WrappedController {
     fn reset(&mut self) {
         self.inner.reset();
-        if let Some(restricted) = &mut self.restricted {
-            restricted.reset();
-        }
+        self.begin();
     }
 
     fn next_episode(&mut self) {
         self.inner.next_episode();
-        if let Some(restricted) = &mut self.restricted {
-            restricted.reset();
-        }
+        self.begin();
     }
 
     fn reward(&mut self, reward: f64) {
+        self.previous.rewarded(reward);
         self.inner.reward(reward);
     }
 
@@ -188,12 +238,13 @@ impl Controller for WrappedController {
             return;
         }
         self.form.write(observation, &mut self.row);
+        let place = self.row.len() - self.previous.len();
+        self.previous.write(&mut self.row[place..]);
+        self.inner.act(&self.row, &mut self.partial_action);
+        self.previous.acted(&self.partial_action, &self.action);
         match &mut self.restricted {
-            None => self.inner.act(&self.row, action),
-            Some(restricted) => {
-                self.inner.act(&self.row, &mut self.partial_action);
-                restricted.complete(observation, &self.partial_action, action);
-            }
+            None => action.copy_from_slice(&self.partial_action),
+            Some(restricted) => restricted.complete(observation, &self.partial_action, action),
         }
     }
 }
