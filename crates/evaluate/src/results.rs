@@ -99,13 +99,15 @@ fn run(
     baselines: &Baselines,
     progress: &dyn Progress,
 ) -> Result<Ran> {
-    let lost = run_missing(evaluation, folder, episodes, policy, progress)?;
-    let mut ran = Vec::new();
-    for (number, episode) in episodes {
-        let finished =
-            folder.read(*number).map(|finished| Unscored::of(episode, finished, policy, baselines));
-        ran.push(finished.transpose()?);
+    let read = |(number, episode): (usize, &Episode)| {
+        folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines)).transpose()
+    };
+    let (mut kept, missing) = kept(episodes, policy, read)?;
+    let lost = run_missing(evaluation, folder, &missing, policy, progress)?;
+    for each in missing {
+        kept.insert(each.0, read(each)?);
     }
+    let ran: Vec<_> = episodes.iter().map(|(number, _)| kept.remove(number).flatten()).collect();
     let keys = ran
         .iter()
         .zip(episodes)
@@ -115,24 +117,38 @@ fn run(
     Ok(Ran { episodes: ran, lost })
 }
 
-/// Runs the sequences with an episode that a folder does not contain, and returns the lost episodes by number.
+/// The episodes that a folder contains by number, and those that are to be run.
+type Parts<'a> = (HashMap<usize, Option<Unscored>>, Vec<(usize, &'a Episode)>);
+
+/// Reads the sequences of which a folder contains every episode; the others are to be run.
+fn kept<'a>(
+    episodes: &[(usize, &'a Episode)],
+    policy: &dyn Policy,
+    read: impl Fn((usize, &Episode)) -> Result<Option<Unscored>>,
+) -> Result<Parts<'a>> {
+    let (mut kept, mut missing) = (HashMap::new(), Vec::new());
+    for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
+        let own = || sequence.iter().map(|position| episodes[*position]);
+        let found: Vec<_> = own().map(|each| Ok((each.0, read(each)?))).collect::<Result<_>>()?;
+        match found.iter().all(|(_, found)| found.is_some()) {
+            true => kept.extend(found),
+            false => missing.extend(own()),
+        }
+    }
+    Ok((kept, missing))
+}
+
+/// Runs episodes, keeps them in a folder, and returns the lost ones by number.
 fn run_missing(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
-    episodes: &[(usize, &Episode)],
+    missing: &[(usize, &Episode)],
     policy: &dyn Policy,
     progress: &dyn Progress,
 ) -> Result<HashMap<usize, Lost>> {
-    let mut missing = Vec::new();
-    for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
-        let own = || sequence.iter().map(|position| episodes[*position]);
-        if own().any(|(number, _)| folder.read(number).is_none()) {
-            missing.extend(own());
-        }
-    }
     progress.begin("episodes", missing.len(), missing.iter().map(|(_, episode)| episode.days()).sum());
     let lost = Mutex::new(HashMap::new());
-    evaluation.run(&missing, policy, progress, &|number, outcome| match outcome {
+    evaluation.run(missing, policy, progress, &|number, outcome| match outcome {
         Ok(finished) => folder.keep(number, &finished),
         Err(why) => {
             lost.lock().unwrap_or_else(PoisonError::into_inner).insert(number, why);
