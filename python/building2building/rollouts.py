@@ -72,6 +72,14 @@ class BuiltInController:
         """Resets the state for a new episode."""
         self._core.reset()
 
+    def next_episode(self) -> None:
+        """Begins another episode in the same building: an agent with memory keeps it."""
+        self._core.next_episode()
+
+    def reward(self, reward: float) -> None:
+        """Takes the reward of the last action, which an agent with memory may observe. :func:`rollout` calls it."""
+        self._core.reward(reward)
+
     def copy(self) -> BuiltInController:
         """Returns a copy with the same state, for use with snapshots of an environment."""
         other = object.__new__(type(self))
@@ -311,6 +319,7 @@ def rollout(
         if isinstance(controller, BuiltInController):
             action = controller.physical(core.observation)
             observation, reward, _, truncated, info = core.step(action, rescale=False)
+            controller.reward(reward)
         else:
             observation, step_reward, terminated, truncated, info = env.step(controller(observation))
             reward, truncated = float(step_reward), truncated or terminated

@@ -60,6 +60,16 @@ impl Controller {
         locked(&self.controller).reset();
     }
 
+    /// Begins another episode in the same building: an agent with memory keeps it.
+    fn next_episode(&self) {
+        locked(&self.controller).next_episode();
+    }
+
+    /// Takes the reward of the last action, which an agent with memory may observe.
+    fn reward(&self, reward: f64) {
+        locked(&self.controller).reward(reward);
+    }
+
     /// Returns a copy with the current state.
     fn copy(&self) -> Self {
         Self { controller: Mutex::new(locked(&self.controller).boxed_clone()), widths: self.widths }

@@ -16,7 +16,7 @@ use super::kind::Kind;
 use super::references::{Reference, is_one_of, parts};
 use super::room_unit;
 use super::setpoints::{SetpointZone, passes_regardless};
-use super::system::System;
+use super::system::{FromModel, System};
 use super::thermostat::{has_thermostat, split_thermostats};
 use super::ventilation::Ventilation;
 use super::zone_equipment::{
