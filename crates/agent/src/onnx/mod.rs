@@ -64,7 +64,7 @@ impl Agent {
 }
 
 /// Returns the bounds of the slots of the observation in a form.
-fn bounds(form: ObservationForm, spaces: &Spaces) -> Vec<[f64; 2]> {
+fn bounds(form: ObservationForm, spaces: &Arc<Spaces>) -> Vec<[f64; 2]> {
     let arrangement = match form {
         ObservationForm::Roles => Arrangement::ByRole,
         _ => Arrangement::InOrder,

@@ -347,7 +347,7 @@ mod tests {
                 );
             })
         };
-        let said = |options| check(options).unwrap_err().to_string();
+        let said = |options: &str| check(options).unwrap_err().to_string();
         let two = "buildings = ['OfficeSmall-0001', 'OfficeSmall-0002']\nenvironments";
         check(&format!("{two} = 2")).unwrap();
         assert!(said(&format!("{two} = 1")).contains("2 buildings share 1 environments"));
