@@ -54,7 +54,7 @@ struct EnvProgress {
     first_state: Vec<f32>,
     /// Steps of the rollout before which a recurrent actor forgets.
     starts: Vec<usize>,
-    /// Episodes begun, and whether the last one has no step yet.
+    /// Episodes drawn, and whether the last one has no step yet.
     episodes: u64,
     is_new: bool,
     noise: Noise,
@@ -238,6 +238,7 @@ impl LockstepCollector {
         }
         if self.environments.truncated()[environment] {
             env.end(environment, self.widths);
+            env.episodes += 1;
             self.environments.reset_one(environment)?;
         }
         Ok(())
@@ -251,7 +252,7 @@ impl LockstepCollector {
         if interface.nodes.is_some() {
             env.scratch = None;
         }
-        (env.episodes, env.is_new) = (env.episodes + 1, true);
+        env.is_new = true;
         env.scale = (self.scale)(spaces)? as f32;
         env.begin_scene(environment);
         self.begin_fragment(environment);
@@ -264,6 +265,7 @@ impl LockstepCollector {
         let env = &mut self.progress[environment];
         count_lost(&mut env.lost_in_a_row, why)?;
         env.end(environment, self.widths);
+        env.episodes += 1;
         Ok(self.environments.reset_one(environment)?)
     }
 }
