@@ -9,12 +9,14 @@ use std::ops::Range;
 const CHUNKS: usize = 4;
 /// Minimum number of rows of a chunk, so that matrix products are worth their overhead.
 const ROWS: usize = 64;
+/// Minimum number of sequences of a chunk: a step of a recurrent layer costs nearly the same for one sequence as for several.
+const SEQUENCES: usize = 4;
 /// Number of parameters × rows below which starting a thread costs more than it saves.
 const WORK: usize = 1 << 20;
 
-/// Returns the number of chunks of rows in sequences of this length: one per 64 rows, and at most four.
+/// Returns the number of chunks of rows in sequences of this length: one per 64 rows and per four sequences, and at most four.
 pub fn chunk_count(rows: usize, length: usize) -> usize {
-    (rows / ROWS).clamp(1, CHUNKS).min((rows / length).max(1))
+    (rows / ROWS).clamp(1, CHUNKS).min((rows / length / SEQUENCES).max(1))
 }
 
 /// Returns the rows of a chunk. Sequences of one row are split anywhere.
@@ -53,7 +55,7 @@ mod tests {
     #[test]
     fn chunks_cover_all_rows() {
         for (rows, length, count) in
-            [(1, 1, 1), (64, 1, 1), (128, 1, 2), (336, 1, 4), (1000, 1, 4), (480, 96, 4), (288, 96, 3)]
+            [(1, 1, 1), (64, 1, 1), (128, 1, 2), (336, 1, 4), (1000, 1, 4), (480, 96, 1), (768, 96, 2)]
         {
             assert_eq!(chunk_count(rows, length), count);
             let chunks: Vec<_> = (0..count).map(|index| chunk(rows, length, index)).collect();

@@ -153,15 +153,15 @@ fn recurrent(sequence: usize, log_std: LogStd, seed: u64) -> Ppo {
 
 /// Returns random steps after which a recurrent actor forgets where the first environment ends its episode, and before which
 /// in the second.
-fn recurrent_rollout(seed: u64) -> Rollout {
+fn recurrent_rollout(steps: usize, seed: u64) -> Rollout {
     let mut states = vec![0.0; 2 * WIDTH];
     Random::new(seed, 2).normals(&mut states);
-    Rollout { states, starts: vec![(0, 6), (1, 0)], ..rollout(40, seed) }
+    Rollout { states, starts: vec![(0, 6), (1, 0)], ..rollout(steps, seed) }
 }
 
 #[test]
 fn sequences_have_the_densities_and_values_of_single_steps() {
-    let rollout = recurrent_rollout(0);
+    let rollout = recurrent_rollout(40, 0);
     let mut ppo = recurrent(8, LogStd::Free, 3);
     ppo.samples.read(&rollout, true);
     let values = ppo.evaluate(&rollout);
@@ -206,19 +206,28 @@ fn sequences_have_the_densities_and_values_of_single_steps() {
 
 #[test]
 fn recurrent_networks_learn_the_same_bits_on_any_number_of_threads_and_after_a_restoration() {
+    let long = |seed: u64| recurrent_rollout(160, seed);
+    let new = |seed: u64| {
+        let policy = RecurrentPolicy { width: WIDTH, sequence: 8, ..RecurrentPolicy::default() };
+        let config = PpoConfig {
+            actor_hidden: vec![80, 80],
+            batch_size: 320,
+            n_steps: 160,
+            ..config(LogStd::OfState)
+        };
+        Ppo::recurrent(&policy, WIDTHS, config, seed).unwrap()
+    };
     let learned = |threads: usize| {
-        let mut ppo = recurrent(8, LogStd::OfState, 3);
-        ppo.config.batch_size = 80;
+        let mut ppo = new(3);
         ppo.set_threads(threads);
-        ppo.update(&recurrent_rollout(0)).unwrap();
+        ppo.update(&long(0)).unwrap();
         ppo
     };
     let mut first = learned(1);
     assert_eq!(first.state(), learned(3).state());
-    let mut restored = recurrent(8, LogStd::OfState, 8);
-    restored.config.batch_size = 80;
+    let mut restored = new(8);
     restored.restore(&State::from_bytes(&first.state().to_bytes()).unwrap()).unwrap();
-    let again = |ppo: &mut Ppo| (ppo.update(&recurrent_rollout(1)).unwrap(), ppo.state());
+    let again = |ppo: &mut Ppo| (ppo.update(&long(1)).unwrap(), ppo.state());
     assert_eq!(again(&mut first), again(&mut restored));
 }
 
@@ -226,7 +235,7 @@ fn recurrent_networks_learn_the_same_bits_on_any_number_of_threads_and_after_a_r
 fn gradients_of_recurrent_networks_are_slopes_of_their_losses() {
     for log_std in [LogStd::Free, LogStd::OfState] {
         let mut ppo = recurrent(20, log_std, 3);
-        ppo.prepare_for_test(&recurrent_rollout(0));
+        ppo.prepare_for_test(&recurrent_rollout(40, 0));
         let mut worker = Worker::new(&ppo.networks);
         let mut losses = |parameters: &[f32]| {
             let batch = Minibatch {
