@@ -72,8 +72,12 @@ class BuiltInController:
         """Resets the state for a new episode."""
         self._core.reset()
 
+    def next_episode(self) -> None:
+        """Begins another episode in the same building: an agent with memory keeps it."""
+        self._core.next_episode()
+
     def reward(self, reward: float) -> None:
-        """Takes the reward of the last action, which an agent may observe."""
+        """Takes the reward of the last action, which an agent with memory may observe. :func:`rollout` calls it."""
         self._core.reward(reward)
 
     def copy(self) -> BuiltInController:

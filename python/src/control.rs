@@ -60,7 +60,12 @@ impl Controller {
         locked(&self.controller).reset();
     }
 
-    /// Takes the reward of the last action.
+    /// Begins another episode in the same building: an agent with memory keeps it.
+    fn next_episode(&self) {
+        locked(&self.controller).next_episode();
+    }
+
+    /// Takes the reward of the last action, which an agent with memory may observe.
     fn reward(&self, reward: f64) {
         locked(&self.controller).reward(reward);
     }

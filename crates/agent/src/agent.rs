@@ -130,7 +130,7 @@ impl Agent {
     fn node_types(&self) -> usize {
         match &self.info.network {
             crate::network::Shape::Graph(network) => network.types.len(),
-            crate::network::Shape::Mlp(_) => 0,
+            crate::network::Shape::Mlp(_) | crate::network::Shape::Recurrent(_) => 0,
         }
     }
 
@@ -177,7 +177,8 @@ fn difference(what: &str, agent: &[String], building: &[String]) -> Option<Strin
     })
 }
 
-/// A controller that runs an agent in one building, without exploration. A step allocates nothing.
+/// A controller that runs an agent in one building, without exploration. A recurrent network keeps its state in
+/// [`Controller::next_episode`]. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct AgentController {
     pilot: Pilot,
@@ -202,6 +203,12 @@ impl AgentController {
 impl Controller for AgentController {
     fn reset(&mut self) {
         self.pilot.reset();
+        self.scratch.state_mut().fill(0.0);
+    }
+
+    /// Keeps the state of a recurrent network.
+    fn next_episode(&mut self) {
+        self.pilot.reset();
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
@@ -210,5 +217,9 @@ impl Controller for AgentController {
             self.actor.mean(self.pilot.observed(), &mut self.scratch, &mut self.row);
         }
         action.copy_from_slice(self.pilot.act(&self.row));
+    }
+
+    fn reward(&mut self, reward: f64) {
+        self.pilot.reward(reward);
     }
 }

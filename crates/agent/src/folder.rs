@@ -12,7 +12,8 @@ use safetensors::{SafeTensors, serialize};
 use crate::error::at;
 use crate::info::{AgentInfo, FORMAT};
 use crate::network::graph::NodeWidths;
-use crate::network::{Actor, Distribution, Shape, Tensor};
+use crate::network::recurrent::GATES;
+use crate::network::{Actor, Distribution, Recurrent, Shape, Tensor};
 use crate::{Error, Result};
 
 /// The file that describes an agent.
@@ -147,6 +148,7 @@ fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
     let fit = |sizes: &[usize]| sizes.iter().all(|&size| size <= values);
     let sizes_fit = match shape {
         Shape::Mlp(mlp) => fit(&mlp.widths),
+        Shape::Recurrent(network) => fit(&network.encoder.widths) && fit(&network.head.widths),
         Shape::Graph(network) => {
             let of_nodes = |node: &NodeWidths| fit(&[node.features, node.outputs]);
             fit(&[network.embedding, network.heads, network.feed_forward])
@@ -168,6 +170,10 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
     let found = match &info.network {
         Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layers"),
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
+        Shape::Recurrent(Recurrent { encoder, head }) => match (&encoder.widths[..], &head.widths[..]) {
+            ([inputs, .., gates], [state, .., outputs]) if *gates == GATES * state => (*inputs, *outputs),
+            _ => return Err("its encoder does not have the inputs of the gates of its state"),
+        },
         // An agent saved before a node type was added has fewer.
         Shape::Graph(network) if network.types.len() > NodeType::ALL.len() => {
             return Err("the number of node types in its network does not match");

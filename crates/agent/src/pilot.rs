@@ -8,12 +8,13 @@ use crate::Result;
 use crate::acting::Driver;
 use crate::interface::Interface;
 use crate::network::Graph;
-use crate::observation::{AgentObservation, attributes};
+use crate::observation::{AgentObservation, Past, attributes};
 use crate::plan::NodePlan;
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
 ///
-/// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every step, alternately. Where
+/// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every step, alternately, and
+/// [`Pilot::reward`] for its reward. Where
 /// decisions are held, the network acts when [`Pilot::is_due`], and its action is repeated in the other steps.
 #[derive(Clone, Debug)]
 pub struct Pilot {
@@ -25,6 +26,10 @@ pub struct Pilot {
     /// The last action of the driver, in [-1, 1]; 0 without a network action.
     previous: Vec<f32>,
     row: Vec<f32>,
+    /// Sum of the rewards since the last decision; 0 before it.
+    reward: f64,
+    /// Whether the network has not acted in the episode yet.
+    is_first: bool,
     /// Steps for which a decision is held.
     hold: usize,
     /// Steps since the last decision began; 0 before it.
@@ -72,6 +77,8 @@ impl Pilot {
             actions,
             previous: vec![0.0; driver.names().len()],
             driver,
+            reward: 0.0,
+            is_first: true,
             hold: interface.acting.hold(spaces.episode.steps_per_hour),
             held: 0,
         })
@@ -87,7 +94,7 @@ impl Pilot {
         self.observation.reset();
         self.driver.reset();
         self.previous.fill(0.0);
-        self.held = 0;
+        (self.reward, self.is_first, self.held) = (0.0, true, 0);
     }
 
     /// Returns the width of the network's observation and the number of its actions.
@@ -108,7 +115,8 @@ impl Pilot {
     /// Takes the next observation of the environment and returns the network's observation.
     pub fn observe(&mut self, observation: &[f64]) -> &[f32] {
         self.driver.observe(observation);
-        self.observation.write(observation, &self.previous, &self.driver, &mut self.row);
+        let past = Past { action: &self.previous, reward: self.reward, is_first: self.is_first };
+        self.observation.write(observation, past, &self.driver, &mut self.row);
         &self.row
     }
 
@@ -124,10 +132,19 @@ impl Pilot {
 
     /// Takes the action of the network for a step, whose values beyond ±1 are clipped, and returns it in physical units.
     pub fn act(&mut self, action: &[f32]) -> &[f64] {
+        if self.is_due() {
+            (self.reward, self.is_first) = (0.0, false);
+        }
         for (place, value) in self.actions.iter().zip(action) {
             self.previous[*place] = value.clamp(-1.0, 1.0);
         }
         self.held = (self.held + 1) % self.hold;
         self.driver.drive(&self.previous)
+    }
+
+    /// Takes the environment's reward of the last step, not scaled, before the next observation. The next decision observes the
+    /// sum over the steps of the last one.
+    pub fn reward(&mut self, reward: f64) {
+        self.reward += reward;
     }
 }

@@ -91,6 +91,8 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
 pub struct Abilities {
     /// Graph networks.
     pub graphs: bool,
+    /// Recurrent networks.
+    pub recurrent: bool,
     /// Rewards in parts, with each action credited with the parts it affects.
     pub credit: bool,
     /// Pairs of environments with opposite exploration noise.
@@ -103,7 +105,7 @@ impl Default for Abilities {
     /// Returns no abilities.
     fn default() -> Self {
         let noise = Err("the learner sets the exploration noise itself");
-        Self { graphs: false, credit: false, mirrored_noise: false, noise }
+        Self { graphs: false, recurrent: false, credit: false, mirrored_noise: false, noise }
     }
 }
 

@@ -33,6 +33,8 @@ pub struct LockstepCollector {
     scale: RewardScale,
     seed: u64,
     correlation: f32,
+    /// Episodes in a building that the memory of a recurrent actor spans.
+    memory_episodes: u64,
     /// Rollouts collected so far.
     rollouts: u64,
     progress: Vec<EnvProgress>,
@@ -46,8 +48,15 @@ pub struct LockstepCollector {
 /// The state of one environment during collection.
 struct EnvProgress {
     pilot: Pilot,
-    /// Buffers of the actor in the building of the episode in progress.
+    /// Buffers of the actor in the building of the episode in progress, and the state of a recurrent one.
     scratch: Option<Scratch>,
+    /// That state when the rollout began.
+    first_state: Vec<f32>,
+    /// Steps of the rollout before which a recurrent actor forgets.
+    starts: Vec<usize>,
+    /// Episodes drawn, and whether the last one has no step yet.
+    episodes: u64,
+    is_new: bool,
     noise: Noise,
     /// Factor of the rewards of the episode in progress.
     scale: f32,
@@ -88,6 +97,10 @@ impl LockstepCollector {
             progress.push(EnvProgress {
                 pilot,
                 scratch: None,
+                first_state: Vec::new(),
+                starts: Vec::new(),
+                episodes: 1,
+                is_new: true,
                 noise: Noise::new(own.action, correlation, Random::new(seed, 0)),
                 scale: scale(spaces)? as f32,
                 done: 0,
@@ -105,6 +118,7 @@ impl LockstepCollector {
             scale,
             seed,
             correlation,
+            memory_episodes: 1,
             rollouts: 0,
             progress,
             ready: Vec::new(),
@@ -113,6 +127,13 @@ impl LockstepCollector {
         };
         (0..collector.progress.len()).try_for_each(|index| collector.check_and_observe(index))?;
         Ok(collector)
+    }
+
+    /// Lets a recurrent actor remember this many consecutive episodes of an environment, by default one.
+    #[must_use]
+    pub fn with_memory_episodes(mut self, episodes: u32) -> Self {
+        self.memory_episodes = u64::from(episodes.max(1));
+        self
     }
 
     /// Returns how many episodes were lost.
@@ -147,7 +168,7 @@ impl LockstepCollector {
     }
 
     /// Makes room in the rollout and begins it in every environment.
-    fn begin_rollout(&mut self, steps: usize, rollout: &mut Rollout) {
+    fn begin_rollout(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) {
         rollout.resize(self.progress.len(), steps, self.widths);
         self.rollouts += 1;
         self.times = [Duration::ZERO; 2];
@@ -157,6 +178,8 @@ impl LockstepCollector {
             env.ends.clear();
             env.scenes.clear();
             env.begin_scene(index);
+            env.starts.clear();
+            env.first_state = env.scratch(actor).state().to_vec();
             self.begin_fragment(index);
         }
     }
@@ -173,6 +196,7 @@ impl LockstepCollector {
     fn step(&mut self, actor: &Actor, rollout: &mut Rollout) -> Result<()> {
         let (before, steps) = (Instant::now(), rollout.steps);
         for (index, env) in self.progress.iter_mut().enumerate().filter(|(_, env)| env.done < steps) {
+            env.begin_memory(actor, self.memory_episodes);
             env.act(actor, self.widths, index * steps + env.done, rollout);
         }
         self.times[0] += before.elapsed();
@@ -200,10 +224,11 @@ impl LockstepCollector {
 
     /// Records the outcome of a step.
     fn take_step(&mut self, environment: usize, rollout: &mut Rollout) -> Result<()> {
+        let reward = self.environments.rewards()[environment].total();
+        self.progress[environment].pilot.reward(reward);
         self.observe(environment)?;
-        let reward = self.environments.rewards()[environment].total() as f32;
         let env = &mut self.progress[environment];
-        rollout.rewards[environment * rollout.steps + env.done] = reward * env.scale;
+        rollout.rewards[environment * rollout.steps + env.done] = reward as f32 * env.scale;
         env.done += 1;
         env.lost_in_a_row = 0;
         if env.done == rollout.steps {
@@ -213,6 +238,7 @@ impl LockstepCollector {
         }
         if self.environments.truncated()[environment] {
             env.end(environment, self.widths);
+            env.episodes += 1;
             self.environments.reset_one(environment)?;
         }
         Ok(())
@@ -221,8 +247,12 @@ impl LockstepCollector {
     fn begin_episode(&mut self, environment: usize) -> Result<()> {
         let spaces = spaces_of(&self.environments, environment)?;
         let env = &mut self.progress[environment];
-        env.pilot = Pilot::new(self.interface, spaces)?;
-        env.scratch = None;
+        let interface = self.interface;
+        env.pilot = Pilot::new(interface, spaces)?;
+        if interface.nodes.is_some() {
+            env.scratch = None;
+        }
+        env.is_new = true;
         env.scale = (self.scale)(spaces)? as f32;
         env.begin_scene(environment);
         self.begin_fragment(environment);
@@ -235,11 +265,28 @@ impl LockstepCollector {
         let env = &mut self.progress[environment];
         count_lost(&mut env.lost_in_a_row, why)?;
         env.end(environment, self.widths);
+        env.episodes += 1;
         Ok(self.environments.reset_one(environment)?)
     }
 }
 
 impl EnvProgress {
+    /// Returns the buffers of the actor.
+    fn scratch(&mut self, actor: &Actor) -> &mut Scratch {
+        self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()))
+    }
+
+    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this is not the
+    /// first of them.
+    fn begin_memory(&mut self, actor: &Actor, memory_episodes: u64) {
+        let is_first =
+            std::mem::take(&mut self.is_new) && (self.episodes - 1).is_multiple_of(memory_episodes);
+        if is_first && !self.scratch(actor).state().is_empty() {
+            self.scratch(actor).state_mut().fill(0.0);
+            self.starts.push(self.done);
+        }
+    }
+
     /// Chooses the action of a step, and records it in a row of the rollout, with the observation before the step.
     fn act(&mut self, actor: &Actor, widths: Widths, row: usize, rollout: &mut Rollout) {
         let scratch = self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()));
@@ -283,11 +330,15 @@ impl Collector for LockstepCollector {
 
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         let began = Instant::now();
-        self.begin_rollout(steps, rollout);
+        self.begin_rollout(actor, steps, rollout);
         while self.progress.iter().any(|env| env.done < steps) {
             self.step(actor, rollout)?;
         }
         rollout.ends.extend(self.progress.iter_mut().flat_map(|env| env.ends.drain(..)));
+        for (index, env) in self.progress.iter().enumerate() {
+            rollout.states.extend_from_slice(&env.first_state);
+            rollout.starts.extend(env.starts.iter().map(|step| (index, *step)));
+        }
         let scenes = self.progress.iter_mut().flat_map(|env| env.scenes.drain(..));
         rollout.scenes.extend(scenes.filter(|scene| scene.step < steps));
         rollout.clear_padding(self.widths);

@@ -15,8 +15,30 @@ pub enum Policy {
     /// [`SacConfig`](crate::sac::SacConfig) for their layers.
     #[default]
     Flat,
+    /// Recurrent networks, which remember the steps of an episode, for buildings as above: PPO's layers come before a gated
+    /// recurrent unit.
+    Recurrent(RecurrentPolicy),
     /// Graph networks, for buildings of any types.
     Graph(GraphPolicy),
+}
+
+/// The recurrent networks of a run: actor and critic each have a gated recurrent unit, between their hidden layers and their
+/// last layer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RecurrentPolicy {
+    /// Width of the state. Default 64.
+    pub width: usize,
+    /// Steps of a rollout through which gradients are propagated at a time; divides the steps of a rollout. Default 96.
+    pub sequence: usize,
+    /// Consecutive episodes in a building that the state spans. Default 1.
+    pub memory_episodes: u32,
+}
+
+impl Default for RecurrentPolicy {
+    fn default() -> Self {
+        Self { width: 64, sequence: 96, memory_episodes: 1 }
+    }
 }
 
 /// The graph networks of a run: actor and critic have the same shape.
@@ -60,14 +82,31 @@ impl Policy {
     /// Returns how a graph network observes a building.
     pub(crate) fn nodes(&self) -> Option<NodeForm> {
         match self {
-            Self::Flat => None,
+            Self::Flat | Self::Recurrent(_) => None,
             Self::Graph(policy) => Some(NodeForm { attributes: policy.attributes }),
+        }
+    }
+
+    /// Returns whether the networks are graph networks.
+    pub(crate) fn is_graph(&self) -> bool {
+        matches!(self, Self::Graph(_))
+    }
+
+    /// Returns the recurrent networks, if they are.
+    pub(crate) fn recurrent(&self) -> Option<&RecurrentPolicy> {
+        match self {
+            Self::Recurrent(policy) => Some(policy),
+            Self::Flat | Self::Graph(_) => None,
         }
     }
 
     /// Checks the values.
     pub(crate) fn check(&self) -> Result<()> {
-        let Self::Graph(policy) = self else { return Ok(()) };
+        let policy = match self {
+            Self::Flat => return Ok(()),
+            Self::Recurrent(policy) => return policy.check(),
+            Self::Graph(policy) => policy,
+        };
         let GraphPolicy { embedding, heads, layers, feed_forward, .. } = *policy;
         check_counts([
             ("policy.embedding", embedding),
@@ -78,6 +117,26 @@ impl Policy {
         require(embedding.is_multiple_of(heads), || {
             format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}")
         })
+    }
+}
+
+impl RecurrentPolicy {
+    /// Checks that the steps of a rollout, an option, are whole sequences.
+    pub(crate) fn check_steps(&self, option: &str, steps: usize) -> Result<()> {
+        let Self { sequence, .. } = *self;
+        require(sequence >= 1 && steps.is_multiple_of(sequence), || {
+            format!("`{option}` is {steps}; expected a multiple of `policy.sequence`, {sequence}")
+        })
+    }
+
+    /// Checks the values.
+    fn check(&self) -> Result<()> {
+        let Self { width, sequence, memory_episodes } = *self;
+        check_counts([
+            ("policy.width", width),
+            ("policy.sequence", sequence),
+            ("policy.memory_episodes", memory_episodes as usize),
+        ])
     }
 }
 

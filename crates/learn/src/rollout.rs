@@ -31,6 +31,11 @@ pub struct Rollout {
     /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows of a
     /// building that is smaller than the widths are padded with zeros.
     pub scenes: Vec<Scene>,
+    /// States of a recurrent actor before the first step of each environment: environments × width; empty for other actors.
+    pub states: Vec<f32>,
+    /// Steps before which a recurrent network forgets, because they are the first of an episode in another building or with
+    /// a new memory: environment and step, in this order.
+    pub starts: Vec<(usize, usize)>,
     /// With mirrored noise, for how many first steps the two environments of each pair are at the same step of the same
     /// episode and have opposite noise.
     pub pairs: Vec<usize>,
@@ -77,6 +82,8 @@ impl Rollout {
         self.ends.clear();
         self.scenes.clear();
         self.pairs.clear();
+        self.states.clear();
+        self.starts.clear();
     }
 
     /// Zeros the padding of smaller buildings.
@@ -143,6 +150,10 @@ impl Rollout {
             }
         }
         self.ends.iter().try_for_each(|end| end.check(self, widths))?;
+        let is_outside = |start: &&(usize, usize)| start.0 >= self.environments || start.1 >= self.steps;
+        if let Some((environment, step)) = self.starts.iter().find(is_outside).copied() {
+            return Err(Error::End { environment, step });
+        }
         let place = |end: &End| (end.environment, end.step);
         match self.ends.windows(2).find(|pair| place(&pair[0]) >= place(&pair[1])) {
             Some(pair) => Err(Error::End { environment: pair[1].environment, step: pair[1].step }),

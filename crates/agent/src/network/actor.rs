@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::graph::{Batch, Places, Tape};
+use super::recurrent::RecurrentScratch;
 use super::{Graph, Layer, Shape, tanh};
 
 /// Bounds of the logarithm of the standard deviation of a squashed Gaussian. Haarnoja et al. 2018 use -20 and 2; the higher
@@ -44,7 +45,7 @@ pub struct Actor {
     pub distribution: Distribution,
 }
 
-/// Buffers of an actor in a building, reused from step to step.
+/// Buffers of an actor in a building, reused from step to step, and the state of a recurrent network.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     form: Form,
@@ -59,6 +60,7 @@ pub struct Scratch {
 #[derive(Clone, Debug)]
 enum Form {
     Flat { layers: Vec<f32> },
+    Recurrent(RecurrentScratch),
     Graph { graph: Arc<Graph>, places: Places, tape: Box<Tape> },
 }
 
@@ -68,12 +70,15 @@ impl Actor {
     /// # Panics
     /// If `graph` is `None` for a graph network.
     pub fn scratch(&self, graph: Option<&Arc<Graph>>) -> Scratch {
+        let flat = |form, observations, outputs: usize| {
+            let actions = if self.is_of_state() { outputs / 2 } else { outputs };
+            Scratch { form, observations, outputs: vec![0.0; outputs], free: (0..actions).collect() }
+        };
         match (&self.shape, graph) {
-            (Shape::Mlp(mlp), _) => {
-                let actions = if self.is_of_state() { mlp.outputs() / 2 } else { mlp.outputs() };
-                let form = Form::Flat { layers: mlp.scratch() };
-                let (observations, outputs) = (mlp.inputs(), vec![0.0; mlp.outputs()]);
-                Scratch { form, observations, outputs, free: (0..actions).collect() }
+            (Shape::Mlp(mlp), _) => flat(Form::Flat { layers: mlp.scratch() }, mlp.inputs(), mlp.outputs()),
+            (Shape::Recurrent(network), _) => {
+                let form = Form::Recurrent(network.scratch());
+                flat(form, network.encoder.inputs(), network.head.outputs())
             }
             (Shape::Graph(network), Some(graph)) => {
                 let actions = graph.actions.len();
@@ -88,8 +93,8 @@ impl Actor {
         }
     }
 
-    /// Writes the action without exploration: the mean, squashed if the distribution is. Allocates only at the first
-    /// call.
+    /// Writes the action without exploration: the mean, squashed if the distribution is. A recurrent network goes on to its next
+    /// state, here and in [`Actor::sample`]. Allocates only at the first call.
     ///
     /// # Panics
     /// If the length of a slice does not match the shape.
@@ -118,6 +123,9 @@ impl Actor {
         match (&self.shape, &mut scratch.form) {
             (Shape::Mlp(mlp), Form::Flat { layers }) => {
                 mlp.forward(&self.parameters, observation, layers, &mut scratch.outputs);
+            }
+            (Shape::Recurrent(network), Form::Recurrent(scratch_of_step)) => {
+                network.forward(&self.parameters, observation, scratch_of_step, &mut scratch.outputs);
             }
             (Shape::Graph(network), Form::Graph { graph, places, tape }) => {
                 assert_eq!(observation.len(), graph.width(), "width of an observation");
@@ -161,6 +169,22 @@ impl Scratch {
     /// Returns the number of actions.
     pub fn actions(&self) -> usize {
         self.free.len()
+    }
+
+    /// Returns the state of a recurrent network after the last step; empty for other networks.
+    pub fn state(&self) -> &[f32] {
+        match &self.form {
+            Form::Recurrent(own) => &own.state,
+            Form::Flat { .. } | Form::Graph { .. } => &[],
+        }
+    }
+
+    /// Returns the state, to set it: zeros forget everything.
+    pub fn state_mut(&mut self) -> &mut [f32] {
+        match &mut self.form {
+            Form::Recurrent(own) => &mut own.state,
+            Form::Flat { .. } | Form::Graph { .. } => &mut [],
+        }
     }
 
     /// Returns the width of an observation.

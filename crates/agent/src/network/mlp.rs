@@ -62,6 +62,14 @@ impl Mlp {
         self.layers().last().map_or(0, |layer| layer.biases.end)
     }
 
+    /// Returns the tensors of all layers, whose names are a prefix and the number of the layer.
+    pub(super) fn tensors(&self, prefix: &str) -> Vec<Tensor> {
+        self.layers()
+            .enumerate()
+            .flat_map(|(index, layer)| layer.tensors(&format!("{prefix}{index}")))
+            .collect()
+    }
+
     /// Returns a buffer for [`Mlp::forward`].
     pub fn scratch(&self) -> Vec<f32> {
         vec![0.0; 2 * self.widths.iter().max().copied().unwrap_or(0)]
@@ -96,7 +104,8 @@ impl Mlp {
 const TILE: (usize, usize) = (4, 8);
 
 impl Layer {
-    fn forward(&self, parameters: &[f32], input: &[f32], output: &mut [f32]) {
+    /// Writes the outputs for one input.
+    pub(super) fn forward(&self, parameters: &[f32], input: &[f32], output: &mut [f32]) {
         output.copy_from_slice(&parameters[self.biases.clone()]);
         let rows = parameters[self.weights.clone()].chunks_exact(self.outputs);
         for (value, row) in input.iter().zip(rows) {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::{GraphNetwork, Mlp};
+use super::{GraphNetwork, Mlp, Recurrent};
 
 /// The shape of an actor's network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,6 +12,8 @@ use super::{GraphNetwork, Mlp};
 pub enum Shape {
     /// A multilayer perceptron, for buildings with the same spaces.
     Mlp(Mlp),
+    /// A recurrent network, for buildings with the same spaces.
+    Recurrent(Recurrent),
     /// A graph network, for every building whose node types it was trained with.
     Graph(GraphNetwork),
 }
@@ -32,6 +34,7 @@ impl Shape {
     pub fn parameters(&self) -> usize {
         match self {
             Self::Mlp(mlp) => mlp.parameters(),
+            Self::Recurrent(network) => network.parameters(),
             Self::Graph(network) => network.places().parameters(),
         }
     }
@@ -39,10 +42,8 @@ impl Shape {
     /// Returns the tensors, which cover every parameter once.
     pub fn tensors(&self) -> Vec<Tensor> {
         match self {
-            Self::Mlp(mlp) => {
-                let layers = mlp.layers().enumerate();
-                layers.flat_map(|(index, layer)| layer.tensors(&index.to_string())).collect()
-            }
+            Self::Mlp(mlp) => mlp.tensors(""),
+            Self::Recurrent(network) => network.tensors(),
             Self::Graph(network) => network.places().tensors(),
         }
     }
@@ -51,14 +52,27 @@ impl Shape {
     pub fn mlp(&self) -> Option<&Mlp> {
         match self {
             Self::Mlp(mlp) => Some(mlp),
-            Self::Graph(_) => None,
+            Self::Recurrent(_) | Self::Graph(_) => None,
         }
+    }
+
+    /// Returns the recurrent network, if it is one.
+    pub fn recurrent(&self) -> Option<&Recurrent> {
+        match self {
+            Self::Recurrent(network) => Some(network),
+            Self::Mlp(_) | Self::Graph(_) => None,
+        }
+    }
+
+    /// Returns the width of the state that the network keeps from step to step: 0 if it keeps none.
+    pub fn state(&self) -> usize {
+        self.recurrent().map_or(0, Recurrent::state)
     }
 
     /// Returns the graph network, if it is one.
     pub fn graph(&self) -> Option<&GraphNetwork> {
         match self {
-            Self::Mlp(_) => None,
+            Self::Mlp(_) | Self::Recurrent(_) => None,
             Self::Graph(network) => Some(network),
         }
     }

@@ -7,9 +7,10 @@ use b2b_workers::Arrangement;
 
 use super::feature::{Context, Feature, LinearFeature};
 use super::features::features;
-use super::known::{attribute_features, forecast_features};
+use super::known::{attribute_features, feedback_features, forecast_features};
 use super::memory::Memory;
 use super::options::{ObservationForm, ObservationOptions};
+use super::past::Past;
 use super::supervised::supervised;
 use super::{outdoor, scaled};
 use crate::Result;
@@ -50,6 +51,10 @@ impl AgentObservation {
         };
         features.extend(attribute_features(attributes, spaces));
         features.extend(forecast_features(options.forecast, spaces));
+        if options.feedback {
+            let has_actions = options.form == ObservationForm::Features;
+            features.extend(feedback_features(if has_actions { &[] } else { driver.names() }));
+        }
         let outdoor = outdoor::temperatures(options.forecast, spaces)?;
         Ok(Self { outdoor, ..Self::of_features(features, spaces, driver.supervisor().is_some()) })
     }
@@ -92,9 +97,8 @@ impl AgentObservation {
         self.memory.reset();
     }
 
-    /// Writes the observation of the agent. Called once for every observation of the environment, in order. `previous`
-    /// is the agent's last action, in [-1, 1].
-    pub(crate) fn write(&mut self, observation: &[f64], previous: &[f32], driver: &Driver, row: &mut [f32]) {
+    /// Writes the observation of the agent. Called once for every observation of the environment, in order.
+    pub(crate) fn write(&mut self, observation: &[f64], past: Past<'_>, driver: &Driver, row: &mut [f32]) {
         self.memory.remember(observation);
         if let Some(bands) = &self.bands {
             let [day, hour] = self.calendar.map(|slot| observation[slot]);
@@ -105,7 +109,7 @@ impl AgentObservation {
         let Self { memory, outdoor, changes, .. } = &*self;
         let decisions = driver.supervisor().map_or(&[][..], |supervisor| supervisor.decisions());
         let base = driver.base();
-        let context = Context { observation, memory, outdoor, changes, previous, base, decisions };
+        let context = Context { observation, memory, outdoor, changes, past, base, decisions };
         for (value, feature) in row.iter_mut().zip(&self.features) {
             *value = feature.value(&context) as f32;
         }

@@ -6,6 +6,7 @@ use b2b_env::{NextPair, Target};
 
 use super::memory::Memory;
 use super::outdoor::{OUTDOOR, at_hour};
+use super::past::Past;
 
 /// One slot of an agent's observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,10 @@ pub(super) enum Source {
     DecisionIs { decision: usize, value: f64 },
     /// The agent's previous action for an actuator.
     Previous(usize),
+    /// The signed root of the reward of the previous decision.
+    PreviousReward,
+    /// Whether the step is the first of an episode.
+    First,
     /// The base controller's next action for an actuator.
     Base(usize),
 }
@@ -75,7 +80,7 @@ pub(super) struct Context<'a> {
     pub(super) outdoor: &'a [f64],
     /// The next change of the band of each zone.
     pub(super) changes: &'a [Option<NextPair>],
-    pub(super) previous: &'a [f32],
+    pub(super) past: Past<'a>,
     pub(super) base: &'a [f32],
     /// Decisions of the supervised sequences in the last step.
     pub(super) decisions: &'a [f64],
@@ -99,7 +104,7 @@ impl Feature {
     }
 
     pub(super) fn value(&self, context: &Context<'_>) -> f64 {
-        let Context { observation, memory, outdoor, changes, previous, base, decisions } = context;
+        let Context { observation, memory, outdoor, changes, past, base, decisions } = context;
         match self.source {
             Source::Constant(value) => value,
             Source::Bounded { slot, low, high } => 2.0 * (observation[slot] - low) / (high - low) - 1.0,
@@ -138,11 +143,16 @@ impl Feature {
                 clipped(decisions[decision] - center, scale, limit)
             }
             Source::DecisionIs { decision, value } => f64::from(u8::from(decisions[decision] == value)),
-            Source::Previous(actuator) => f64::from(previous[actuator]),
+            Source::Previous(actuator) => f64::from(past.action[actuator]),
+            Source::PreviousReward => past.reward.signum() * past.reward.abs().sqrt().min(LARGEST_ROOT),
+            Source::First => f64::from(u8::from(past.is_first)),
             Source::Base(actuator) => f64::from(base[actuator]),
         }
     }
 }
+
+/// Limit of the signed root of a reward, K in tasks of tracking.
+const LARGEST_ROOT: f64 = 5.0;
 
 /// Hours of a week.
 pub(super) const HOURS_OF_WEEK: f64 = 168.0;

@@ -1,4 +1,4 @@
-//! Inputs of an agent besides the environment's observations: attributes and the forecast.
+//! Inputs of an agent besides the environment's observations: attributes, the forecast and feedback.
 
 use b2b_building::morphology::COMMON;
 use b2b_dataset::{BuildingName, Control, Placement};
@@ -44,4 +44,14 @@ pub(super) fn forecast_features(hours: u32, spaces: &Spaces) -> Vec<Feature> {
         Feature::new(format!("outdoor temperature in {ahead} h"), source)
     };
     (1..=hours).map(at).collect()
+}
+
+/// Returns the features of feedback: the previous action for the actuators with these names, the previous reward, and whether
+/// the step is the first of an episode.
+pub(super) fn feedback_features(actuators: &[String]) -> Vec<Feature> {
+    let of_action =
+        |(index, name): (usize, &String)| Feature::new(format!("{name} previous"), Source::Previous(index));
+    let of_step = [("previous reward", Source::PreviousReward), ("first step", Source::First)];
+    let of_step = of_step.map(|(name, source)| Feature::new(name, source));
+    actuators.iter().enumerate().map(of_action).chain(of_step).collect()
 }

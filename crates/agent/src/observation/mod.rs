@@ -8,6 +8,7 @@ mod memory;
 mod nodes;
 pub(crate) mod options;
 mod outdoor;
+mod past;
 mod scaled;
 mod supervised;
 
@@ -17,3 +18,4 @@ pub(crate) use feature::LinearFeature;
 pub use known::attributes;
 pub use nodes::{NodeSpaces, NodeView};
 pub use options::{ObservationForm, ObservationOptions};
+pub(crate) use past::Past;

@@ -55,6 +55,10 @@ pub struct ObservationOptions {
     /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file, at most
     /// `LONGEST_FORECAST`.
     pub forecast: u32,
+    /// Whether to append what a recurrent agent learns about its building from: the previous action (which features have
+    /// already), the root of the previous reward, and a flag at the first step of an episode.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub feedback: bool,
 }
 
 /// Hours of the longest forecast: a week.
@@ -73,12 +77,13 @@ struct Table {
     form: ObservationForm,
     attributes: bool,
     forecast: u32,
+    feedback: bool,
 }
 
 impl Default for Table {
     fn default() -> Self {
-        let ObservationOptions { form, attributes, forecast } = ObservationOptions::default();
-        Self { form, attributes, forecast }
+        let ObservationOptions { form, attributes, forecast, feedback } = ObservationOptions::default();
+        Self { form, attributes, forecast, feedback }
     }
 }
 
@@ -90,7 +95,9 @@ impl<'de> Deserialize<'de> for ObservationOptions {
             type Value = ObservationOptions;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("raw, roles or features, or a table with `form`, `attributes` and `forecast`")
+                f.write_str(
+                    "raw, roles or features, or a table with `form`, `attributes`, `forecast` and `feedback`",
+                )
             }
 
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
@@ -98,13 +105,13 @@ impl<'de> Deserialize<'de> for ObservationOptions {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                let Table { form, attributes, forecast } =
+                let Table { form, attributes, forecast, feedback } =
                     Table::deserialize(MapAccessDeserializer::new(map))?;
                 if forecast > LONGEST_FORECAST {
                     let expected = format!("at most {LONGEST_FORECAST} hours");
                     return Err(de::Error::custom(format!("`forecast` is {forecast}; expected {expected}")));
                 }
-                Ok(ObservationOptions { form, attributes, forecast })
+                Ok(ObservationOptions { form, attributes, forecast, feedback })
             }
         }
 
@@ -120,8 +127,12 @@ mod tests {
     fn options_are_read_from_a_table_or_the_name_of_a_form() {
         let read = |text: &str| serde_json::from_str::<ObservationOptions>(text).map_err(|e| e.to_string());
         assert_eq!(read("\"roles\"").unwrap(), ObservationForm::Roles.into());
-        let all = ObservationOptions { form: ObservationForm::Raw, attributes: true, forecast: 6 };
+        let all =
+            ObservationOptions { form: ObservationForm::Raw, attributes: true, forecast: 6, feedback: false };
         assert_eq!(read(&serde_json::to_string(&all).unwrap()).unwrap(), all);
+        assert!(!serde_json::to_string(&all).unwrap().contains("feedback"), "as before there was the option");
+        let with = ObservationOptions { feedback: true, ..all };
+        assert_eq!(read(&serde_json::to_string(&with).unwrap()).unwrap(), with);
         assert_eq!(read(r#"{"forecast": 6, "attributes": true, "form": "raw"}"#).unwrap(), all);
         // As many slots would need more memory than there is.
         assert_eq!(read(r#"{"forecast": 168}"#).unwrap().forecast, 168);

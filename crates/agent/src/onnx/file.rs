@@ -57,11 +57,12 @@ impl File {
         format!("value {}", self.values)
     }
 
-    /// Returns the bytes of the file, for an input and an output of shape [batch, width].
-    pub(super) fn finish(mut self, input: (&str, usize), output: (&str, usize)) -> Vec<u8> {
+    /// Returns the bytes of the file, for inputs and outputs of shape [batch, width].
+    pub(super) fn finish(mut self, inputs: &[(&str, usize)], outputs: &[(&str, usize)]) -> Vec<u8> {
         self.parts.extend(text(2, "agent"));
-        self.parts.extend(bytes(11, &value(input)));
-        self.parts.extend(bytes(12, &value(output)));
+        for (field, values) in [(11, inputs), (12, outputs)] {
+            values.iter().for_each(|each| self.parts.extend(bytes(field, &value(*each))));
+        }
         let operators = [text(1, ""), integer(2, OPERATORS)].concat();
         [integer(1, FORMAT), text(2, "building2building"), bytes(7, &self.parts), bytes(8, &operators)]
             .concat()

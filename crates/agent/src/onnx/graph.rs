@@ -30,7 +30,7 @@ pub(super) fn file(
     }
     let normed = export.normalize(&stream, &places.norm);
     export.decode(&normed);
-    export.file.finish(("observation", width), ("action", graph.actions.len()))
+    export.file.finish(&[("observation", width)], &[("action", graph.actions.len())])
 }
 
 struct Export<'a> {

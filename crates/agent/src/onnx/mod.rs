@@ -1,4 +1,4 @@
-//! ONNX export of agents whose actions depend only on the current observation.
+//! ONNX export of agents whose actions depend only on the current observation, and on the state of a recurrent network.
 
 mod file;
 mod graph;
@@ -17,8 +17,9 @@ use crate::{Error, Result};
 
 impl Agent {
     /// Returns the agent as an ONNX file. The input is the environment's unscaled observation, or the observation by
-    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. A graph
-    /// network's file is for this building only.
+    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. A recurrent
+    /// network's file has its state as second input and the next state as second output. A graph network's file is for this
+    /// building only.
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
@@ -26,25 +27,27 @@ impl Agent {
     pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
         let pilot = self.pilot(spaces)?;
         let interface = self.info().interface;
-        let ObservationOptions { form, attributes, forecast } = interface.observation;
+        let ObservationOptions { form, attributes, forecast, feedback } = interface.observation;
         if form == ObservationForm::Features {
             return Err(self.not_exportable("its features depend on earlier steps"));
         }
         if attributes || forecast > 0 {
             return Err(self.not_exportable("it observes attributes or a forecast"));
         }
+        if feedback {
+            return Err(self
+                .not_exportable("it observes its previous action and reward; its state alone may remember"));
+        }
         if interface.acting != Acting::Direct {
             return Err(self.not_exportable("it corrects the reactive controllers"));
         }
         match &self.actor().shape {
             Shape::Mlp(mlp) => {
-                let arrangement = match form {
-                    ObservationForm::Roles => Arrangement::ByRole,
-                    _ => Arrangement::InOrder,
-                };
-                let slots = arrangement.of(spaces).slots();
-                let bounds: Vec<_> = slots.into_iter().map(|slot| [slot.low, slot.high]).collect();
-                Ok(plain::file(self.actor(), mlp, &bounds, self.info().actuators.len()))
+                Ok(plain::file(self.actor(), mlp, &bounds(form, spaces), self.info().actuators.len()))
+            }
+            Shape::Recurrent(network) => {
+                let actions = self.info().actuators.len();
+                Ok(plain::recurrent(self.actor(), network, &bounds(form, spaces), actions))
             }
             Shape::Graph(network) => {
                 let graph = pilot.graph().expect("a pilot of a graph network has a graph");
@@ -58,4 +61,13 @@ impl Agent {
     fn not_exportable(&self, why: &'static str) -> Error {
         Error::NotExportable { agent: self.name().to_owned(), why }
     }
+}
+
+/// Returns the bounds of the slots of the observation in a form.
+fn bounds(form: ObservationForm, spaces: &Arc<Spaces>) -> Vec<[f64; 2]> {
+    let arrangement = match form {
+        ObservationForm::Roles => Arrangement::ByRole,
+        _ => Arrangement::InOrder,
+    };
+    arrangement.of(spaces).slots().into_iter().map(|slot| [slot.low, slot.high]).collect()
 }

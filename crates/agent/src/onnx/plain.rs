@@ -1,31 +1,108 @@
-//! A multilayer perceptron as an ONNX file.
+//! A multilayer perceptron or a recurrent network as an ONNX file.
 
-use super::file::File;
-use crate::network::{Activation, Actor, Distribution, Layer, Mlp};
+use super::file::{File, whole};
+use crate::network::recurrent::{GATES, RecurrentPlaces};
+use crate::network::{Activation, Actor, Distribution, Layer, Mlp, Recurrent};
 
-/// Returns the file: scaling by bounds, and the layers of the network.
+/// Returns the file of a multilayer perceptron: scaling by bounds, and its layers.
 pub(super) fn file(actor: &Actor, mlp: &Mlp, bounds: &[[f64; 2]], actions: usize) -> Vec<u8> {
-    let scale: Vec<f32> = bounds.iter().map(|[low, high]| (2.0 / (high - low)) as f32).collect();
-    let offset: Vec<f32> = bounds.iter().map(|[low, high]| ((low + high) / (low - high)) as f32).collect();
-    let (width, mut file) = (bounds.len(), File::default());
-    let (scale, offset) = (file.tensor(&[width], &scale), file.tensor(&[width], &offset));
-    let scaled = file.operator("Mul", &["observation", &scale], &[]);
-    let mut input = file.operator("Add", &[&scaled, &offset], &[]);
-    let layers: Vec<Layer> = mlp.layers().collect();
-    for (index, layer) in layers.iter().enumerate() {
-        let is_last = index + 1 == layers.len();
-        // Standard deviations after the means of the last layer are only for training.
-        let outputs = if is_last { actions } else { layer.outputs };
-        let weights = file.tensor(&[layer.inputs, outputs], &columns(&actor.parameters, layer, 0..outputs));
-        let biases = file.tensor(&[outputs], &actor.parameters[layer.biases.clone()][..outputs]);
-        let sums = file.operator("Gemm", &[&input, &weights, &biases], &[]);
-        if is_last {
-            file.named(last(actor), &[&sums], &[], "action");
-        } else {
-            input = file.operator(activation(mlp.activation), &[&sums], &[]);
-        }
+    let mut export = Export { file: File::default(), actor };
+    let input = export.scaled(bounds);
+    export.to_actions(mlp, &actor.parameters, input, actions);
+    export.file.finish(&[("observation", bounds.len())], &[("action", actions)])
+}
+
+/// Returns the file of a recurrent network, whose second input is the state and whose second output the next one.
+pub(super) fn recurrent(actor: &Actor, network: &Recurrent, bounds: &[[f64; 2]], actions: usize) -> Vec<u8> {
+    let mut export = Export { file: File::default(), actor };
+    let places = network.places();
+    let input = export.scaled(bounds);
+    let encoder = &actor.parameters[places.encoder.clone()];
+    let layers: Vec<Layer> = network.encoder.layers().collect();
+    let (gates, hidden) = layers.split_last().expect("an encoder has a layer");
+    let input = export.hidden(hidden, network.encoder.activation, encoder, input);
+    let state = export.cell(&input, (gates, encoder), &places);
+    export.to_actions(&network.head, &actor.parameters[places.head], state, actions);
+    let width = network.state();
+    let inputs = [("observation", bounds.len()), ("state", width)];
+    export.file.finish(&inputs, &[("action", actions), (NEXT_STATE, width)])
+}
+
+/// Name of the output with the next state.
+const NEXT_STATE: &str = "next state";
+
+struct Export<'a> {
+    file: File,
+    actor: &'a Actor,
+}
+
+impl Export<'_> {
+    /// Adds the scaling of the observation by its bounds.
+    fn scaled(&mut self, bounds: &[[f64; 2]]) -> String {
+        let scale: Vec<f32> = bounds.iter().map(|[low, high]| (2.0 / (high - low)) as f32).collect();
+        let offset: Vec<f32> =
+            bounds.iter().map(|[low, high]| ((low + high) / (low - high)) as f32).collect();
+        let width = [bounds.len()];
+        let (scale, offset) = (self.file.tensor(&width, &scale), self.file.tensor(&width, &offset));
+        let scaled = self.file.operator("Mul", &["observation", &scale], &[]);
+        self.file.operator("Add", &[&scaled, &offset], &[])
     }
-    file.finish(("observation", width), ("action", actions))
+
+    /// Adds hidden layers.
+    fn hidden(
+        &mut self,
+        layers: &[Layer],
+        of_hidden: Activation,
+        parameters: &[f32],
+        input: String,
+    ) -> String {
+        layers.iter().fold(input, |input, layer| {
+            let sums = self.linear(layer, parameters, &input, layer.outputs);
+            self.file.operator(activation(of_hidden), &[&sums], &[])
+        })
+    }
+
+    /// Adds the layers of a network whose first outputs are the actions. Standard deviations after the means are only for
+    /// training.
+    fn to_actions(&mut self, mlp: &Mlp, parameters: &[f32], input: String, actions: usize) {
+        let layers: Vec<Layer> = mlp.layers().collect();
+        let (output, hidden) = layers.split_last().expect("a network has a layer");
+        let input = self.hidden(hidden, mlp.activation, parameters, input);
+        let sums = self.linear(output, parameters, &input, actions);
+        self.file.named(last(self.actor), &[&sums], &[], "action");
+    }
+
+    /// Adds the first outputs of a layer without its activation.
+    fn linear(&mut self, layer: &Layer, parameters: &[f32], input: &str, outputs: usize) -> String {
+        let weights = self.file.tensor(&[layer.inputs, outputs], &columns(parameters, layer, 0..outputs));
+        let biases = self.file.tensor(&[outputs], &parameters[layer.biases.clone()][..outputs]);
+        self.file.operator("Gemm", &[input, &weights, &biases], &[])
+    }
+
+    /// Adds the gated recurrent unit, whose sequence has one step, and returns the next state.
+    fn cell(&mut self, input: &str, (gates, encoder): (&Layer, &[f32]), places: &RecurrentPlaces) -> String {
+        let (cell, parameters) = (&places.cell, &self.actor.parameters[..]);
+        let shape = |layer: &Layer| [1, layer.outputs, layer.inputs];
+        let of_input = self.file.tensor(&shape(gates), &transposed(encoder, gates));
+        let of_state = self.file.tensor(&shape(cell), &transposed(parameters, cell));
+        let biases = [&encoder[gates.biases.clone()], &parameters[cell.biases.clone()]].concat();
+        let biases = self.file.tensor(&[1, 2 * GATES * cell.inputs], &biases);
+        let axis = self.file.integers(&[1], &[0]);
+        let sequence = self.file.operator("Unsqueeze", &[input, &axis], &[]);
+        let state = self.file.operator("Unsqueeze", &["state", &axis], &[]);
+        let attributes = [whole("hidden_size", cell.inputs), whole("linear_before_reset", 1)];
+        // The fifth input is the length of each sequence, which all have the whole.
+        let inputs = [&*sequence, &of_input, &of_state, &biases, "", &state];
+        let states = self.file.operator("GRU", &inputs, &attributes);
+        let axes = self.file.integers(&[2], &[0, 1]);
+        self.file.named("Squeeze", &[&states, &axes], &[], NEXT_STATE);
+        NEXT_STATE.to_owned()
+    }
+}
+
+/// Returns the weights of a layer, with a row for each output.
+fn transposed(parameters: &[f32], layer: &Layer) -> Vec<f32> {
+    (0..layer.outputs).flat_map(|output| columns(parameters, layer, output..output + 1)).collect()
 }
 
 /// Returns the weights of some columns of a layer.

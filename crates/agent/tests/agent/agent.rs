@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
+use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Recurrent, Shape};
 use b2b_agent::{
     Acting, Agent, AgentInfo, Error, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot,
     TrainingInfo,
@@ -11,7 +11,7 @@ use b2b_agent::{
 use b2b_control::{Controller, Reactive};
 use b2b_dataset::{Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::{Env, EpisodeConfig, Spaces, rollout};
+use b2b_env::{Env, EpisodeConfig, Spaces, Trajectory, rollout, rollout_next};
 
 pub fn env(building: &str, task: &str) -> Env {
     let catalog = Catalog::open(&mut Quiet).unwrap();
@@ -59,7 +59,7 @@ fn write(folder: &Path, spaces: &Arc<Spaces>, interface: Interface, scale: f32) 
 }
 
 const FEATURES: ObservationOptions =
-    ObservationOptions { form: ObservationForm::Features, attributes: false, forecast: 0 };
+    ObservationOptions { form: ObservationForm::Features, attributes: false, forecast: 0, feedback: false };
 const RESIDUAL: Interface =
     Interface { observation: FEATURES, acting: Acting::Residual { authority: 0.5 }, nodes: None };
 
@@ -141,6 +141,85 @@ fn an_agent_reads_back_unchanged_and_acts_alike() {
     }
 }
 
+/// A raw observation with direct actions, and what a memory needs.
+const REMEMBERING: Interface = Interface {
+    observation: ObservationOptions {
+        form: ObservationForm::Raw,
+        attributes: false,
+        forecast: 0,
+        feedback: true,
+    },
+    acting: Acting::Direct,
+    nodes: None,
+};
+
+/// Writes a recurrent agent of a building to a folder.
+fn write_recurrent(folder: &Path, spaces: &Arc<Spaces>, interface: Interface) {
+    let pilot = Pilot::new(interface, spaces).unwrap();
+    let (inputs, outputs) = pilot.widths();
+    let shape = Recurrent {
+        encoder: Mlp::new(inputs, &[8], 3 * 10, Activation::Tanh),
+        head: Mlp::new(10, &[], outputs, Activation::Tanh),
+    };
+    let number = |index: usize| ((index * 7919) % 101) as f32 / 101.0 - 0.5;
+    let actor = Actor {
+        parameters: (0..shape.parameters()).map(number).collect(),
+        distribution: Distribution::Gaussian { log_std: vec![-1.0; outputs] },
+        shape: Shape::Recurrent(shape),
+    };
+    Agent::write(folder, info(&pilot, spaces, interface, &actor), &actor).unwrap();
+}
+
+#[test]
+fn a_recurrent_agent_forgets_at_a_reset_and_remembers_in_the_next_episode() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut env = env("SingleFamilyHouse-0014", "occupancy");
+    let spaces = Arc::clone(env.spaces());
+    write_recurrent(folder.path(), &spaces, REMEMBERING);
+    let agent = Agent::read(folder.path()).unwrap();
+    let mut controller = agent.controller(&spaces).unwrap();
+    let mut trajectories = [(); 4].map(|()| Trajectory::default());
+    let [first, next, again, after] = &mut trajectories;
+    rollout(&mut env, &mut controller, first).unwrap();
+    rollout_next(&mut env, &mut controller, next).unwrap();
+    rollout(&mut env, &mut controller, again).unwrap();
+    rollout_next(&mut env, &mut controller, after).unwrap();
+    let [first, next, again, after] = trajectories.map(|trajectory| trajectory.hash());
+    assert_eq!((&first, &next), (&again, &after));
+    assert_ne!(first, next, "it remembers the first episode");
+}
+
+#[test]
+fn the_slots_of_feedback_have_the_last_action_the_root_of_its_reward_and_a_flag() {
+    let mut env = env("SingleFamilyHouse-0014", "constant");
+    let spaces = Arc::clone(env.spaces());
+    let mut pilot = Pilot::new(REMEMBERING, &spaces).unwrap();
+    let names = pilot.observation().names();
+    let actions = spaces.action.len();
+    let own = &names[names.len() - actions - 2..];
+    let expected: Vec<String> = spaces.action.names().iter().map(|name| format!("{name} previous")).collect();
+    assert_eq!(own[..actions], expected);
+    assert_eq!(own[actions..], ["previous reward", "first step"]);
+    let row = |row: &[f32]| row[row.len() - actions - 2..].to_vec();
+    assert_eq!(row(pilot.observe(env.reset().unwrap())), [&vec![0.0; actions][..], &[0.0, 1.0]].concat());
+    let action: Vec<f32> = (0..actions).map(|index| if index == 0 { 3.0 } else { -0.25 }).collect();
+    let physical = pilot.act(&action).to_vec();
+    let step = env.step(&physical).unwrap();
+    let (reward, observation) = (step.reward.total(), step.observation.to_vec());
+    pilot.reward(reward);
+    let seen = row(pilot.observe(&observation));
+    assert_eq!((seen[0], seen[1], seen[actions + 1]), (1.0, -0.25, 0.0));
+    assert!(reward < 0.0 && (seen[actions] + (-reward).sqrt().min(5.0) as f32).abs() < 1e-6);
+    pilot.reset();
+    assert_eq!(row(pilot.observe(&observation))[actions..], [0.0, 1.0]);
+    let features = ObservationOptions { form: ObservationForm::Features, ..REMEMBERING.observation };
+    let names_of = |observation| {
+        Pilot::new(Interface { observation, ..REMEMBERING }, &spaces).unwrap().observation().names()
+    };
+    let [with, without] = [features, FEATURES].map(names_of);
+    assert_eq!(with[without.len()..], ["previous reward", "first step"], "features have the actions");
+}
+
 #[test]
 fn every_flipped_bit_of_a_description_is_an_error_and_one_of_format_1_states_no_hash() {
     let folder = tempfile::tempdir().unwrap();
@@ -168,9 +247,19 @@ fn a_network_larger_than_its_weights_is_an_error() {
     write(folder.path(), env("SingleFamilyHouse-0014", "constant").spaces(), RESIDUAL, 0.4);
     let path = folder.path().join("agent.json");
     let whole: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-    for width in [1 << 20, 9_007_199_254_740_993_u64, 1 << 62] {
+    for (width, is_recurrent) in [1 << 20, 9_007_199_254_740_993_u64, 1 << 62]
+        .into_iter()
+        .flat_map(|width| [(width, false), (width, true)])
+    {
         let mut damaged = whole.clone();
-        damaged["network"]["widths"][1] = width.into();
+        if is_recurrent {
+            let (one, other) = (serde_json::json!([width, width]), serde_json::json!([1, width]));
+            damaged["network"] = serde_json::json!({
+                "encoder": {"widths": one, "activation": "tanh"}, "head": {"widths": other, "activation": "tanh"}
+            });
+        } else {
+            damaged["network"]["widths"][1] = width.into();
+        }
         damaged["format"] = 1.into();
         std::fs::write(&path, damaged.to_string()).unwrap();
         let message = Agent::read(folder.path()).unwrap_err().to_string();

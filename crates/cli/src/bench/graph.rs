@@ -144,6 +144,7 @@ impl MeasuredLearner {
         let widths = Widths { observation, action, parts: 1 };
         let ppo = match &config.agent.policy {
             Policy::Flat => Ppo::new(widths, ppo, 0)?,
+            Policy::Recurrent(policy) => Ppo::recurrent(policy, widths, ppo, 0)?,
             Policy::Graph(policy) => {
                 Ppo::of_graphs(&policy.network(interface), widths, ppo, policy.normalize, 0)?
             }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, BuildingName, Catalog, Split};
-use b2b_learn::train::{Design, TrainConfig, TrainingLoop, UpdateTimes};
+use b2b_learn::train::{Design, Policy, RecurrentPolicy, TrainConfig, TrainingLoop, UpdateTimes};
 use cpu_time::ProcessTime;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::process::cpu_seconds;
+use super::process::{cpu_seconds, private_mb, resident_mb};
 use super::sb3::{Python, Speed};
 use crate::program;
 use crate::program::worker_options;
@@ -38,10 +38,13 @@ Columns:
   environment, inference, learner: shares of the wall-clock time. With fragments, inference is its share of the workers' time
   SB3              steps/s and steps/CPU s of Stable-Baselines3
   ratio            steps/s divided by SB3's
+  private (MB)     memory that an environment's process shares with no other, with its actor, at the end
+  owner (MB)       memory of this process, with the learners of both designs, at the end
 
 Examples:
   b2b bench train
   b2b bench train --type OfficeSmall --steps 20000 --python none
+  b2b bench train --recurrent 64 --python none
   b2b bench train --type SingleFamilyHouse-0042 --python venv/bin/python --json")]
 pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042
@@ -54,6 +57,9 @@ pub struct Arguments {
     /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
+    /// Give actor and critic a gated recurrent unit of this width before their last layer; without Stable-Baselines3, which has none
+    #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u16).range(1..))]
+    recurrent: Option<u16>,
     /// Python interpreter with building2building and stable-baselines3, or none to skip Stable-Baselines3
     #[arg(long, default_value = "python3", value_name = "PATH")]
     python: String,
@@ -79,12 +85,15 @@ struct MeasuredDesign {
     learner_share: f64,
     sb3_steps_per_s: Option<f64>,
     sb3_steps_per_cpu_s: Option<f64>,
+    private_mb_per_env: f64,
+    owner_mb: f64,
 }
 
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let buildings = arguments.buildings.iter().map(training_building).collect::<Result<Vec<_>>>()?;
-    let python = if arguments.python == "none" { None } else { Python::find(&arguments.python)? };
+    let has_none = arguments.python == "none" || arguments.recurrent.is_some();
+    let python = if has_none { None } else { Python::find(&arguments.python)? };
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut measured = Vec::new();
     for building in buildings {
@@ -126,6 +135,10 @@ fn costs(
     let mut config = TrainConfig::preset("paper")?;
     config.training_set.buildings = vec![building.to_string()];
     config.budget.environments = arguments.environments as usize;
+    if let Some(width) = arguments.recurrent {
+        let width = usize::from(width);
+        config.agent.policy = Policy::Recurrent(RecurrentPolicy { width, ..RecurrentPolicy::default() });
+    }
     let mut turns = Vec::new();
     for design in Design::ALL {
         let workers = worker_options(catalog.library().path());
@@ -141,6 +154,10 @@ fn costs(
             cost.add_update(training)?;
         }
     }
+    for (_, training, cost) in &mut turns {
+        cost.private_mb = Processes::of(training)?.private_mb()?;
+        cost.owner_mb = resident_mb(std::process::id())?;
+    }
     turns.sort_by_key(|(design, ..)| *design as u8);
     Ok(turns.into_iter().map(|(design, _, cost)| (design, cost)).collect())
 }
@@ -151,6 +168,9 @@ struct UpdateCost {
     times: UpdateTimes,
     /// CPU time, s, and the number of steps that it covers.
     cpu: (f64, u64),
+    /// Memory at the end, of an environment and of this process, MB.
+    private_mb: f64,
+    owner_mb: f64,
 }
 
 impl UpdateCost {
@@ -194,6 +214,8 @@ impl UpdateCost {
             learner_share: times.learner / seconds,
             sb3_steps_per_s: sb3.map(|sb3| sb3.steps_per_s),
             sb3_steps_per_cpu_s: sb3.and_then(|sb3| sb3.steps_per_cpu_s),
+            private_mb_per_env: self.private_mb,
+            owner_mb: self.owner_mb,
         }
     }
 }
@@ -211,6 +233,12 @@ impl Processes {
         let cpu_seconds = ids.iter().flatten().map(|process| cpu_seconds(*process)).sum::<Result<f64>>()?;
         Ok(Self { ids, cpu_seconds })
     }
+
+    /// Returns the mean private memory of a process, MB.
+    fn private_mb(&self) -> Result<f64> {
+        let all = self.ids.iter().flatten().map(|process| private_mb(*process)).sum::<Result<f64>>()?;
+        Ok(all / self.ids.iter().flatten().count().max(1) as f64)
+    }
 }
 
 fn text(measured: &[MeasuredDesign]) -> String {
@@ -227,6 +255,8 @@ fn text(measured: &[MeasuredDesign]) -> String {
         "SB3 steps/s",
         "SB3 steps/CPU s",
         "ratio",
+        "private (MB)",
+        "owner (MB)",
     ]);
     let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.0}"));
     let percent = |share: f64| format!("{:.1}", 100.0 * share);
@@ -245,6 +275,8 @@ fn text(measured: &[MeasuredDesign]) -> String {
             number(each.sb3_steps_per_s),
             number(each.sb3_steps_per_cpu_s),
             ratio.unwrap_or("–".to_owned()),
+            format!("{:.0}", each.private_mb_per_env),
+            format!("{:.0}", each.owner_mb),
         ]);
     }
     table.text()

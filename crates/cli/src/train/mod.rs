@@ -37,8 +37,8 @@ pub struct Arguments {
     /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
     #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
     problem: Option<String>,
-    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), graph (one
-    /// network for buildings of several types), supervisory (shifts of what guideline36 chooses) or supervisory-graph (one
+    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), recurrent (the same,
+    /// with a memory of the episode), graph (one network for buildings of several types), supervisory (shifts of what guideline36 chooses) or supervisory-graph (one
     /// network that does this in many buildings) [default: residual; in tasks of operation supervisory, with --type
     /// supervisory-graph]
     #[arg(long, value_name = "PRESET")]

@@ -7,8 +7,8 @@ use crate::rollout::Widths;
 /// Numbers of [`Block::times`].
 const TIMES: usize = 2;
 
-/// The block of an environment: the observations, actions and rewards of consecutive steps, and the observation after
-/// the last step.
+/// The block of an environment: the observations, actions and rewards of consecutive steps, the observation after the last
+/// step, and the state of a recurrent actor before and after a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     place: usize,
@@ -16,19 +16,19 @@ pub struct Block {
     observation: usize,
     action: usize,
     parts: usize,
+    state: usize,
 }
 
 impl Block {
-    /// Returns the block that begins at `place` and has room for `steps` steps.
-    pub(super) fn new(place: usize, steps: usize, widths: Widths) -> Self {
+    /// Returns the block that begins at `place` and has room for `steps` steps, and for a state of this width.
+    pub(super) fn new(place: usize, steps: usize, widths: Widths, state: usize) -> Self {
         let Widths { observation, action, parts } = widths;
-        Self { place, steps, observation, action, parts }
+        Self { place, steps, observation, action, parts, state }
     }
 
-    /// Returns how many numbers a block has.
-    pub(super) fn numbers(steps: usize, widths: Widths) -> usize {
-        let Widths { observation, action, parts } = widths;
-        steps * (observation + action + parts) + observation + TIMES
+    /// Returns how many numbers it has.
+    pub(super) fn numbers(&self) -> usize {
+        self.state() + self.state - self.place
     }
 
     /// Returns the number of parts of a reward.
@@ -59,5 +59,10 @@ impl Block {
     /// Returns the place of two times: spent on actions, and on the whole fragment, s.
     pub(super) fn times(&self) -> usize {
         self.next() + self.observation
+    }
+
+    /// Returns the place of the state of a recurrent actor: before the fragment, and after it.
+    pub(super) fn state(&self) -> usize {
+        self.times() + TIMES
     }
 }

@@ -18,10 +18,6 @@ use crate::collector::{Collector, count_lost};
 use crate::comfort_weights::ComfortWeights;
 use crate::error::Result;
 use crate::rollout::{End, Rollout, Widths};
-use crate::state::State;
-
-/// Steps of an environment per replay request.
-const REPLAYED: usize = 1024;
 
 /// The scale of a building's rewards.
 pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
@@ -30,13 +26,13 @@ pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 ///
 /// The same seed and actors give the same bits, however fast each environment is.
 pub struct FragmentCollector {
-    environments: VecEnv,
-    interface: Interface,
+    pub(super) environments: VecEnv,
+    pub(super) interface: Interface,
     /// Whether a reward has parts by zone.
-    by_zone: bool,
-    widths: Widths,
-    scale: RewardScale,
-    seed: u64,
+    pub(super) by_zone: bool,
+    pub(super) widths: Widths,
+    pub(super) scale: RewardScale,
+    pub(super) seed: u64,
     correlation: f32,
     /// Whether the second environment of every pair gets the first one's noise, negated.
     mirrored: bool,
@@ -44,19 +40,22 @@ pub struct FragmentCollector {
     /// Steps for which a decision is held, and the discount of their rewards.
     hold: usize,
     discount: f32,
+    /// Episodes in a building that the memory of a recurrent actor spans, and the width of its state.
+    pub(super) memory_episodes: u64,
+    pub(super) state: usize,
     /// Factors of the penalty of discomfort.
     pub comfort_weights: ComfortWeights,
-    memory: SharedMemory,
+    pub(super) memory: SharedMemory,
     /// Place of the parameters, and their maximum number.
     parameters: (usize, usize),
     /// Place of the blocks, and the maximum number of steps in each.
     blocks: (usize, usize),
     /// Rollouts collected so far.
-    rollouts: u64,
-    progress: Vec<Progress>,
+    pub(super) rollouts: u64,
+    pub(super) progress: Vec<Progress>,
     /// Episodes that ended.
-    ended: u64,
-    lost: u64,
+    pub(super) ended: u64,
+    pub(super) lost: u64,
 }
 
 impl FragmentCollector {
@@ -108,6 +107,8 @@ impl FragmentCollector {
             travel_cost,
             hold,
             discount: 1.0,
+            memory_episodes: 1,
+            state: 0,
             comfort_weights: ComfortWeights::default(),
             parameters: (0, 0),
             blocks: (0, 0),
@@ -133,6 +134,14 @@ impl FragmentCollector {
         self
     }
 
+    /// Lets a recurrent actor remember this many consecutive episodes of an environment, by default one. They must be in the same
+    /// building. Called before the first rollout.
+    #[must_use]
+    pub fn with_memory_episodes(mut self, episodes: u32) -> Self {
+        self.memory_episodes = u64::from(episodes.max(1));
+        self
+    }
+
     /// Returns the cost of a full stroke of all actuators, in units of the scaled reward.
     pub fn travel_cost(&self) -> f32 {
         self.travel_cost
@@ -149,63 +158,7 @@ impl FragmentCollector {
         self.widths = self.widths.covering(widths);
     }
 
-    /// Returns the state from which [`FragmentCollector::restore`] continues: each environment's episode number and the
-    /// actions taken in that episode.
-    pub fn state(&self) -> State {
-        let mut state = State::default();
-        // Between two episodes, an environment has the state of the next one.
-        let is_between = |progress: &Progress| progress.phase == Phase::Starting;
-        let episodes: Vec<u64> = self.progress.iter().map(|progress| progress.place().0).collect();
-        state.put_u64("episodes", &episodes);
-        state.put_u64("counts", &[self.rollouts, self.ended, self.lost]);
-        for (index, progress) in self.progress.iter().enumerate() {
-            state.put_f32(&actions_of(index), if is_between(progress) { &[] } else { &progress.actions });
-        }
-        state
-    }
-
-    /// Continues from a state: every environment begins its episode again and replays its actions.
-    ///
-    /// # Errors
-    /// When the state has another number of environments, and when an environment cannot begin its episode.
-    pub fn restore(&mut self, state: &State, actor: &Actor) -> Result<()> {
-        [self.rollouts, self.ended, self.lost] = state.read_u64("counts")?;
-        let episodes = state.values_u64("episodes", self.progress.len())?;
-        let skipped: Vec<u64> = episodes.iter().map(|episodes| episodes.saturating_sub(1)).collect();
-        self.environments.reset_after(self.seed, &skipped)?;
-        for (index, episodes) in episodes.into_iter().enumerate() {
-            let spaces = spaces_of(&self.environments, index)?;
-            let building = GraphBuilding::of(self.interface, self.by_zone, spaces)?;
-            let scale = (self.scale)(spaces)? as f32;
-            let attributes = attributes(self.interface.observation, spaces)?;
-            let actions = state.values_f32(&actions_of(index))?;
-            self.progress[index] =
-                Progress { episodes, actions, ..Progress::new(scale, building, attributes) };
-        }
-        self.replay(actor)
-    }
-
-    /// Replays the actions of all episodes in progress, in chunks.
-    fn replay(&mut self, actor: &Actor) -> Result<()> {
-        let width = self.widths.action;
-        let rows = |progress: &Progress| progress.actions.len() / width;
-        let longest = self.progress.iter().map(rows).max().unwrap_or(0);
-        self.share(actor, REPLAYED)?;
-        for first in (0..longest).step_by(REPLAYED) {
-            self.begin_rollout();
-            // An environment whose episode was lost has none left.
-            let left = |progress: &Progress| rows(progress).saturating_sub(first).min(REPLAYED);
-            let mut steps: Vec<usize> = self.progress.iter().map(left).collect();
-            for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
-                let actions = &self.progress[index].actions[first * width..][..steps * width];
-                self.memory.write(self.block(index).action(0), actions);
-            }
-            self.run(actor, Purpose::Replay, &mut steps)?;
-        }
-        Ok(())
-    }
-
-    fn begin_rollout(&mut self) {
+    pub(super) fn begin_rollout(&mut self) {
         self.progress
             .iter_mut()
             .enumerate()
@@ -240,26 +193,30 @@ impl FragmentCollector {
     }
 
     /// Makes room for an actor and for blocks of a number of steps, and writes the actor.
-    fn share(&mut self, actor: &Actor, steps: usize) -> Result<()> {
+    pub(super) fn share(&mut self, actor: &Actor, steps: usize) -> Result<()> {
         let numbers = Order::numbers(actor);
         if self.parameters.1 < numbers.len() {
             self.parameters = (self.environments.workers().reserve_memory(numbers.len())?, numbers.len());
         }
-        if self.blocks.1 < steps {
-            let count = self.environments.len() * Block::numbers(steps, self.widths);
-            self.blocks = (self.environments.workers().reserve_memory(count)?, steps);
+        let state = actor.shape.state();
+        if self.blocks.1 < steps || self.state < state {
+            (self.blocks, self.state) = ((0, self.blocks.1.max(steps)), state);
+            let count = self.environments.len() * self.block(0).numbers();
+            self.blocks.0 = self.environments.workers().reserve_memory(count)?;
         }
+        self.progress.iter_mut().for_each(|progress| progress.state.resize(state, 0.0));
         self.memory.write(self.parameters.0, &numbers);
         Ok(())
     }
 
-    fn block(&self, environment: usize) -> Block {
+    pub(super) fn block(&self, environment: usize) -> Block {
         let (place, steps) = self.blocks;
-        Block::new(place + environment * Block::numbers(steps, self.widths), steps, self.widths)
+        let block = |place| Block::new(place, steps, self.widths, self.state);
+        block(place + environment * block(0).numbers())
     }
 
     /// Runs fragments until every environment has made its steps, of which an episode lost in a replay has none left.
-    fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &mut [usize]) -> Result<()> {
+    pub(super) fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &mut [usize]) -> Result<()> {
         for (environment, steps) in steps.iter().enumerate() {
             self.send(environment, actor, purpose, *steps)?;
         }
@@ -288,6 +245,10 @@ impl FragmentCollector {
         if progress.phase != Phase::Ready || progress.done >= steps {
             return Ok(());
         }
+        if purpose == Purpose::Explore && self.state > 0 {
+            progress.begin_memory(self.memory_episodes);
+        }
+        self.memory.write(block.state(), &progress.state);
         let comfort_weight = progress.comfort_weight(&self.comfort_weights, spaces)?;
         let order = Order {
             interface: self.interface,
@@ -342,6 +303,7 @@ impl FragmentCollector {
             let mut actions = vec![0.0; steps * self.widths.action];
             self.memory.read(block.action(progress.done), &mut actions);
             progress.actions.extend(actions);
+            self.memory.read(block.state(), &mut progress.state);
             let mut times = [0.0; 2];
             self.memory.read(block.times(), &mut times);
             progress.times = [progress.times[0] + times[0], progress.times[1] + times[1]];
@@ -410,6 +372,8 @@ impl FragmentCollector {
             self.memory.read(block.reward(0), rewards);
             progress.scale_rewards(rewards, parts);
             rollout.ends.extend_from_slice(&progress.ends);
+            rollout.states.extend_from_slice(&progress.first_state);
+            rollout.starts.extend(progress.starts.iter().map(|step| (index, *step)));
             rollout.scenes.extend(progress.scenes.iter().filter(|scene| scene.step < steps).cloned());
         }
         rollout.clear_padding(self.widths);
@@ -437,11 +401,6 @@ impl Collector for FragmentCollector {
         self.write(steps, rollout);
         Ok(())
     }
-}
-
-/// Returns the name of an environment's actions in a state.
-fn actions_of(environment: usize) -> String {
-    format!("actions.{environment}")
 }
 
 /// Returns the spaces of an environment's current episode.

@@ -11,6 +11,7 @@ mod building;
 mod collector;
 mod order;
 mod progress;
+mod resumption;
 mod runner;
 
 pub(crate) use building::GraphBuilding;

@@ -34,6 +34,12 @@ pub(super) struct Progress {
     pub(super) episodes: u64,
     /// Actions of the episode in progress.
     pub(super) actions: Vec<f32>,
+    /// State of a recurrent actor after the last fragment.
+    pub(super) state: Vec<f32>,
+    /// That state when the rollout began.
+    pub(super) first_state: Vec<f32>,
+    /// Steps of the rollout before which the actor forgets.
+    pub(super) starts: Vec<usize>,
     /// Where the rollout began: see [`Progress::place`].
     pub(super) began: (u64, usize),
     pub(super) lost_in_a_row: u32,
@@ -66,6 +72,9 @@ impl Progress {
             ends: Vec::new(),
             episodes: 1,
             actions: Vec::new(),
+            state: Vec::new(),
+            first_state: Vec::new(),
+            starts: Vec::new(),
             began: (1, 0),
             lost_in_a_row: 0,
             times: [0.0; 2],
@@ -86,7 +95,25 @@ impl Progress {
         self.ends.clear();
         self.scales.clear();
         self.scenes.clear();
+        self.first_state.clone_from(&self.state);
+        self.starts.clear();
         self.begin_scene(environment);
+    }
+
+    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this is not the
+    /// first of them.
+    pub(super) fn begin_memory(&mut self, memory_episodes: u64) {
+        if self.forgets(memory_episodes) {
+            self.state.fill(0.0);
+            self.starts.retain(|step| *step < self.done);
+            self.starts.push(self.done);
+        }
+    }
+
+    /// Returns whether the next step begins with an empty memory, or would if the next episode had begun.
+    pub(super) fn forgets(&self, memory_episodes: u64) -> bool {
+        let (episode, actions) = self.place();
+        actions == 0 && (episode - 1).is_multiple_of(memory_episodes)
     }
 
     /// Records the scale and building from this step on.

@@ -70,6 +70,7 @@ impl Runner for FragmentRunner {
     fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError> {
         let order: Order = serde_json::from_slice(order)?;
         self.read_parameters(&order, memory);
+        memory.read(order.block.state(), self.scratch.state_mut());
         let (seed, stream) = order.random;
         let mut noise = Noise::new(self.action.len(), order.correlation, Random::new(seed, stream));
         if order.mirrored {
@@ -89,6 +90,7 @@ impl Runner for FragmentRunner {
         }
         if order.purpose == Purpose::Explore {
             memory.write(order.block.next(), self.pilot.observed());
+            memory.write(order.block.state(), self.scratch.state());
             let times = [acting, began.elapsed()].map(|time| time.as_secs_f32());
             memory.write(order.block.times(), &times);
         }
@@ -129,6 +131,7 @@ impl FragmentRunner {
             let action = self.pilot.act(&self.action);
             self.travel.before_step(env.metrics());
             let reward = env.step(action)?.reward;
+            self.pilot.reward(reward.total());
             if order.purpose == Purpose::Explore {
                 self.add_reward(order, reward, discount, env);
             }

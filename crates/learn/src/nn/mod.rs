@@ -6,6 +6,7 @@ mod orthogonal;
 mod parallel;
 mod pass;
 mod product;
+mod recurrent;
 mod schedule;
 
 pub use adam::{Adam, clip_norm};
@@ -14,6 +15,8 @@ pub use orthogonal::{Gains, orthogonal};
 pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
 pub use product::{Matrix, multiply};
+pub(crate) use recurrent::initialize as initialize_recurrent;
+pub use recurrent::{RecurrentPass, Sequences};
 pub use schedule::Schedule;
 
 #[cfg(test)]

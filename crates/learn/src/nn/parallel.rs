@@ -1,6 +1,6 @@
 //! Minibatches on several threads, with the same bits on any number of them.
 //!
-//! [`chunk`] splits a minibatch into chunks of rows, whatever the number of threads. Each chunk has its own buffers and
+//! [`chunk`] splits a minibatch into chunks of whole sequences of rows, whatever the number of threads. Each chunk has its own buffers and
 //! gradients, and gradients are summed in the order of the chunks.
 
 use std::ops::Range;
@@ -9,18 +9,20 @@ use std::ops::Range;
 const CHUNKS: usize = 4;
 /// Minimum number of rows of a chunk, so that matrix products are worth their overhead.
 const ROWS: usize = 64;
+/// Minimum number of sequences of a chunk: a step of a recurrent layer costs nearly the same for one sequence as for several.
+const SEQUENCES: usize = 4;
 /// Number of parameters × rows below which starting a thread costs more than it saves.
 const WORK: usize = 1 << 20;
 
-/// Returns the number of chunks of rows: one per 64 rows, and at most four.
-pub fn chunk_count(rows: usize) -> usize {
-    (rows / ROWS).clamp(1, CHUNKS)
+/// Returns the number of chunks of rows in sequences of this length: one per 64 rows and per four sequences, and at most four.
+pub fn chunk_count(rows: usize, length: usize) -> usize {
+    (rows / ROWS).clamp(1, CHUNKS).min((rows / length / SEQUENCES).max(1))
 }
 
-/// Returns the rows of a chunk.
-pub fn chunk(rows: usize, index: usize) -> Range<usize> {
-    let count = chunk_count(rows);
-    index * rows / count..(index + 1) * rows / count
+/// Returns the rows of a chunk. Sequences of one row are split anywhere.
+pub fn chunk(rows: usize, length: usize, index: usize) -> Range<usize> {
+    let (count, sequences) = (chunk_count(rows, length), rows / length);
+    index * sequences / count * length..(index + 1) * sequences / count * length
 }
 
 /// Returns the number of threads for a minibatch: one if it is small.
@@ -52,10 +54,13 @@ mod tests {
 
     #[test]
     fn chunks_cover_all_rows() {
-        for (rows, count) in [(1, 1), (64, 1), (128, 2), (336, 4), (1000, 4)] {
-            assert_eq!(chunk_count(rows), count);
-            let all: Vec<usize> = (0..count).flat_map(|index| chunk(rows, index)).collect();
-            assert_eq!(all, (0..rows).collect::<Vec<_>>());
+        for (rows, length, count) in
+            [(1, 1, 1), (64, 1, 1), (128, 1, 2), (336, 1, 4), (1000, 1, 4), (480, 96, 1), (768, 96, 2)]
+        {
+            assert_eq!(chunk_count(rows, length), count);
+            let chunks: Vec<_> = (0..count).map(|index| chunk(rows, length, index)).collect();
+            assert!(chunks.iter().all(|chunk| !chunk.is_empty() && chunk.len().is_multiple_of(length)));
+            assert_eq!(chunks.into_iter().flatten().collect::<Vec<_>>(), (0..rows).collect::<Vec<_>>());
         }
     }
 

@@ -69,7 +69,7 @@ pub fn clone_policy(
     spaces: &mut dyn FnMut(&EpisodeMetadata) -> Result<Arc<Spaces>>,
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Cloned> {
-    let options = ObservationOptions { form: config.observation, attributes: false, forecast: 0 };
+    let options = ObservationOptions::from(config.observation);
     let interface = Interface { observation: options, acting: Acting::Direct, nodes: None };
     let (mut learned, mut held_out) = (Samples::default(), Samples::default());
     let mut known: Option<(Vec<String>, Arc<Spaces>)> = None;

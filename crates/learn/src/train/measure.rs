@@ -82,6 +82,7 @@ impl TrainingLoop {
     ) -> Result<Self> {
         config.check()?;
         let environments = Environments::new(config, Arc::clone(catalog));
+        environments.check_memory()?;
         let (launcher, interrupted) = (workers.launcher.clone(), workers.interrupted);
         let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
         let scale = environments.scale(&evaluation, &Baselines::open()?)?;

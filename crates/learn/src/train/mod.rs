@@ -20,7 +20,7 @@ mod sealed_state;
 mod side;
 mod summary;
 
-pub use crate::policy::{GraphPolicy, Policy};
+pub use crate::policy::{GraphPolicy, Policy, RecurrentPolicy};
 pub use checkpoint::CHECKPOINT;
 pub use config::{
     AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, RewardConfig, Tasks,

@@ -65,6 +65,7 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
         Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted: || false };
     let baselines = Baselines::open()?;
     let environments = Environments::new(config, Arc::clone(&catalog));
+    environments.check_memory()?;
     let evaluated = environments.evaluated()?;
     let episodes = |days: &dyn Fn(Period) -> Period| {
         let scored = |each: &Evaluated| {

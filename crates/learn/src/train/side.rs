@@ -51,13 +51,13 @@ impl TrainingSide {
         budget: &mut Budget,
     ) -> Result<()> {
         match &mut agent.policy {
-            Policy::Flat if !self.is_one_type => {
+            Policy::Flat | Policy::Recurrent(_) if !self.is_one_type => {
                 return Err(Error::Invalid(format!(
                     "the buildings of {} are of several types, which are for graph networks; choose the preset graph",
                     self.name
                 )));
             }
-            Policy::Flat => {
+            Policy::Flat | Policy::Recurrent(_) => {
                 agent.observation.attributes |= self.gives_attributes;
                 let has_roles = self.is_by_role && self.types == [BuildingType::SingleFamilyHouse];
                 if has_roles && agent.observation.form == ObservationForm::Raw {

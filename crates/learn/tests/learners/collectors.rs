@@ -1,15 +1,18 @@
 //! Collectors in worker processes, on the real engine.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Edges, GraphNetwork};
-use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm, ObservationOptions};
+use b2b_agent::{
+    Acting, AgentController, Interface, NodeForm, NodeSpaces, ObservationForm, ObservationOptions, Pilot,
+};
 use b2b_building::BuildingType;
-use b2b_control::{Controller as _, Guideline36, Guideline36Parameters};
+use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::{Env, EpisodeConfig, Task};
+use b2b_env::{Env, EpisodeConfig, Task, rollout as run_episode};
 use b2b_learn::collector::Collector;
 use b2b_learn::fragments::FragmentCollector;
 use b2b_learn::learner::Learner as _;
@@ -17,6 +20,7 @@ use b2b_learn::lockstep::LockstepCollector;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::rollout::{Rollout, Widths};
 use b2b_learn::state::State;
+use b2b_learn::train::RecurrentPolicy;
 use b2b_workers::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -27,22 +31,50 @@ const DAY: usize = 96;
 /// Steps of a rollout: the episode ends within the third.
 const STEPS: usize = 34;
 const SEED: u64 = 7;
+/// Width of the state of recurrent networks.
+const WIDTH: usize = 12;
 const DIRECT: Interface = Interface {
-    observation: ObservationOptions { form: ObservationForm::Raw, attributes: false, forecast: 0 },
+    observation: ObservationOptions {
+        form: ObservationForm::Raw,
+        attributes: false,
+        forecast: 0,
+        feedback: false,
+    },
     acting: Acting::Direct,
     nodes: None,
 };
 const RESIDUAL: Interface = Interface {
-    observation: ObservationOptions { form: ObservationForm::Features, attributes: true, forecast: 2 },
+    observation: ObservationOptions {
+        form: ObservationForm::Features,
+        attributes: true,
+        forecast: 2,
+        feedback: false,
+    },
     acting: Acting::Residual { authority: 0.5 },
     nodes: None,
 };
 
 /// A supervisor that decides every hour.
 const SUPERVISORY: Interface = Interface {
-    observation: ObservationOptions { form: ObservationForm::Features, attributes: false, forecast: 0 },
+    observation: ObservationOptions {
+        form: ObservationForm::Features,
+        attributes: false,
+        forecast: 0,
+        feedback: false,
+    },
     acting: Acting::Supervisory { every: 60, shared: true },
     nodes: None,
+};
+
+/// Recurrent networks, which observe their rewards.
+const RECURRENT: Interface = Interface {
+    observation: ObservationOptions {
+        form: ObservationForm::Raw,
+        attributes: false,
+        forecast: 0,
+        feedback: true,
+    },
+    ..DIRECT
 };
 
 /// Graph networks of houses and offices.
@@ -57,15 +89,7 @@ fn environments(interface: Interface) -> VecEnv {
     let setting = |building_type| {
         let name = BuildingName::Type(building_type);
         let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
-        let episode = EpisodeConfig {
-            weather: found.weather.clone(),
-            period: "01-10..01-10".parse().unwrap(),
-            steps_per_hour: STEPS_PER_HOUR,
-            task: match interface.acting {
-                Acting::Supervisory { .. } => "operate".parse().unwrap(),
-                _ => Task::default(),
-            },
-        };
+        let episode = episode(interface, found.weather.clone());
         Setting::new(Source::from(found), episode)
     };
     let types: &[BuildingType] = match interface.nodes {
@@ -77,6 +101,25 @@ fn environments(interface: Interface) -> VecEnv {
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
     VecEnv::new(ENVIRONMENTS, Box::new(sampler), options).unwrap()
+}
+
+/// Returns the house of the environments in this process.
+fn house(interface: Interface) -> Env {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let name = BuildingName::Type(BuildingType::SingleFamilyHouse);
+    let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
+    let episode = episode(interface, found.weather.clone());
+    let building = Arc::new(found.prepare(catalog.library()).unwrap());
+    Env::new(catalog.library().clone(), building, episode).unwrap()
+}
+
+/// Returns a winter day.
+fn episode(interface: Interface, weather: PathBuf) -> EpisodeConfig {
+    let task = match interface.acting {
+        Acting::Supervisory { .. } => "operate".parse().unwrap(),
+        _ => Task::default(),
+    };
+    EpisodeConfig { weather, period: "01-10..01-10".parse().unwrap(), steps_per_hour: STEPS_PER_HOUR, task }
 }
 
 fn fragments(interface: Interface, correlation: f32) -> FragmentCollector {
@@ -102,6 +145,11 @@ fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
 /// Returns an actor that differs for every seed.
 fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
     let config = PpoConfig { actor_hidden: vec![16], critic_hidden: vec![16], ..PpoConfig::default() };
+    if interface.observation.feedback {
+        let policy = RecurrentPolicy { width: WIDTH, ..RecurrentPolicy::default() };
+        let config = PpoConfig { n_steps: policy.sequence, ..config };
+        return Ppo::recurrent(&policy, widths, config, seed).unwrap().actor();
+    }
     if interface.nodes.is_none() {
         return Ppo::new(widths, config, seed).unwrap().actor();
     }
@@ -137,7 +185,9 @@ fn rollouts(
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
     // With 32 steps, the episode ends on the last step of the third rollout.
-    for (interface, steps) in [(DIRECT, 32), (RESIDUAL, STEPS), (GRAPH, STEPS)] {
+    for (interface, steps) in
+        [(DIRECT, 32), (RESIDUAL, STEPS), (RECURRENT, 32), (RECURRENT, STEPS), (GRAPH, STEPS)]
+    {
         let ours = rollouts(&mut fragments(interface, 0.4), interface, 1..=4, steps);
         let theirs = rollouts(&mut lockstep(interface, 0.4), interface, 1..=4, steps);
         let ends = |rollouts: &[Rollout]| rollouts.iter().map(|each| each.ends.len()).collect::<Vec<_>>();
@@ -146,6 +196,88 @@ fn fragments_and_lockstep_collect_the_same_bits() {
         for (number, (one, other)) in ours.iter().zip(&theirs).enumerate() {
             assert!(one == other, "rollout {number} of {steps} steps with {interface:?}");
             assert_scenes(one, interface);
+        }
+    }
+}
+
+#[test]
+fn a_memory_of_two_episodes_is_the_same_bits_in_fragments_and_lockstep_and_after_a_restoration() {
+    let numbers = 1..=9;
+    let with = |collector: &mut dyn Collector| rollouts(collector, RECURRENT, numbers.clone(), STEPS);
+    let mut fragments_of_two = fragments(RECURRENT, 0.4).with_memory_episodes(2);
+    let all = with(&mut fragments_of_two);
+    assert!(all == with(&mut lockstep(RECURRENT, 0.4).with_memory_episodes(2)));
+    // Episodes of 96 steps end in rollouts of 34 steps after 96, 192 and 288 steps: the memory begins anew after the second.
+    let starts = |rollouts: &[Rollout]| -> Vec<(usize, usize)> {
+        let of_first = |(number, each): (usize, &Rollout)| {
+            let own = each.starts.iter().filter(|start| start.0 == 0);
+            own.map(move |start| (number, start.1)).collect::<Vec<_>>()
+        };
+        rollouts.iter().enumerate().flat_map(of_first).collect()
+    };
+    assert_eq!(starts(&all), [(0, 0), (5, 22)]);
+    let one = with(&mut fragments(RECURRENT, 0.4));
+    assert_eq!(starts(&one), [(0, 0), (2, 28), (5, 22), (8, 16)]);
+    assert!(one[..2] == all[..2] && one[2] != all[2]);
+    assert!(all.iter().all(|each| each.states.len() == ENVIRONMENTS * WIDTH));
+    // In the middle of the second episode of a memory.
+    let mut whole = fragments(RECURRENT, 0.4).with_memory_episodes(2);
+    rollouts(&mut whole, RECURRENT, 1..=4, STEPS);
+    let mut restored = fragments(RECURRENT, 0.4).with_memory_episodes(2);
+    let any = actor(restored.widths(), RECURRENT, 0);
+    restored.restore(&State::from_bytes(&whole.state().to_bytes()).unwrap(), &any).unwrap();
+    assert!(restored.state() == whole.state());
+    assert!(rollouts(&mut restored, RECURRENT, 5..=9, STEPS) == all[4..]);
+}
+
+/// The controller of an agent, with its actions.
+struct Recorded {
+    controller: AgentController,
+    actions: Vec<Vec<f64>>,
+}
+
+impl Controller for Recorded {
+    fn reset(&mut self) {
+        self.controller.reset();
+    }
+
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        self.controller.act(observation, action);
+        self.actions.push(action.to_vec());
+    }
+
+    fn reward(&mut self, reward: f64) {
+        self.controller.reward(reward);
+    }
+}
+
+/// Without exploration, fragments make the steps of the agent's controller, which observes its rewards too.
+#[test]
+fn training_and_evaluation_act_and_remember_alike() {
+    let form = ObservationForm::Features;
+    let features =
+        Interface { observation: ObservationOptions { form, ..RECURRENT.observation }, ..RECURRENT };
+    for (interface, hold) in [(RECURRENT, 1), (Interface { acting: SUPERVISORY.acting, ..features }, 4)] {
+        let mut collector = fragments(interface, 0.0);
+        let width = collector.widths().action;
+        let distribution = Distribution::Gaussian { log_std: vec![-80.0; width] };
+        let quiet = Arc::new(Actor { distribution, ..actor(collector.widths(), interface, 1) });
+        let mut rollout = Rollout::default();
+        collector.collect(&quiet, DAY / hold, &mut rollout).unwrap();
+        let mut env = house(interface);
+        let mut pilot = Pilot::new(interface, env.spaces()).unwrap();
+        let controller = AgentController::new(pilot.clone(), quiet);
+        let mut recorded = Recorded { controller, actions: Vec::new() };
+        run_episode(&mut env, &mut recorded, &mut ()).unwrap();
+        assert_eq!(recorded.actions.len(), DAY);
+        let mut observation = env.reset().unwrap().to_vec();
+        for (number, action) in recorded.actions.iter().enumerate() {
+            pilot.observe(&observation);
+            let own = pilot.act(&rollout.actions[number / hold * width..][..width]).to_vec();
+            assert!(own == *action, "step {number}, a decision every {hold}");
+            let step = env.step(&own).unwrap();
+            pilot.reward(step.reward.total());
+            observation = step.observation.to_vec();
         }
     }
 }
@@ -167,14 +299,7 @@ fn a_decision_held_for_an_hour_is_a_step_with_the_discounted_rewards_of_its_step
     assert_eq!(by_node.rewards[..24], all.rewards[..24], "nothing shifted at any node is the guideline too");
     let ends: Vec<(usize, usize)> = all.ends.iter().map(|end| (end.environment, end.step)).collect();
     assert_eq!(ends, [(0, 23), (1, 23), (2, 23)], "a day is 24 decisions");
-    let catalog = Catalog::open(&mut Quiet).unwrap();
-    let name = BuildingName::Type(BuildingType::SingleFamilyHouse);
-    let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
-    let (weather, task) = (found.weather.clone(), "operate".parse().unwrap());
-    let period = "01-10..01-10".parse().unwrap();
-    let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task };
-    let building = Arc::new(found.prepare(catalog.library()).unwrap());
-    let mut env = Env::new(catalog.library().clone(), building, episode).unwrap();
+    let mut env = house(SUPERVISORY);
     let mut guideline = Guideline36::new(env.spaces(), &Guideline36Parameters::default());
     let mut action = vec![0.0; env.spaces().action.len()];
     env.reset().unwrap();
@@ -273,6 +398,11 @@ fn a_restored_collection_continues(interface: Interface) {
 #[test]
 fn a_restored_collection_continues_with_the_same_bits() {
     a_restored_collection_continues(RESIDUAL);
+}
+
+#[test]
+fn a_restored_collection_of_recurrent_networks_continues_with_the_same_bits() {
+    a_restored_collection_continues(RECURRENT);
 }
 
 #[test]

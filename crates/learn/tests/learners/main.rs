@@ -3,6 +3,7 @@
 mod collectors;
 mod ppo;
 mod random_search;
+mod recurrent;
 mod rollouts;
 mod sac;
 mod toy;

@@ -14,9 +14,15 @@ use super::toy::{Local, Pendulum, Room, Toy, mean_return};
 const SEEDS: [u64; 3] = [0, 1, 2];
 
 /// Returns the mean return of the actor without exploration.
-fn evaluate<T: Toy>(actor: &Actor) -> f64 {
-    let mut scratch = actor.scratch(None);
-    mean_return::<T>(20, |observation, action| actor.mean(observation, &mut scratch, action))
+pub fn evaluate<T: Toy>(actor: &Actor) -> f64 {
+    let (mut scratch, mut steps) = (actor.scratch(None), 0);
+    mean_return::<T>(20, |observation, action| {
+        if steps % T::STEPS == 0 {
+            scratch.state_mut().fill(0.0);
+        }
+        steps += 1;
+        actor.mean(observation, &mut scratch, action);
+    })
 }
 
 /// Trains on this number of environments, and returns the mean return without exploration.

@@ -167,7 +167,7 @@ const OPTIONS: &str = "
     random_search = { n_steps = 144 }";
 
 /// Trains in a folder, or resumes its run.
-fn run(config: &TrainConfig, folder: &Path) {
+pub fn run(config: &TrainConfig, folder: &Path) {
     let options = RunOptions {
         out: folder.to_owned(),
         catalog: Arc::new(Catalog::open(&mut Quiet).unwrap()),

@@ -116,7 +116,12 @@ fn an_error_of_either_side_ends_the_rollout_and_the_next_reset_starts_over() {
 /// Writes an agent with small weights for a building.
 fn write_agent(folder: &Path, spaces: &Arc<Spaces>) {
     let interface = Interface {
-        observation: ObservationOptions { form: ObservationForm::Features, attributes: true, forecast: 2 },
+        observation: ObservationOptions {
+            form: ObservationForm::Features,
+            attributes: true,
+            forecast: 2,
+            feedback: false,
+        },
         acting: Acting::Residual { authority: 0.5 },
         nodes: None,
     };

@@ -124,13 +124,11 @@ fn a_task_from_a_file_is_part_of_the_run() {
 }
 
 #[test]
-fn a_plain_network_exports_to_onnx_and_scores_alike() {
+fn flat_and_recurrent_networks_export_to_onnx_and_score_alike() {
     let folder = folder_with_config();
     let path = folder.path();
-    let run = format!("{} --steps 192 --direct --observation roles", train("run"));
-    assert!(b2b(path, &run).status.success());
-    let output = b2b(path, "export run --out agent.onnx");
-    assert!(output.status.success(), "{}", stderr(&output));
+    let memory = "policy = { kind = \"recurrent\", width = 16, sequence = 48 }";
+    std::fs::write(path.join("recurrent.toml"), format!("{SMALL}{memory}\n")).unwrap();
     let score = |policy: &str| {
         let evaluate = format!(
             "evaluate SingleFamilyHouse-0014 --policy {policy} --task occupancy --period 01-10..01-10"
@@ -138,8 +136,14 @@ fn a_plain_network_exports_to_onnx_and_scores_alike() {
         let evaluated = json(path, &format!("{evaluate} --out of-{policy}"));
         evaluated["windows"][0]["all"]["scores"]["interquartile_mean"]["value"].as_f64().unwrap()
     };
-    let [agent, network] = [score("run"), score("agent.onnx")];
-    assert!((agent / network - 1.0).abs() < 1e-4, "{agent} {network}");
+    for name in ["small", "recurrent"] {
+        let run = "train SingleFamilyHouse-0014 --steps 192 --direct --observation roles";
+        assert!(b2b(path, &format!("{run} --config {name}.toml --out {name}")).status.success());
+        let output = b2b(path, &format!("export {name} --out {name}.onnx"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let [agent, network] = [score(name), score(&format!("{name}.onnx"))];
+        assert!((agent / network - 1.0).abs() < 1e-4, "{name}: {agent} {network}");
+    }
     assert!(b2b(path, &format!("{} --steps 192", train("corrected"))).status.success());
     assert_rejected(
         path,

@@ -51,6 +51,9 @@ impl Learner for Ppo {
         self.features.save(&mut state);
         state.put_f64("rate", &[self.rate]);
         state.put_u64("random", &self.random.words());
+        if self.networks.critic.state() > 0 {
+            state.put_f32("critic_states", &self.critic_states);
+        }
         state.put_u64("updates", &[self.updates, self.failures]);
         state
     }
@@ -63,6 +66,9 @@ impl Learner for Ppo {
         self.features.restore(state)?;
         state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;
         self.random = Random::from_words(state.read_u64("random")?);
+        if self.networks.critic.state() > 0 {
+            self.critic_states = state.values_f32("critic_states")?;
+        }
         [self.updates, self.failures] = state.read_u64("updates")?;
         Ok(())
     }
@@ -86,7 +92,7 @@ impl LearnerOptions for PpoConfig {
             LogStd::Free => Ok(self.initial_log_std),
             LogStd::OfState => Err("with `ppo.log_std` = of_state, the agent sets the noise"),
         };
-        Abilities { graphs: true, credit: true, mirrored_noise: true, noise }
+        Abilities { graphs: true, recurrent: true, credit: true, mirrored_noise: true, noise }
     }
 
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
@@ -95,6 +101,7 @@ impl LearnerOptions for PpoConfig {
         let own = Self { gamma, credit: setting.credit.clone(), ..self.clone() };
         let mut ppo = match policy {
             Policy::Flat => Ppo::new(widths, own, seed)?,
+            Policy::Recurrent(policy) => Ppo::recurrent(policy, widths, own, seed)?,
             Policy::Graph(policy) => {
                 let network = policy.network(setting.interface);
                 Ppo::of_graphs(&network, widths, Self { credit: None, ..own }, policy.normalize, seed)?

@@ -6,13 +6,14 @@ use b2b_agent::network::{Graph, GraphNetwork};
 
 use super::config::PpoConfig;
 use super::features::FeatureScale;
-use super::networks::Networks;
+use super::networks::{Kind, Networks};
 use super::samples::Samples;
 use super::scale::ValueScale;
 use super::worker::Worker;
 use crate::credit::Credit;
 use crate::error::{Error, Result};
 use crate::nn::Adam;
+use crate::policy::RecurrentPolicy;
 use crate::random::Random;
 use crate::widths::Widths;
 
@@ -45,7 +46,10 @@ pub struct Ppo {
     /// Buildings of the scenes of the rollout.
     pub(super) graphs: Vec<Arc<Graph>>,
     pub(super) minibatch: Samples,
+    /// Order of the sequences of an epoch.
     pub(super) order: Vec<usize>,
+    /// States of a recurrent critic after the last rollout: environments × width.
+    pub(super) critic_states: Vec<f32>,
     pub(super) workers: Vec<Worker>,
     pub(super) gradients: Vec<f32>,
 }
@@ -56,7 +60,23 @@ impl Ppo {
     /// # Errors
     /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
     pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
-        Self::with_networks(Networks::new(widths, &config, None), FeatureScale::new(&[], false), config, seed)
+        Self::with_networks(
+            Networks::new(widths, &config, Kind::Flat),
+            FeatureScale::new(&[], false),
+            config,
+            seed,
+        )
+    }
+
+    /// Returns a learner for recurrent networks: actor and critic of the configuration, with a gated recurrent unit before their
+    /// last layer. Minibatches are of whole sequences, as many as have at most the steps of a minibatch, and at least one.
+    ///
+    /// # Errors
+    /// Same as [`Ppo::new`], and when a sequence does not divide the steps of a rollout.
+    pub fn recurrent(policy: &RecurrentPolicy, widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
+        policy.check_steps("ppo.n_steps", config.n_steps)?;
+        let networks = Networks::new(widths, &config, Kind::Recurrent(policy));
+        Self::with_networks(networks, FeatureScale::new(&[], false), config, seed)
     }
 
     /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
@@ -75,7 +95,7 @@ impl Ppo {
         if config.credit.is_some() {
             return Err(Error::config("credit", "a matrix", "graph networks take it from their scenes"));
         }
-        let networks = Networks::new(widths, &config, Some(network));
+        let networks = Networks::new(widths, &config, Kind::Graph(network));
         Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
     }
 
@@ -105,6 +125,7 @@ impl Ppo {
             graphs: Vec::new(),
             minibatch: Samples::default(),
             order: Vec::new(),
+            critic_states: Vec::new(),
             updates: 0,
             failures: 0,
             config,

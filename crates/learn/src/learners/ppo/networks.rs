@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use b2b_agent::network::graph::{EncoderPlaces, NodeWidths};
-use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Layer, Mlp, Shape};
+use b2b_agent::network::recurrent::GATES;
+use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Layer, Mlp, Recurrent, Shape};
 
 use super::{LogStd, PpoConfig};
 use crate::nn::graph::Readout;
-use crate::nn::{Gains, graph, orthogonal};
+use crate::nn::{Gains, graph, initialize_recurrent, orthogonal};
+use crate::policy::RecurrentPolicy;
 use crate::random::Random;
 use crate::rollout::Widths;
 
@@ -21,6 +23,8 @@ pub(super) struct Networks {
     /// in parts, their mean is the value.
     pub critic: Shape,
     pub widths: Widths,
+    /// Steps of a sequence through which recurrent networks are differentiated; 1 for other networks.
+    pub sequence: usize,
     /// Whether standard deviations depend on the observation.
     of_state: bool,
     /// Ends of the actor's parameters, the free logarithms of standard deviations, and the critic's parameters.
@@ -29,19 +33,34 @@ pub(super) struct Networks {
     minimum: f32,
 }
 
+/// The kind of networks.
+#[derive(Clone, Copy)]
+pub(super) enum Kind<'a> {
+    Flat,
+    Recurrent(&'a RecurrentPolicy),
+    /// Graph networks for an actor of this shape, whose outputs are its actions.
+    Graph(&'a GraphNetwork),
+}
+
 impl Networks {
-    /// Returns the shapes: multilayer perceptrons, or graph networks for an actor of this shape, whose outputs are its actions.
-    pub fn new(widths: Widths, config: &PpoConfig, graph: Option<&GraphNetwork>) -> Self {
+    /// Returns the shapes.
+    pub fn new(widths: Widths, config: &PpoConfig, kind: Kind<'_>) -> Self {
         let of_state = config.log_std == LogStd::OfState;
         let halves = if of_state { 2 } else { 1 };
-        let (actor, critic) = match graph {
-            None => {
-                let mlp = |hidden: &[usize], outputs| {
-                    Shape::Mlp(Mlp::new(widths.observation, hidden, outputs, config.activation))
+        let mlp = |inputs, hidden: &[usize], outputs| Mlp::new(inputs, hidden, outputs, config.activation);
+        let (actor, critic) = match kind {
+            Kind::Flat | Kind::Recurrent(_) => {
+                let shape = |hidden: &[usize], outputs| match kind {
+                    Kind::Recurrent(RecurrentPolicy { width, .. }) => Shape::Recurrent(Recurrent {
+                        encoder: mlp(widths.observation, hidden, GATES * width),
+                        head: mlp(*width, &[], outputs),
+                    }),
+                    _ => Shape::Mlp(mlp(widths.observation, hidden, outputs)),
                 };
-                (mlp(&config.actor_hidden, halves * widths.action), mlp(&config.critic_hidden, widths.parts))
+                let actor = shape(&config.actor_hidden, halves * widths.action);
+                (actor, shape(&config.critic_hidden, widths.parts))
             }
-            Some(network) => {
+            Kind::Graph(network) => {
                 let with = |outputs: &dyn Fn(usize) -> usize| {
                     let types = network.types.iter();
                     let types = types.map(|node| NodeWidths { outputs: outputs(node.outputs), ..*node });
@@ -52,33 +71,50 @@ impl Networks {
         };
         let free = match &actor {
             _ if of_state => 0,
-            Shape::Mlp(_) => widths.action,
+            Shape::Mlp(_) | Shape::Recurrent(_) => widths.action,
             Shape::Graph(network) => network.types.iter().map(|node| node.outputs).sum(),
         };
         let end = actor.parameters();
         let ends = [end, end + free, end + free + critic.parameters()];
-        Self { actor, critic, widths, of_state, ends, minimum: config.minimum_log_std }
+        let sequence = match kind {
+            Kind::Recurrent(policy) => policy.sequence,
+            Kind::Flat | Kind::Graph(_) => 1,
+        };
+        Self { actor, critic, widths, sequence, of_state, ends, minimum: config.minimum_log_std }
     }
 
     /// Returns initial parameters.
     pub fn initialize(&self, config: &PpoConfig, random: &mut Random) -> Vec<f32> {
-        let mut parameters = initialize(&self.actor, config.actor_gain, random);
+        let mut parameters = self.initialize_shape(&self.actor, config.actor_gain, random);
         if self.of_state {
             for (biases, start) in self.log_std_biases() {
                 parameters[biases][start..].fill(config.initial_log_std);
             }
         }
         parameters.extend(self.log_stds().map(|_| config.initial_log_std));
-        parameters.extend(initialize(&self.critic, 1.0, random));
+        parameters.extend(self.initialize_shape(&self.critic, 1.0, random));
         self.project(&mut parameters);
         parameters
+    }
+
+    fn initialize_shape(&self, shape: &Shape, last: f32, random: &mut Random) -> Vec<f32> {
+        match shape {
+            Shape::Mlp(mlp) => orthogonal(mlp, Gains { hidden: std::f32::consts::SQRT_2, last }, random),
+            Shape::Recurrent(network) => initialize_recurrent(network, last, self.sequence, random),
+            Shape::Graph(network) => graph::initialize(network, last, random),
+        }
+    }
+
+    /// Returns the widths of the states of actor and critic; 0 if the networks keep none.
+    pub fn states(&self) -> [usize; 2] {
+        [self.actor.state(), self.critic.state()]
     }
 
     /// Returns the biases of the actor's last layers, and the index where the log standard deviations begin.
     fn log_std_biases(&self) -> Vec<(Range<usize>, usize)> {
         let half = |layer: Layer| (layer.biases, layer.outputs / 2);
         match &self.actor {
-            Shape::Mlp(mlp) => mlp.layers().last().map(half).into_iter().collect(),
+            Shape::Mlp(_) | Shape::Recurrent(_) => last_layer(&self.actor).map(half).into_iter().collect(),
             Shape::Graph(network) => network.places().decoders.into_iter().map(half).collect(),
         }
     }
@@ -93,7 +129,7 @@ impl Networks {
     pub fn feature_places(&self) -> Vec<[EncoderPlaces; 2]> {
         let of = |shape: &Shape, start: usize| -> Vec<EncoderPlaces> {
             let places = shape.graph().map(|network| network.places().encoders).unwrap_or_default();
-            let moved = |range: Range<usize>| range.start + start..range.end + start;
+            let moved = |range: Range<usize>| moved(range, start);
             places
                 .into_iter()
                 .map(|place| EncoderPlaces { mean: moved(place.mean), scale: moved(place.scale), ..place })
@@ -123,7 +159,9 @@ impl Networks {
     /// to the critic's parameters.
     pub fn value_outputs(&self, kind: usize) -> Vec<(Layer, usize)> {
         match &self.critic {
-            Shape::Mlp(mlp) => mlp.layers().last().map(|layer| (layer.clone(), kind)).into_iter().collect(),
+            Shape::Mlp(_) | Shape::Recurrent(_) => {
+                last_layer(&self.critic).map(|layer| (layer, kind)).into_iter().collect()
+            }
             Shape::Graph(network) => {
                 let decoders = network.places().decoders.into_iter().enumerate();
                 let is_read = |(node_type, _): &(usize, Layer)| !self.is_by_node() || *node_type == kind;
@@ -136,7 +174,7 @@ impl Networks {
     pub fn value_kinds(&self) -> usize {
         match &self.critic {
             Shape::Graph(network) if self.is_by_node() => network.types.len(),
-            Shape::Mlp(_) | Shape::Graph(_) => self.widths.parts,
+            Shape::Mlp(_) | Shape::Recurrent(_) | Shape::Graph(_) => self.widths.parts,
         }
     }
 
@@ -215,9 +253,19 @@ impl Networks {
     }
 }
 
-fn initialize(shape: &Shape, last: f32, random: &mut Random) -> Vec<f32> {
+/// Returns the last layer of a network that is not a graph network.
+fn last_layer(shape: &Shape) -> Option<Layer> {
     match shape {
-        Shape::Mlp(mlp) => orthogonal(mlp, Gains { hidden: std::f32::consts::SQRT_2, last }, random),
-        Shape::Graph(network) => graph::initialize(network, last, random),
+        Shape::Mlp(mlp) => mlp.layers().last(),
+        Shape::Recurrent(network) => {
+            let (last, start) = (network.head.layers().last()?, network.places().head.start);
+            Some(Layer { weights: moved(last.weights, start), biases: moved(last.biases, start), ..last })
+        }
+        Shape::Graph(_) => None,
     }
+}
+
+/// Returns a range that begins later by `start`.
+fn moved(range: Range<usize>, start: usize) -> Range<usize> {
+    range.start + start..range.end + start
 }

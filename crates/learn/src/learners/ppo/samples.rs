@@ -12,6 +12,10 @@ pub(super) struct Samples {
     pub observations: Vec<f32>,
     /// Building of each row among the scenes of the rollout.
     pub scenes: Vec<usize>,
+    /// Whether a recurrent network forgets before each row; empty for other networks.
+    pub starts: Vec<bool>,
+    /// States of actor and critic before the first step of each sequence: sequences × width.
+    pub states: [Vec<f32>; 2],
     /// Actions: rows × width.
     pub actions: Vec<f32>,
     /// Log densities of the groups of actions, under the policy that made the steps: rows × groups.
@@ -23,8 +27,14 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Copies the observations and actions of a rollout.
-    pub fn read(&mut self, rollout: &Rollout) {
+    /// Copies the observations and actions of a rollout and, for recurrent networks, where they forget.
+    pub fn read(&mut self, rollout: &Rollout, is_recurrent: bool) {
+        self.starts.clear();
+        if is_recurrent {
+            self.starts.resize(rollout.rows(), false);
+            let rows = rollout.starts.iter().map(|(environment, step)| environment * rollout.steps + step);
+            rows.for_each(|row| self.starts[row] = true);
+        }
         self.observations.clone_from(&rollout.observations);
         self.actions.clone_from(&rollout.actions);
         self.scenes.clear();
@@ -36,13 +46,29 @@ impl Samples {
 
     /// Copies rows of other samples.
     pub fn gather(&mut self, all: &Self, rows: &[usize], widths: Widths, groups: usize) {
-        gather(&mut self.observations, &all.observations, rows, widths.observation);
-        self.scenes.clear();
-        self.scenes.extend(rows.iter().map(|row| all.scenes[*row]));
-        gather(&mut self.actions, &all.actions, rows, widths.action);
+        self.gather_steps(all, rows, widths);
         gather(&mut self.old, &all.old, rows, groups);
         gather(&mut self.advantages, &all.advantages, rows, groups);
         gather(&mut self.returns, &all.returns, rows, widths.parts);
+    }
+
+    /// Copies what was observed and done in rows of other samples.
+    pub fn gather_steps(&mut self, all: &Self, rows: &[usize], widths: Widths) {
+        gather(&mut self.observations, &all.observations, rows, widths.observation);
+        self.scenes.clear();
+        self.scenes.extend(rows.iter().map(|row| all.scenes[*row]));
+        self.starts.clear();
+        if !all.starts.is_empty() {
+            self.starts.extend(rows.iter().map(|row| all.starts[*row]));
+        }
+        gather(&mut self.actions, &all.actions, rows, widths.action);
+    }
+
+    /// Copies the states of sequences of other samples, of actor and critic with these widths.
+    pub fn gather_states(&mut self, all: &Self, sequences: &[usize], widths: [usize; 2]) {
+        for ((own, all), width) in self.states.iter_mut().zip(&all.states).zip(widths) {
+            gather(own, all, sequences, width);
+        }
     }
 
     /// Normalizes the advantages of each kind of group to mean 0 and deviation 1, as Stable-Baselines3 does. A kind

@@ -5,6 +5,7 @@ use super::learner::Ppo;
 use super::worker::{Minibatch, Worker};
 use crate::learner::Learner as _;
 use crate::nn::reference::{self, assert_gradients, wide};
+use crate::policy::RecurrentPolicy;
 use crate::random::Random;
 use crate::rollout::{End, Rollout};
 use crate::state::State;
@@ -139,6 +140,131 @@ fn a_rollout_of_other_widths_is_an_error() {
     let mut swapped = rollout(20, 0);
     swapped.ends.swap(0, 1);
     assert!(matches!(ppo.update(&swapped), Err(crate::Error::End { environment: 0, step: 5 })));
+}
+
+const WIDTH: usize = 6;
+
+/// Returns a learner of recurrent networks with sequences of this length.
+fn recurrent(sequence: usize, log_std: LogStd, seed: u64) -> Ppo {
+    let policy = RecurrentPolicy { width: WIDTH, sequence, ..RecurrentPolicy::default() };
+    let config = PpoConfig { n_steps: 40, ..config(log_std) };
+    Ppo::recurrent(&policy, WIDTHS, config, seed).unwrap()
+}
+
+/// Returns random steps after which a recurrent actor forgets where the first environment ends its episode, and before which
+/// in the second.
+fn recurrent_rollout(steps: usize, seed: u64) -> Rollout {
+    let mut states = vec![0.0; 2 * WIDTH];
+    Random::new(seed, 2).normals(&mut states);
+    Rollout { states, starts: vec![(0, 6), (1, 0)], ..rollout(steps, seed) }
+}
+
+#[test]
+fn sequences_have_the_densities_and_values_of_single_steps() {
+    let rollout = recurrent_rollout(40, 0);
+    let mut ppo = recurrent(8, LogStd::Free, 3);
+    ppo.samples.read(&rollout, true);
+    let values = ppo.evaluate(&rollout);
+    let [actor, critic] = [&ppo.networks.actor, &ppo.networks.critic]
+        .map(|shape| b2b_agent::network::Actor { shape: shape.clone(), ..ppo.actor() });
+    let critic =
+        b2b_agent::network::Actor { parameters: ppo.parameters[ppo.networks.critics()].to_vec(), ..critic };
+    let log_std = &ppo.parameters[ppo.networks.log_stds()];
+    let near = |one: f32, other: f32| (one - other).abs() < 1e-4 * (1.0 + other.abs());
+    for environment in 0..2 {
+        let (mut of_actor, mut of_critic) = (actor.scratch(None), critic.scratch(None));
+        of_actor.state_mut().copy_from_slice(&rollout.states[environment * WIDTH..][..WIDTH]);
+        let (mut mean, mut value) = ([0.0; 2], [0.0; 2]);
+        for step in 0..40 {
+            if rollout.starts.contains(&(environment, step)) {
+                of_actor.state_mut().fill(0.0);
+                of_critic.state_mut().fill(0.0);
+            }
+            let row = environment * 40 + step;
+            let observation = &rollout.observations[row * 4..][..4];
+            actor.mean(observation, &mut of_actor, &mut mean);
+            critic.mean(observation, &mut of_critic, &mut value);
+            let action = &rollout.actions[row * 2..][..2];
+            for group in 0..ppo.groups {
+                let density = super::loss::group_log_density(&ppo.credits[0], group, action, &mean, log_std);
+                assert!(near(ppo.samples.old[row * ppo.groups + group], density), "row {row}");
+            }
+            assert!(near(values.steps[row * 2], value[0]) && near(values.steps[row * 2 + 1], value[1]));
+            if let Some(number) =
+                rollout.ends.iter().position(|end| (end.environment, end.step) == (environment, step))
+            {
+                critic.mean(&rollout.ends[number].observation, &mut of_critic.clone(), &mut value);
+                assert!(near(values.ends[number * 2], value[0]), "end {number}");
+            }
+        }
+        critic.mean(&rollout.next[environment * 4..][..4], &mut of_critic.clone(), &mut value);
+        assert!(near(values.next[environment * 2], value[0]));
+        let kept = &ppo.critic_states[environment * WIDTH..][..WIDTH];
+        assert!(kept.iter().zip(of_critic.state()).all(|(kept, state)| near(*kept, *state)));
+    }
+}
+
+#[test]
+fn recurrent_networks_learn_the_same_bits_on_any_number_of_threads_and_after_a_restoration() {
+    let long = |seed: u64| recurrent_rollout(160, seed);
+    let new = |seed: u64| {
+        let policy = RecurrentPolicy { width: WIDTH, sequence: 8, ..RecurrentPolicy::default() };
+        let config = PpoConfig {
+            actor_hidden: vec![80, 80],
+            batch_size: 320,
+            n_steps: 160,
+            ..config(LogStd::OfState)
+        };
+        Ppo::recurrent(&policy, WIDTHS, config, seed).unwrap()
+    };
+    let learned = |threads: usize| {
+        let mut ppo = new(3);
+        ppo.set_threads(threads);
+        ppo.update(&long(0)).unwrap();
+        ppo
+    };
+    let mut first = learned(1);
+    assert_eq!(first.state(), learned(3).state());
+    let mut restored = new(8);
+    restored.restore(&State::from_bytes(&first.state().to_bytes()).unwrap()).unwrap();
+    let again = |ppo: &mut Ppo| (ppo.update(&long(1)).unwrap(), ppo.state());
+    assert_eq!(again(&mut first), again(&mut restored));
+}
+
+#[test]
+fn gradients_of_recurrent_networks_are_slopes_of_their_losses() {
+    for log_std in [LogStd::Free, LogStd::OfState] {
+        let mut ppo = recurrent(20, log_std, 3);
+        ppo.prepare_for_test(&recurrent_rollout(40, 0));
+        let mut worker = Worker::new(&ppo.networks);
+        let mut losses = |parameters: &[f32]| {
+            let batch = Minibatch {
+                config: &ppo.config,
+                networks: &ppo.networks,
+                credits: &ppo.credits,
+                groups: ppo.groups,
+                parameters,
+                samples: &ppo.samples,
+                graphs: &[],
+                rows: 80,
+            };
+            worker.learn(&batch, 0..80);
+            let losses = worker.losses;
+            let loss = losses.policy - 0.02 * losses.entropy + 0.5 * losses.value;
+            (loss, worker.gradients.clone())
+        };
+        let (_, gradients) = losses(&ppo.parameters);
+        for seed in 0..8 {
+            let mut direction = vec![0.0; gradients.len()];
+            Random::new(seed, 5).normals(&mut direction);
+            let slope: f64 = gradients.iter().zip(&direction).map(|(g, d)| f64::from(g * d)).sum();
+            let moved = |step: f32| -> Vec<f32> {
+                ppo.parameters.iter().zip(&direction).map(|(value, d)| value + step * d).collect()
+            };
+            let difference = (losses(&moved(1e-3)).0 - losses(&moved(-1e-3)).0) / 2e-3;
+            assert!((slope - difference).abs() < 0.01 + 0.02 * difference.abs(), "{slope} {difference}");
+        }
+    }
 }
 
 /// Returns the loss of a minibatch in double precision.

@@ -9,9 +9,9 @@ use super::learner::Ppo;
 use super::loss::Losses;
 use super::samples::Samples;
 use super::scale::Rows;
-use super::worker::{Minibatch, Worker};
+use super::worker::{Inputs, Minibatch, Worker};
 use crate::error::{Error, Result};
-use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
+use crate::nn::{Sequences, chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
 
 /// Rows of a pass through the networks before the epochs.
@@ -67,6 +67,7 @@ impl Ppo {
     /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
         rollout.check(self.widths)?;
+        self.check_sequences(rollout)?;
         let explained_variance = self.prepare(rollout);
         let learning_rate = self.learning_rate() * self.rate;
         let mut update = Update { explained_variance, learning_rate, ..Update::default() };
@@ -118,8 +119,11 @@ impl Ppo {
             self.graphs = rollout.scenes.iter().map(|scene| Arc::clone(&scene.graph)).collect();
             self.credits = rollout.scenes.iter().map(|scene| Arc::clone(&scene.credit)).collect();
         }
-        self.samples.read(rollout);
-        self.evaluate_actions();
+        let is_recurrent = self.networks.actor.state() > 0;
+        self.samples.read(rollout, is_recurrent);
+        if !is_recurrent {
+            self.evaluate_actions();
+        }
         let values = self.evaluate(rollout);
         let mut of_parts = vec![0.0; values.steps.len()];
         advantages(rollout, &values, self.config.gamma, self.config.gae_lambda, &mut of_parts);
@@ -159,33 +163,37 @@ impl Ppo {
         for ((observations, actions), of_rows) in observations.zip(actions).zip(samples.scenes.chunks(BLOCK))
         {
             let batch = Batch { graphs, of_rows, observations, width: widths.observation };
-            let credits = (&credits[..], *groups);
-            workers[0].log_densities(networks, credits, parameters, (batch, actions), &mut samples.old);
+            let (credits, inputs) = ((&credits[..], *groups), Inputs { batch, sequences: Sequences::none() });
+            workers[0].log_densities(networks, credits, parameters, (inputs, actions), &mut samples.old);
         }
     }
 
+    /// Returns the values of the observations of a rollout; for recurrent networks, also computes the log densities of its
+    /// actions.
     pub(super) fn evaluate(&mut self, rollout: &Rollout) -> Values {
-        let Self { workers, networks, parameters, widths, scale, config, graphs, credits, samples, .. } =
-            self;
+        let mut values = match self.networks.critic.state() {
+            0 => self.outputs_of_critic(rollout),
+            _ => self.evaluate_sequences(rollout),
+        };
+        self.denormalize(rollout, &mut values);
+        values
+    }
+
+    fn outputs_of_critic(&mut self, rollout: &Rollout) -> Values {
+        let [of_ends, of_next] = scenes_after(rollout);
+        let Self { workers, networks, parameters, widths, graphs, samples, .. } = self;
         let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
             for (observations, of_rows) in
                 observations.chunks(BLOCK * widths.observation).zip(scenes.chunks(BLOCK))
             {
                 let batch = Batch { graphs, of_rows, observations, width: widths.observation };
-                workers[0].values(networks, parameters, batch, &mut values);
-            }
-            if config.normalize_values {
-                scale.denormalize(Rows { credits, scenes, parts: widths.parts }, &mut values);
+                let inputs = Inputs { batch, sequences: Sequences::none() };
+                workers[0].values(networks, parameters, inputs, &mut values);
             }
             values
         };
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
-        let of_ends: Vec<usize> =
-            rollout.ends.iter().map(|end| rollout.scene_of(end.environment, end.step)).collect();
-        let last = rollout.steps.saturating_sub(1);
-        let of_next: Vec<usize> =
-            (0..rollout.environments).map(|environment| rollout.scene_of(environment, last)).collect();
         Values {
             steps: of(&rollout.observations, &samples.scenes),
             next: of(&rollout.next, &of_next),
@@ -193,15 +201,28 @@ impl Ppo {
         }
     }
 
+    /// Converts outputs of the critic to the scale of returns.
+    fn denormalize(&self, rollout: &Rollout, values: &mut Values) {
+        if self.config.normalize_values {
+            let [of_ends, of_next] = scenes_after(rollout);
+            let Values { steps, next, ends } = values;
+            for (scenes, values) in [(&self.samples.scenes, steps), (&of_next, next), (&of_ends, ends)] {
+                let rows = Rows { credits: &self.credits, scenes, parts: self.widths.parts };
+                self.scale.denormalize(rows, values);
+            }
+        }
+    }
+
     fn run_epochs(&mut self, update: &mut Update) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
-        order.extend(0..self.samples.observations.len() / self.widths.observation);
+        let length = self.networks.sequence;
+        order.extend(0..self.samples.scenes.len() / length);
         let mut sums = Losses::default();
         'epochs: for _ in 0..self.config.epochs {
             self.random.shuffle(&mut order);
-            for rows in order.chunks(self.config.batch_size) {
-                match self.learn(rows, &mut sums, update) {
+            for sequences in order.chunks((self.config.batch_size / length).max(1)) {
+                match self.learn(sequences, &mut sums, update) {
                     Outcome::Stepped => update.steps += 1,
                     Outcome::Skipped => update.skipped += 1,
                     Outcome::Stopped => break 'epochs,
@@ -213,9 +234,14 @@ impl Ppo {
         update.set_means(&sums);
     }
 
-    /// Learns from a minibatch of these rows, and adds its losses to the sums.
-    fn learn(&mut self, rows: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
-        self.minibatch.gather(&self.samples, rows, self.widths, self.groups);
+    /// Learns from a minibatch of these sequences, which are single steps unless networks are recurrent, and adds its losses
+    /// to the sums.
+    fn learn(&mut self, sequences: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
+        let length = self.networks.sequence;
+        let rows: Vec<usize> =
+            sequences.iter().flat_map(|sequence| sequence * length..(sequence + 1) * length).collect();
+        self.minibatch.gather(&self.samples, &rows, self.widths, self.groups);
+        self.minibatch.gather_states(&self.samples, sequences, self.networks.states());
         if self.config.normalize_advantage {
             self.minibatch.normalize_advantages(self.groups, &self.credits);
         }
@@ -252,7 +278,7 @@ impl Ppo {
             threads,
             ..
         } = self;
-        let used = chunk_count(rows);
+        let (length, used) = (networks.sequence, chunk_count(rows, networks.sequence));
         while workers.len() < used {
             workers.push(Worker::new(networks));
         }
@@ -260,7 +286,7 @@ impl Ppo {
         let (samples, groups) = (&*minibatch, *groups);
         let batch = Minibatch { config, networks, credits, groups, parameters, samples, graphs, rows };
         let threads = threads_for(rows, batch.parameters.len(), *threads);
-        for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, index)));
+        for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, length, index)));
         gradients.fill(0.0);
         let mut losses = Losses::default();
         for worker in workers {
@@ -298,6 +324,15 @@ impl Update {
         self.clip_fraction = means.clipped;
         self.gradient_norm *= share;
     }
+}
+
+/// Returns the scenes of the final observations of episodes, and of the observations after the last steps.
+fn scenes_after(rollout: &Rollout) -> [Vec<usize>; 2] {
+    let last = rollout.steps.saturating_sub(1);
+    [
+        rollout.ends.iter().map(|end| rollout.scene_of(end.environment, end.step)).collect(),
+        (0..rollout.environments).map(|environment| rollout.scene_of(environment, last)).collect(),
+    ]
 }
 
 /// Returns the explained variance of returns by values, each summed over parts.

@@ -12,7 +12,20 @@ use super::networks::Networks;
 use super::samples::Samples;
 use crate::credit::Credit;
 use crate::nn::graph::{GraphPass, Readout};
-use crate::nn::{Pass, sized};
+use crate::nn::{Pass, RecurrentPass, Sequences, sized};
+
+/// Index of the actor's states, and of the critic's.
+pub(super) const ACTOR: usize = 0;
+pub(super) const CRITIC: usize = 1;
+
+/// Inputs of a network.
+#[derive(Clone, Copy)]
+pub(super) struct Inputs<'a> {
+    /// Observations.
+    pub batch: Batch<'a>,
+    /// The sequences of a recurrent network.
+    pub sequences: Sequences<'a>,
+}
 
 /// Inputs that all chunks of a minibatch share.
 #[derive(Clone, Copy)]
@@ -44,15 +57,25 @@ impl<'a> Minibatch<'a> {
         }
     }
 
-    /// Returns the observations of rows.
-    fn batch(&self, rows: &Range<usize>) -> Batch<'a> {
-        let width = self.networks.widths.observation;
-        Batch {
+    /// Returns the inputs of the actor or the critic in rows.
+    fn inputs(&self, rows: &Range<usize>, network: usize) -> Inputs<'a> {
+        let (width, samples) = (self.networks.widths.observation, self.samples);
+        let batch = Batch {
             graphs: self.graphs,
-            of_rows: &self.samples.scenes[rows.clone()],
-            observations: &self.samples.observations[times(rows, width)],
+            of_rows: &samples.scenes[rows.clone()],
+            observations: &samples.observations[times(rows, width)],
             width,
-        }
+        };
+        let (length, width) = (self.networks.sequence, self.networks.states()[network]);
+        let sequences = match width {
+            0 => Sequences::none(),
+            _ => Sequences {
+                length,
+                states: &samples.states[network][times(&(rows.start / length..rows.end / length), width)],
+                starts: &samples.starts[rows.clone()],
+            },
+        };
+        Inputs { batch, sequences }
     }
 
     /// Returns the credit of a row.
@@ -66,10 +89,11 @@ impl<'a> Minibatch<'a> {
     }
 }
 
-/// Passes of either kind of network.
+/// Passes of a kind of network.
 #[derive(Clone, Debug)]
 enum NetworkPass {
     Flat(Pass),
+    Recurrent(Box<RecurrentPass>),
     Graph(Box<GraphPass>),
 }
 
@@ -77,6 +101,7 @@ impl NetworkPass {
     fn new(shape: &Shape, readout: Readout) -> Self {
         match shape {
             Shape::Mlp(mlp) => Self::Flat(Pass::new(mlp)),
+            Shape::Recurrent(network) => Self::Recurrent(Box::new(RecurrentPass::new(network))),
             Shape::Graph(network) => Self::Graph(Box::new(GraphPass::new(network, readout))),
         }
     }
@@ -84,14 +109,16 @@ impl NetworkPass {
     /// Returns the number of rows per pass: the whole chunk, or as many buildings as fit in the processor's cache.
     fn rows(&self) -> usize {
         match self {
-            Self::Flat(_) => usize::MAX,
+            Self::Flat(_) | Self::Recurrent(_) => usize::MAX,
             Self::Graph(_) => 32,
         }
     }
 
-    fn forward(&mut self, parameters: &[f32], batch: Batch<'_>) -> &[f32] {
+    fn forward(&mut self, parameters: &[f32], inputs: Inputs<'_>) -> &[f32] {
+        let Inputs { batch, sequences } = inputs;
         match self {
             Self::Flat(pass) => pass.forward(parameters, batch.observations, batch.of_rows.len()),
+            Self::Recurrent(pass) => pass.forward(parameters, batch.observations, sequences),
             Self::Graph(pass) => pass.forward(parameters, batch),
         }
     }
@@ -99,13 +126,26 @@ impl NetworkPass {
     fn outputs(&self) -> &[f32] {
         match self {
             Self::Flat(pass) => pass.outputs(),
+            Self::Recurrent(pass) => pass.outputs(),
             Self::Graph(pass) => pass.outputs(),
         }
     }
 
-    fn backward(&mut self, parameters: &[f32], batch: Batch<'_>, gradients: &[f32], sums: &mut [f32]) {
+    /// Returns the states of a recurrent network after the rows of the last forward pass.
+    fn states(&self) -> &[f32] {
+        match self {
+            Self::Recurrent(pass) => pass.states(),
+            Self::Flat(_) | Self::Graph(_) => &[],
+        }
+    }
+
+    fn backward(&mut self, parameters: &[f32], inputs: Inputs<'_>, gradients: &[f32], sums: &mut [f32]) {
+        let Inputs { batch, sequences } = inputs;
         match self {
             Self::Flat(pass) => pass.backward(parameters, batch.observations, gradients, Some(sums), None),
+            Self::Recurrent(pass) => {
+                pass.backward(parameters, (batch.observations, sequences), gradients, sums);
+            }
             Self::Graph(pass) => pass.backward(parameters, batch, gradients, sums),
         }
     }
@@ -155,7 +195,7 @@ impl Worker {
 
     fn learn_policy(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         let parameters = &batch.parameters[batch.networks.actors()];
-        let inputs = batch.batch(&rows);
+        let inputs = batch.inputs(&rows, ACTOR);
         let length = self.actor.forward(parameters, inputs).len();
         self.outputs[0].clear();
         self.outputs[0].resize(length, 0.0);
@@ -197,7 +237,7 @@ impl Worker {
     fn learn_values(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         let Minibatch { networks, samples, config, .. } = batch;
         let parameters = &batch.parameters[networks.critics()];
-        let inputs = batch.batch(&rows);
+        let inputs = batch.inputs(&rows, CRITIC);
         let parts = networks.widths.parts;
         let returns = samples.returns[times(&rows, parts)].chunks_exact(parts);
         let values = self.critic.forward(parameters, inputs);
@@ -217,14 +257,14 @@ impl Worker {
         networks: &Networks,
         (credits, groups): (&[Arc<Credit>], usize),
         parameters: &[f32],
-        (observations, actions): (Batch<'_>, &[f32]),
+        (inputs, actions): (Inputs<'_>, &[f32]),
         densities: &mut Vec<f32>,
     ) {
-        let outputs = self.actor.forward(&parameters[networks.actors()], observations);
+        let outputs = self.actor.forward(&parameters[networks.actors()], inputs);
         let outputs = outputs.chunks_exact(networks.outputs());
-        let rows = outputs.zip(actions.chunks_exact(networks.widths.action)).zip(observations.of_rows);
+        let rows = outputs.zip(actions.chunks_exact(networks.widths.action)).zip(inputs.batch.of_rows);
         for ((outputs, action), of_row) in rows {
-            let graph = observations.graphs.get(*of_row).map(|graph| &**graph);
+            let graph = inputs.batch.graphs.get(*of_row).map(|graph| &**graph);
             networks.write_log_std(parameters, outputs, graph, &mut self.log_std[0]);
             let count = graph.map_or(action.len(), |graph| graph.actions.len());
             let (action, mean, log_std) = (&action[..count], &outputs[..count], &self.log_std[0][..count]);
@@ -238,10 +278,15 @@ impl Worker {
         &mut self,
         networks: &Networks,
         parameters: &[f32],
-        observations: Batch<'_>,
+        inputs: Inputs<'_>,
         values: &mut Vec<f32>,
     ) {
-        values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], observations));
+        values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], inputs));
+    }
+
+    /// Returns the states of actor and critic after the rows of their last passes.
+    pub fn states(&self) -> [&[f32]; 2] {
+        [self.actor.states(), self.critic.states()]
     }
 }
 

@@ -121,7 +121,7 @@ impl Sac {
     /// Computes the gradients of the actor or of the critics, and returns the losses so far.
     fn differentiate(&mut self, stage: Stage) -> Losses {
         let Self { workers, networks, parameters, batch, gradients, threads, .. } = self;
-        let used = chunk_count(batch.rows);
+        let used = chunk_count(batch.rows, 1);
         while workers.len() < used {
             workers.push(Worker::new(networks));
         }
@@ -129,8 +129,8 @@ impl Sac {
         let threads = threads_for(batch.rows, parameters.actor.len() + parameters.critics.len(), *threads);
         let minibatch = Minibatch { networks, parameters, batch };
         for_each(workers, threads, |index, worker| match stage {
-            Stage::Actor => worker.learn_actor(&minibatch, chunk(batch.rows, index)),
-            Stage::Critics => worker.learn_critics(&minibatch, chunk(batch.rows, index)),
+            Stage::Actor => worker.learn_actor(&minibatch, chunk(batch.rows, 1, index)),
+            Stage::Critics => worker.learn_critics(&minibatch, chunk(batch.rows, 1, index)),
         });
         let sums = &mut gradients[stage as usize];
         sums.fill(0.0);

@@ -11,9 +11,12 @@ use crate::policy::Policy;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct AgentConfig {
-    /// Kind of network: `{ kind = "flat" }` or `{ kind = "graph" }` with the options of [`GraphPolicy`](crate::train::GraphPolicy).
+    /// Kind of network: `{ kind = "flat" }`, `{ kind = "recurrent" }` with the options of
+    /// [`RecurrentPolicy`](crate::train::RecurrentPolicy), or `{ kind = "graph" }` with those of
+    /// [`GraphPolicy`](crate::train::GraphPolicy).
     pub policy: Policy,
-    /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes` and `forecast`.
+    /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes`, `forecast`
+    /// and `feedback`.
     pub observation: ObservationOptions,
     /// How the agent acts: `{ kind = "direct" }`, `{ kind = "residual", authority = 0.5 }` or
     /// `{ kind = "supervisory", every = 60 }`.
@@ -36,25 +39,27 @@ impl AgentConfig {
     pub(crate) fn observes_attributes(&self) -> bool {
         match &self.policy {
             Policy::Graph(graph) => graph.attributes,
-            Policy::Flat => self.observation.attributes,
+            Policy::Flat | Policy::Recurrent(_) => self.observation.attributes,
         }
     }
 
     /// Checks the values.
     pub(super) fn check(&self) -> Result<()> {
-        if self.policy == Policy::Flat { Ok(()) } else { self.check_graph() }
+        self.policy.check()?;
+        if self.policy.is_graph() { self.check_graph() } else { Ok(()) }
     }
 
     fn check_graph(&self) -> Result<()> {
-        let ObservationOptions { form, attributes, forecast } = self.observation;
+        let ObservationOptions { form, attributes, forecast, feedback } = self.observation;
         let excluded = [
             ("observation", form == ObservationForm::Roles, "it must be raw or features"),
             ("observation.attributes", attributes, "use `policy.attributes`"),
             ("observation.forecast", forecast > 0, "it must be 0"),
+            ("observation.feedback", feedback, "it must be false"),
         ];
         for (name, is_wrong, remedy) in excluded {
             require(!is_wrong, || format!("`{name}` with graph networks: {remedy}"))?;
         }
-        self.policy.check()
+        Ok(())
     }
 }

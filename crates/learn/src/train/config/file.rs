@@ -15,9 +15,10 @@ use crate::learners::{Kind, LearnerChoice, kinds};
 pub const CONFIG: &str = "config.toml";
 
 /// The presets by name: TOML files with the options that differ from the defaults.
-const PRESETS: [(&str, &str); 5] = [
+const PRESETS: [(&str, &str); 6] = [
     ("graph", include_str!("../../../data/graph.toml")),
     ("paper", include_str!("../../../data/paper.toml")),
+    ("recurrent", include_str!("../../../data/recurrent.toml")),
     ("residual", include_str!("../../../data/residual.toml")),
     ("supervisory", include_str!("../../../data/supervisory.toml")),
     ("supervisory-graph", include_str!("../../../data/supervisory-graph.toml")),

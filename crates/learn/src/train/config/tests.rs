@@ -21,7 +21,7 @@ fn every_preset_is_complete_and_valid() {
     }
     let said = TrainConfig::preset("papper").unwrap_err().to_string();
     assert!(
-        said.contains("expected `graph` or `paper` or `residual` or `supervisory` or `supervisory-graph`; did you mean `paper`?"),
+        said.contains("expected `graph` or `paper` or `recurrent` or `residual` or `supervisory` or `supervisory-graph`; did you mean `paper`?"),
         "{said}"
     );
 }
@@ -119,6 +119,19 @@ fn values_that_do_not_go_together_are_errors() {
         ("algorithm = 'sac'\ncredit_by_zone = true", "`credit_by_zone` is for ppo"),
         ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
         ("policy = { kind = 'graph', heads = 3 }", "`policy.heads` is 3"),
+        (
+            "algorithm = 'sac'\npolicy = { kind = 'recurrent' }",
+            "`algorithm` with recurrent networks: it must be ppo",
+        ),
+        ("policy = { kind = 'recurrent', width = 0 }", "`policy.width` is 0"),
+        (
+            "policy = { kind = 'recurrent', sequence = 96 }\nppo = { n_steps = 100 }",
+            "`ppo.n_steps` is 100; expected a multiple of `policy.sequence`, 96",
+        ),
+        (
+            "policy = { kind = 'graph' }\nobservation = { form = 'features', feedback = true }",
+            "`observation.feedback` with graph networks: it must be false",
+        ),
         ("ppo = { log_std = 'of_state' }\nfinal_noise = 0.5", "with `ppo.log_std` = of_state"),
         ("excluded_climate_zones = ['1']", "`excluded_climate_zones` are for `building_type`"),
     ] {

@@ -15,7 +15,6 @@ use crate::error::{Error, Result};
 use crate::learner::Abilities;
 use crate::learners::{Kind, LearnerChoice, kinds};
 use crate::limits::require;
-use crate::policy::Policy;
 use crate::train::problem::training_side;
 
 /// The configuration of a training run.
@@ -103,11 +102,18 @@ impl TrainConfig {
     /// Checks that the learner supports the options of the other parts.
     fn check_abilities(&self) -> Result<()> {
         let name = self.learner.name();
-        let Abilities { graphs, credit, mirrored_noise, noise } = self.learner.abilities();
-        require(graphs || self.agent.policy == Policy::Flat, || {
+        let Abilities { graphs, recurrent, credit, mirrored_noise, noise } = self.learner.abilities();
+        require(graphs || !self.agent.policy.is_graph(), || {
             let able = able(|abilities| abilities.graphs);
             format!("`algorithm` with graph networks: it must be {able}")
         })?;
+        require(recurrent || self.agent.policy.recurrent().is_none(), || {
+            let able = able(|abilities| abilities.recurrent);
+            format!("`algorithm` with recurrent networks: it must be {able}")
+        })?;
+        if let Some(policy) = self.agent.policy.recurrent() {
+            policy.check_steps(&format!("{name}.n_steps"), self.learner.steps_per_rollout())?;
+        }
         require(credit || !self.rewards.credit_by_zone, || {
             let able = able(|abilities| abilities.credit);
             format!("`credit_by_zone` is for {able}; with {name} it must be false")
@@ -138,7 +144,7 @@ impl TrainConfig {
         require(operates, || {
             "`acting` supervises guideline36, the controller of operation; choose `task` = operate".into()
         })?;
-        require(!rewards.credit_by_zone || agent.policy != Policy::Flat, || {
+        require(!rewards.credit_by_zone || agent.policy.is_graph(), || {
             "`credit_by_zone` is not for flat agents that shift all zones; choose false".into()
         })
     }
@@ -151,7 +157,7 @@ impl TrainConfig {
             "tasks with different observations require the observation `features`".into()
         })?;
         let named = self.training_set.named_types()?;
-        require(types.max(named) <= 1 || self.agent.policy != Policy::Flat, || {
+        require(types.max(named) <= 1 || self.agent.policy.is_graph(), || {
             "several building types are for graph networks; choose the preset graph, or one type".into()
         })?;
         let environments = self.budget.environments;

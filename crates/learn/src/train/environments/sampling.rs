@@ -62,7 +62,8 @@ impl<'a> Environments<'a> {
             scale,
             config.budget.seed,
         )?;
-        collector = collector.with_discount(config.learner.discount());
+        collector =
+            collector.with_discount(config.learner.discount()).with_memory_episodes(self.memory_episodes());
         self.room()?.into_iter().for_each(|widths| collector.make_room(widths));
         Ok(match config.noise.mirrored_noise {
             true => collector.with_mirrored_noise(),
@@ -114,13 +115,56 @@ impl<'a> Environments<'a> {
             })?;
         }
         require(config.hold() == 1, || "held decisions require the loop design fragments".into())?;
-        LockstepCollector::new(
+        let collector = LockstepCollector::new(
             self.vector(workers)?,
             config.agent.interface(),
             config.noise.noise_correlation,
             scale,
             config.budget.seed,
-        )
+        )?;
+        Ok(collector.with_memory_episodes(self.memory_episodes()))
+    }
+
+    /// Returns the episodes in a building that the memory of a recurrent actor spans.
+    fn memory_episodes(&self) -> u32 {
+        self.config.agent.policy.recurrent().map_or(1, |policy| policy.memory_episodes)
+    }
+
+    /// Checks that the episodes of a memory are in one building.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) with the remedy where they may not be.
+    pub(crate) fn check_memory(&self) -> Result<()> {
+        let (set, episodes) = (&self.config.training_set, self.memory_episodes());
+        let found = || format!("`policy.memory_episodes` is {episodes}");
+        if episodes == 1 {
+            return Ok(());
+        }
+        if set.building_types()?.is_empty() {
+            let (named, environments) = (set.buildings.len(), self.config.distinct_environments());
+            return require(named <= environments, || {
+                let expected = "an environment for every building (pairs count as one)";
+                format!(
+                    "{} and {named} buildings share {environments} environments; expected {expected}",
+                    found()
+                )
+            });
+        }
+        let kept = set.building_episodes;
+        require(kept.is_multiple_of(episodes), || {
+            format!("{} and `building_episodes` is {kept}; expected a multiple of it", found())
+        })?;
+        let mut parts = 0;
+        for period in set.periods()? {
+            parts += days::trained(self.config, period).len();
+        }
+        require(parts == 1, || {
+            format!(
+                "{}, but the days of training have {parts} parts, each with its own buildings; choose one run period and \
+                 `evaluation.held_out` = false",
+                found()
+            )
+        })
     }
 
     /// Returns the sampler of training episodes.
@@ -280,6 +324,39 @@ mod tests {
             let of_last: Vec<usize> = (0..4).map(|_| drawn(environments - 1)).collect();
             assert_eq!((of_first, of_last), (vec![0, 2, 4, 0], vec![1, 3, 0, 1]));
         }
+    }
+
+    #[test]
+    fn the_episodes_of_a_memory_are_in_one_building() {
+        let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
+        let check = |options: &str| {
+            let options = format!(
+                "policy = {{ kind = 'recurrent', memory_episodes = 3 }}\nwindow_days = 7\nppo = {{ n_steps = 288 }}\n{options}"
+            );
+            let config = TrainConfig::default().with_changes(&options).unwrap();
+            config.check().unwrap();
+            let environments = Environments::new(&config, Arc::clone(&catalog));
+            environments.check_memory().map(|()| {
+                let mut sampler = environments.sampler().unwrap();
+                let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+                let mut drawn = || sampler.draw(1, &mut random).unwrap().setting.source.name().to_owned();
+                let names: Vec<String> = (0..9).map(|_| drawn()).collect();
+                assert!(
+                    names.chunks(3).all(|memory| memory.iter().all(|name| *name == memory[0])),
+                    "{names:?}"
+                );
+            })
+        };
+        let said = |options: &str| check(options).unwrap_err().to_string();
+        let two = "buildings = ['OfficeSmall-0001', 'OfficeSmall-0002']\nenvironments";
+        check(&format!("{two} = 2")).unwrap();
+        assert!(said(&format!("{two} = 1")).contains("2 buildings share 1 environments"));
+        let any = "building_type = 'OfficeSmall'\nbuilding_episodes";
+        check(&format!("{any} = 6\nevaluation.held_out = false")).unwrap();
+        let wrong = said(&format!("{any} = 4\nevaluation.held_out = false"));
+        assert!(wrong.contains("`building_episodes` is 4; expected a multiple of it"), "{wrong}");
+        let wrong = said(&format!("{any} = 3"));
+        assert!(wrong.contains("have 2 parts") && wrong.contains("`evaluation.held_out` = false"), "{wrong}");
     }
 
     #[test]

@@ -19,6 +19,8 @@ struct Running<T> {
     step: usize,
     random: Random,
     noise: Noise,
+    /// State of a recurrent actor.
+    state: Vec<f32>,
 }
 
 impl<T: Toy> Local<T> {
@@ -27,7 +29,7 @@ impl<T: Toy> Local<T> {
         let start = |index: usize| {
             let mut random = Random::new(seed, 1000 + index as u64);
             let noise = Noise::new(T::WIDTHS.action, 0.0, Random::new(seed, 2000 + index as u64));
-            Running { toy: T::reset(&mut random), step: 0, random, noise }
+            Running { toy: T::reset(&mut random), step: 0, random, noise, state: Vec::new() }
         };
         Self { environments: (0..environments).map(start).collect() }
     }
@@ -46,7 +48,14 @@ impl<T: Toy> Collector for Local<T> {
         *rollout = Rollout { environments: self.environments.len(), steps, ..Rollout::default() };
         let mut scratch = actor.scratch(None);
         for (environment, running) in self.environments.iter_mut().enumerate() {
+            running.state.resize(scratch.state().len(), 0.0);
+            rollout.states.extend_from_slice(&running.state);
+            scratch.state_mut().copy_from_slice(&running.state);
             for step in 0..steps {
+                if running.step == 0 && !scratch.state().is_empty() {
+                    scratch.state_mut().fill(0.0);
+                    rollout.starts.push((environment, step));
+                }
                 running.step(actor, &mut scratch, rollout);
                 if running.step == T::STEPS {
                     let observation = running.observation();
@@ -55,6 +64,7 @@ impl<T: Toy> Collector for Local<T> {
                     running.step = 0;
                 }
             }
+            running.state.copy_from_slice(scratch.state());
             rollout.next.extend(running.observation());
         }
         Ok(())

@@ -1,9 +1,11 @@
 //! Small environments that compute in microseconds, and a collector of their steps in this process.
 
+mod hidden;
 mod local;
 mod pendulum;
 mod room;
 
+pub use hidden::Hidden;
 pub use local::{Local, mean_return};
 pub use pendulum::Pendulum;
 pub use room::Room;
