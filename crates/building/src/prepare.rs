@@ -13,7 +13,7 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use self::episode_edits::for_episodes;
+use self::episode_edits::{Exhaust, for_episodes};
 use crate::band::{self, Year};
 use crate::hvac::{
     self, Actuator, Discovery, EngineVariable, KINDS, Kind, Switch, System, SystemLayout, Uncontrolled,
@@ -23,7 +23,7 @@ use crate::hvac_energy::{self, HvacMeter, hvac_meters};
 use crate::import::{Notes, switched_off};
 use crate::model::Model;
 use crate::run_period::RunPeriod;
-use crate::sizing::{self, Sizes};
+use crate::sizing::{self, Sizes, Unreported};
 use crate::zone;
 use crate::{Class, Error, Result, ZoneYear};
 
@@ -154,14 +154,17 @@ impl PreparedBuilding {
         unsupported: Unsupported,
     ) -> Result<Self> {
         let (air_density, mut notes) = size(name, &mut model, weather, library)?;
+        notes.changed = changes(&model, weather, unsupported, Exhaust::Balanced)?;
         let switches = match unsupported {
             Unsupported::LeftAlone => hvac::switches_of_all(&model)?,
             Unsupported::Refused => Vec::new(),
         };
         let calendar = calendar::of(&model, weather, unsupported)?;
         let Year { zones: years, holidays, off } = year(name, &model, &switches, calendar, library)?;
-        let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
+        let absent = hvac::absent(&switches, &off);
+        let discovery = hvac::discover(&mut model, air_density, kinds, unsupported, &absent)?;
         notes.switched_off = switched_off(&switches, &off, &discovery);
+        notes.changed.extend_from_slice(&discovery.notes);
         Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
@@ -178,11 +181,13 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let (air_density, notes) = size(name, &mut model, weather, library)?;
+        let (air_density, mut notes) = size(name, &mut model, weather, library)?;
+        notes.changed = changes(&model, weather, unsupported, Exhaust::Balanced)?;
         let calendar = calendar::of(&model, weather, unsupported)?;
         let Year { zones: years, holidays, .. } = year(name, &model, &[], calendar, library)?;
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
+        notes.changed.extend_from_slice(&discovery.notes);
         Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
@@ -199,10 +204,15 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let (_, notes) = size(name, &mut model, weather, library)?;
+        let (_, mut notes) = size(name, &mut model, weather, library)?;
+        let exhaust = match unsupported {
+            Unsupported::Refused => Exhaust::Balanced,
+            Unsupported::LeftAlone => Exhaust::AsGiven,
+        };
+        notes.changed = changes(&model, weather, unsupported, exhaust)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
         complete(&mut model, &controlled.years);
-        for_episodes(&mut model);
+        for_episodes(&mut model, exhaust);
         Ok(Self {
             model_sha256: sha256(model.to_epjson()),
             meters: hvac_meters(&model),
@@ -220,8 +230,8 @@ impl PreparedBuilding {
         if discovery.systems.is_empty() {
             return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
-        let Discovery { systems, uncontrolled, outdoor_air } = discovery;
-        for_episodes(&mut model);
+        let Discovery { systems, uncontrolled, outdoor_air, .. } = discovery;
+        for_episodes(&mut model, Exhaust::Balanced);
         let zones = zone::zones(&model)?;
         let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
         let layouts = SystemLayout::of_all(&systems, &names)?;
@@ -274,8 +284,8 @@ impl PreparedBuilding {
     /// Adds the notes of its import.
     #[must_use]
     pub fn with_notes(self, notes: Notes) -> Self {
-        let Notes { left_autosized, switched_off, .. } = self.notes;
-        Self { notes: Notes { left_autosized, switched_off, ..notes }, ..self }
+        let Notes { left_autosized, unused_autosized, changed, switched_off, .. } = self.notes;
+        Self { notes: Notes { left_autosized, unused_autosized, changed, switched_off, ..notes }, ..self }
     }
 
     /// Returns the model for a run period with this number of zone time steps per hour.
@@ -335,9 +345,19 @@ fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Res
     if sizing::needs_sizing(model) {
         let sizes = Sizes::of(model, weather, library)
             .map_err(|error| error.on_model(name).while_doing(format!("sizing {name}")))?;
-        notes.left_autosized = sizes.write_into(model);
+        let Unreported { left, unused } = sizes.write_into(model);
+        notes.left_autosized = left;
+        notes.unused_autosized = unused;
     }
     Ok((standard_air_density(site.elevation), notes))
+}
+
+/// Returns what the edits for episodes change in a user's model; nothing for a generated building.
+fn changes(model: &Model, weather: &Path, unsupported: Unsupported, exhaust: Exhaust) -> Result<Vec<String>> {
+    match unsupported {
+        Unsupported::Refused => Ok(Vec::new()),
+        Unsupported::LeftAlone => Ok(episode_edits::changes(model, &Site::read(weather)?, exhaust)),
+    }
 }
 
 /// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the elevation

@@ -33,6 +33,10 @@ pub struct Site {
     pub year: Option<u32>,
     /// Whether the file has a 29 February and its header says so, without which the engine leaves it out.
     pub has_leap_day: bool,
+    /// Whether the header has a period of daylight saving time.
+    pub has_daylight_saving: bool,
+    /// Number of holidays in the header.
+    pub holidays: u32,
     /// Whether the design days were computed from the hours of the file because its header has none.
     pub sized_by_hours: bool,
 }
@@ -83,6 +87,8 @@ impl Site {
             monthly_dry_bulbs,
             year: record.year(),
             has_leap_day: record.has_leap_day() && observes_leap_days(header),
+            has_daylight_saving: of_calendar(header, 2).is_some_and(|day| day != "0"),
+            holidays: of_calendar(header, 4).and_then(|count| count.parse().ok()).unwrap_or(0),
             heating,
             cooling: DesignDay { optical_depths, ..cooling },
             sized_by_hours,
@@ -97,8 +103,12 @@ impl Site {
 
 /// Returns whether a header says that its file has leap days.
 fn observes_leap_days(header: &Header) -> bool {
-    let line = header.line("HOLIDAYS/DAYLIGHT SAVINGS");
-    line.is_ok_and(|line| line.text(1).is_ok_and(|given| given.eq_ignore_ascii_case("yes")))
+    of_calendar(header, 1).is_some_and(|given| given.eq_ignore_ascii_case("yes"))
+}
+
+/// Returns a field of the line of holidays: leap days, first and last day of daylight saving time, number of holidays.
+fn of_calendar<'a>(header: &Header<'a>, index: usize) -> Option<&'a str> {
+    header.line("HOLIDAYS/DAYLIGHT SAVINGS").ok()?.text(index).ok()
 }
 
 #[cfg(test)]
@@ -142,6 +152,17 @@ mod tests {
         assert_eq!((site.heating.dry_bulb, site.heating.wind_speed), (-23.7, Some(3.9)));
         assert_eq!((site.cooling.dry_bulb, site.cooling.daily_range), (30.0, 9.3));
         assert!(!site.sized_by_hours);
+    }
+
+    #[test]
+    fn the_header_has_daylight_saving_time_and_holidays() {
+        let of = |text: &str| {
+            let site = Site::from_epw(text, Path::new("a.epw")).unwrap();
+            (site.has_daylight_saving, site.holidays)
+        };
+        assert_eq!(of(MONTREAL), (false, 0));
+        let text = MONTREAL.replace("SAVINGS,No,0,0,0", "SAVINGS,No,3/10,11/3,1,New Year,1/1");
+        assert_eq!(of(&text), (true, 1));
     }
 
     #[test]

@@ -56,8 +56,10 @@ const KEPT_PER_LEVEL: usize = 100;
 const KEPT_BYTES: usize = 4000;
 /// Length beyond which a line is cut, bytes: EnergyPlus repeats a wrong value in full.
 const KEPT_LINE: usize = 400;
-/// Number of warnings shown before a fatal message.
+/// Number of last warnings shown before a fatal message.
 const EXPLAINING: usize = 3;
+/// Number of warnings about nodes without a setpoint shown before a fatal message.
+const NODES: usize = 12;
 /// Number of console lines kept.
 const CONSOLE_LINES: usize = 20;
 
@@ -87,7 +89,9 @@ impl Messages {
             _ => return self.continue_last(text),
         };
         self.counts[level as usize] += 1;
-        self.last_was_kept = self.count(level) <= KEPT_PER_LEVEL;
+        let is_kept = |number: usize| number <= KEPT_PER_LEVEL;
+        self.last_was_kept =
+            is_kept(self.count(level)) || is_about_setpoint(text) && is_kept(self.about_setpoints());
         if self.last_was_kept {
             self.kept.push(Message { level, text: cut(text) });
         }
@@ -101,11 +105,19 @@ impl Messages {
         self.console.push(cut(line));
     }
 
-    /// Returns the positions of the last warnings before the first fatal message.
+    /// Returns the positions of the warnings that explain the first fatal message: the last ones before it, and those about
+    /// nodes without a setpoint.
     fn explaining(&self) -> Vec<usize> {
         let fatal = self.kept.iter().position(|message| message.level == Level::Fatal).unwrap_or(0);
         let is_warning = |i: &usize| self.kept[*i].level == Level::Warning;
-        (0..fatal).rev().filter(is_warning).take(EXPLAINING).collect()
+        let last = (0..fatal).rev().filter(is_warning).take(EXPLAINING);
+        let names_node = |i: &usize| is_warning(i) && is_about_setpoint(&self.kept[*i].text);
+        last.chain((0..fatal).filter(names_node).take(NODES)).collect()
+    }
+
+    /// Returns the number of kept messages about nodes without a setpoint.
+    fn about_setpoints(&self) -> usize {
+        self.kept.iter().filter(|message| is_about_setpoint(&message.text)).count()
     }
 
     fn continue_last(&mut self, text: &str) {
@@ -116,6 +128,12 @@ impl Messages {
             last.text.push_str(&cut(text));
         }
     }
+}
+
+/// Returns whether a warning names a node without a setpoint, which ends a run without being named again: `Missing 'Humidity
+/// Ratio Setpoint' for node named 'X'`.
+fn is_about_setpoint(text: &str) -> bool {
+    text.trim_start().starts_with("Missing '") && text.contains("' for node")
 }
 
 /// Returns a line without blanks at its ends, cut where it is too long.
@@ -195,6 +213,18 @@ mod tests {
         messages.push(4, "no setpoint");
         messages.push(2, "E");
         assert_eq!(messages.to_string(), "  warning: B\n  warning: C\n  warning: D\n  fatal: no setpoint");
+    }
+
+    #[test]
+    fn nodes_without_a_setpoint_are_shown_before_a_fatal_message_however_many_warnings_there_are() {
+        let mut messages = Messages::default();
+        (0..200).for_each(|_| messages.push(2, "iteration limit"));
+        for node in 1..=4 {
+            messages.push(2, &format!("Missing 'Humidity Ratio Setpoint' for node named '{node}'."));
+        }
+        messages.push(4, "At least one node does not have a setpoint attached");
+        let text = messages.to_string();
+        assert!((1..=4).all(|node| text.contains(&format!("named '{node}'"))), "{text}");
     }
 
     #[test]

@@ -4,18 +4,24 @@
 
 #[path = "env/case.rs"]
 mod case;
+#[path = "env/models/mod.rs"]
+mod models;
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Controls};
 use b2b_energyplus::Level;
 use b2b_env::Env;
 use case::{Case, Dice};
+use models::{fan_coil, office, packaged, room};
 
 struct Counting;
 
 static COUNT: AtomicUsize = AtomicUsize::new(0);
+/// Held by the test that counts.
+static COUNTS: Mutex<()> = Mutex::new(());
 
 // SAFETY: every call is passed to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
@@ -57,8 +63,25 @@ fn a_step_allocates_nothing() {
     steps_allocate_nothing(&Case::under_setpoints(BuildingType::SingleFamilyHouse), "operate");
 }
 
+/// Imported: units in their room, and a room that is controlled through its setpoints.
+#[test]
+fn a_step_of_an_imported_room_allocates_nothing() {
+    for model in [packaged::heat_pump(), fan_coil::fan_coil(), room::room()] {
+        steps_allocate_nothing(&Case::of_user(&model, Controls::default()), "operate");
+    }
+}
+
+/// Imported: terminals without reheat, and a unit of several zones.
+#[test]
+fn a_step_of_imported_air_systems_allocates_nothing() {
+    steps_allocate_nothing(&office::with_bare_terminals(), "operate");
+    let denver = "USA_CO_Denver-Aurora-Buckley.AFB.724695_TMY3.epw";
+    steps_allocate_nothing(&Case::imported("ASHRAE901_HotelSmall_STD2019_Denver.idf", denver), "operate");
+}
+
 /// Measured from noon on, across a midnight, because the first steps fill the engine's buffers.
 fn steps_allocate_nothing(case: &Case, task: &str) {
+    let _counts = COUNTS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let mut env = case.env_for("01-03..01-04", task);
     let mut dice = Dice::new(env.action_space(), 1);
     env.reset().unwrap();

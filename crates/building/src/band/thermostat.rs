@@ -2,7 +2,7 @@
 
 use super::schedules::Sampled;
 use crate::Model;
-use crate::hvac::thermostat;
+use crate::hvac::given_thermostat::{Control, controls, thermostat};
 use crate::model::text;
 
 /// The schedules of a zone's thermostat.
@@ -14,47 +14,13 @@ pub(super) struct Thermostat {
     controls: Vec<Control>,
 }
 
-/// The setpoint schedules of a control type.
-#[derive(Clone, Debug, PartialEq)]
-struct Control {
-    control_type: f64,
-    heating: Option<String>,
-    cooling: Option<String>,
-}
-
-/// Classes of setpoints, each with its control type and the fields of its heating and its cooling schedule.
-const CLASSES: [(&str, f64, Option<&str>, Option<&str>); 4] = [
-    ("ThermostatSetpoint:SingleHeating", 1.0, Some("setpoint_temperature_schedule_name"), None),
-    ("ThermostatSetpoint:SingleCooling", 2.0, None, Some("setpoint_temperature_schedule_name")),
-    (
-        "ThermostatSetpoint:SingleHeatingOrCooling",
-        3.0,
-        Some("setpoint_temperature_schedule_name"),
-        Some("setpoint_temperature_schedule_name"),
-    ),
-    (
-        "ThermostatSetpoint:DualSetpoint",
-        4.0,
-        Some("heating_setpoint_temperature_schedule_name"),
-        Some("cooling_setpoint_temperature_schedule_name"),
-    ),
-];
-
 impl Thermostat {
     /// Returns the thermostat of a zone, if it has one.
     pub(super) fn of(model: &Model, zone: &str) -> Option<Self> {
-        let (name, _) = thermostat::thermostat(model, zone)?;
+        let (name, _) = thermostat(model, zone)?;
         let fields = model.get("ZoneControl:Thermostat", &name)?;
         let control_type = text(fields, "control_type_schedule_name")?.to_owned();
-        let control = |number: usize| {
-            let class = text(fields, &format!("control_{number}_object_type"))?;
-            let setpoints = model.get(class, text(fields, &format!("control_{number}_name"))?)?;
-            let (_, control_type, heating, cooling) =
-                CLASSES.into_iter().find(|(known, ..)| known.eq_ignore_ascii_case(class))?;
-            let schedule = |field: Option<&str>| Some(text(setpoints, field?)?.to_owned());
-            Some(Control { control_type, heating: schedule(heating), cooling: schedule(cooling) })
-        };
-        Some(Self { control_type, controls: (1..=4).filter_map(control).collect() })
+        Some(Self { control_type, controls: controls(model, fields) })
     }
 
     /// Returns the names of its schedules.

@@ -23,6 +23,12 @@ pub struct Notes {
     pub calendar: Option<String>,
     /// Autosized fields that the engine does not size and that were left to it.
     pub left_autosized: Vec<String>,
+    /// Autosized fields that the engine does not size because their object does not use them; they got a number.
+    #[serde(default)]
+    pub unused_autosized: Vec<String>,
+    /// What was removed or changed to control the model and to simulate episodes.
+    #[serde(default)]
+    pub changed: Vec<String>,
     /// Schedules of the model that switch off equipment, regardless of its zones' setpoints.
     #[serde(default)]
     pub switched_off: Vec<SwitchedOff>,
@@ -68,7 +74,7 @@ pub(crate) fn switched_off(switches: &[Switch], off: &[f64], found: &Discovery) 
     let mut all: Vec<SwitchedOff> = Vec::new();
     let is_off =
         |(switch, share): &(&Switch, &f64)| **share > 0.0 && controlled.contains(&switch.zone.to_lowercase());
-    for (Switch { zone, object, schedule }, share) in switches.iter().zip(off).filter(is_off) {
+    for (Switch { zone, object, schedule, .. }, share) in switches.iter().zip(off).filter(is_off) {
         let name = format!("{} `{}`", object.class, object.name);
         let known = all.iter().position(|each| each.schedule.eq_ignore_ascii_case(schedule));
         let known = known.unwrap_or_else(|| {
@@ -147,7 +153,7 @@ mod tests {
         let off: Vec<f64> =
             switches.iter().map(|switch| if switch.schedule == "Season" { 0.95 } else { 0.0 }).collect();
         assert_eq!(off.len(), 2);
-        let found = discover(&mut model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap();
+        let found = discover(&mut model, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap();
         let switched_off = switched_off(&switches, &off, &found);
         let [only] = &switched_off[..] else { panic!("{switched_off:?}") };
         let said = only.to_string();

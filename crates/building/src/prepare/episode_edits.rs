@@ -1,8 +1,9 @@
 //! Edits of a prepared model for episodes, whoever controls the building.
 
+use b2b_climate::Site;
 use serde_json::json;
 
-use crate::model::Model;
+use crate::model::{Fields, Model, text};
 use crate::{outputs, sizing};
 
 /// Minimum and maximum number of warm-up days. The warm-up controller is the same for every agent, so their number is
@@ -12,26 +13,62 @@ const WARMUP_DAYS: [u32; 2] = [4, 25];
 /// Convergence tolerances of warm-up days: K, and fraction of the loads. The widest that the engine accepts.
 const WARMUP_TOLERANCES: [f64; 2] = [0.5, 0.5];
 
+const EXHAUST_FAN: &str = "Fan:ZoneExhaust";
+const DAYLIGHT_SAVING: &str = "RunPeriodControl:DaylightSavingTime";
+
+/// Who makes up for the air that exhaust fans remove beyond the supply air.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Exhaust {
+    /// Infiltration.
+    Balanced,
+    /// What the author of the model wants.
+    AsGiven,
+}
+
 /// Makes the edits that every episode needs.
-pub(super) fn for_episodes(model: &mut Model) {
+pub(super) fn for_episodes(model: &mut Model, exhaust: Exhaust) {
     outputs::write_only(model, &[]);
     keep_standard_time(model);
-    balance_exhaust(model);
+    if exhaust == Exhaust::Balanced {
+        balance_exhaust(model);
+    }
     one_system_step(model);
     bound_warmup(model);
     run_weather_alone(model);
 }
 
+/// Returns what these edits change in a user's model and its author may not expect.
+pub(super) fn changes(model: &Model, site: &Site, exhaust: Exhaust) -> Vec<String> {
+    let wants = |field: &str| {
+        let yes = |fields: &Fields| text(fields, field).is_none_or(|word| word.eq_ignore_ascii_case("yes"));
+        model.objects("RunPeriod").into_iter().any(|(_, fields)| yes(fields))
+    };
+    let of_file = site.has_daylight_saving && wants("use_weather_file_daylight_saving_period");
+    let saving = (of_file || !model.objects(DAYLIGHT_SAVING).is_empty())
+        .then(|| "removed daylight saving time: the clock shows standard time all year".to_owned());
+    let holidays = (site.holidays > 0 && wants("use_weather_file_holidays_and_special_days")).then(|| {
+        format!(
+            "the {} holidays of the weather file are ordinary days: give the model {} for its holidays",
+            site.holidays, "RunPeriodControl:SpecialDays"
+        )
+    });
+    let balance = (exhaust == Exhaust::Balanced && !model.objects(EXHAUST_FAN).is_empty()).then(|| {
+        "exhaust fans that remove more than the supply air draw the rest through infiltration, not at room temperature"
+            .to_owned()
+    });
+    [saving, holidays, balance].into_iter().flatten().collect()
+}
+
 /// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year without jumps.
 fn keep_standard_time(model: &mut Model) {
-    model.remove_class("RunPeriodControl:DaylightSavingTime");
+    model.remove_class(DAYLIGHT_SAVING);
 }
 
 /// Balances exhaust fans by infiltration where they exceed the supply air; otherwise the engine makes up the missing air
 /// at room temperature, at no cost.
 fn balance_exhaust(model: &mut Model) {
     const CLASS: &str = "ZoneAirMassFlowConservation";
-    if model.objects("Fan:ZoneExhaust").is_empty() {
+    if model.objects(EXHAUST_FAN).is_empty() {
         return;
     }
     model.remove_class(CLASS);

@@ -17,11 +17,11 @@
 //! its own system sizing. In the medium office's first week of January that is up to 0.03 K.
 //!
 //! `Sizing:Zone`, `Sizing:System` and `Sizing:Plant` are removed: with sizing off the engine does not read them, and
-//! the results are the same to the bit without them. So a `Controller:MechanicalVentilation` must name its
-//! `DesignSpecification:OutdoorAir` itself; where it leaves that to `Sizing:Zone`, the engine uses
-//! defaults and reports a severe message. No model that ships with the engine does.
+//! the results are the same to the bit without them. Where a `Controller:MechanicalVentilation` leaves its
+//! `DesignSpecification:OutdoorAir` to `Sizing:Zone`, it gets the name of it first ([`outdoor_air`]).
 
 mod names;
+mod outdoor_air;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -57,6 +57,15 @@ pub struct Sizes {
     sizes: Vec<Size>,
     /// What the engine accepts.
     schema: Arc<Schema>,
+}
+
+/// Autosized fields for which the engine reports no size, each as class, object and field.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unreported {
+    /// Fields that are left to the engine.
+    pub left: Vec<String>,
+    /// Fields that their object does not use, which get a number without effect.
+    pub unused: Vec<String>,
 }
 
 impl Sizes {
@@ -96,7 +105,7 @@ impl Sizes {
     }
 
     /// Writes the sizes into every autosized field of the model, switches sizing off and removes what only
-    /// sizing reads. Returns the fields that are left to the engine, each as class, object and field.
+    /// sizing reads. Returns the autosized fields without a size.
     ///
     /// An autosized field without a size does not depend on the design days:
     ///
@@ -107,37 +116,42 @@ impl Sizes {
     ///
     /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields without
     /// sizing (the volume of a zone, the view factors of a surface).
-    pub fn write_into(&self, model: &mut Model) -> Vec<String> {
-        let mut left = Vec::new();
+    pub fn write_into(&self, model: &mut Model) -> Unreported {
+        let mut unreported = Unreported::default();
         for (class, name, fields) in model.objects_mut().filter(|(class, ..)| !is_for_sizing(class)) {
             let of_object = self.write_into_object(class, name, fields);
-            left.extend(of_object.into_iter().map(|field| format!("{class} `{name}`: {field}")));
+            let named = |field: String| format!("{class} `{name}`: {field}");
+            unreported.left.extend(of_object.left.into_iter().map(named));
+            unreported.unused.extend(of_object.unused.into_iter().map(named));
         }
+        outdoor_air::name_in_controllers(model);
         FOR_SIZING.iter().for_each(|class| model.remove_class(class));
         switch_sizing_off(model);
         lift_outdoor_air_limit(model);
-        left
+        unreported
     }
 
-    /// Writes the sizes of an object and returns the autosized fields that are left to the engine.
-    fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
+    /// Writes the sizes of an object and returns the autosized fields without one.
+    fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Unreported {
         for field in self.schema.sized_if_blank(class) {
             let is_blank = fields.get(field).is_none_or(|value| value.as_str() == Some(""));
             if is_blank && self.get(class, object, field).is_some() {
                 fields.insert(field.to_owned(), json!("Autosize"));
             }
         }
+        let mut unreported = Unreported::default();
         if fields.values().any(is_automatic) {
-            self.write_automatic(class, object, fields);
+            unreported.unused = self.write_automatic(class, object, fields);
         }
-        let mut left = Vec::new();
         for (field, value) in fields.iter() {
-            find_autosized(field, value, &mut left);
+            find_autosized(field, value, &mut unreported.left);
         }
-        left
+        unreported
     }
 
-    fn write_automatic(&self, class: &str, object: &str, fields: &mut Fields) {
+    /// Writes the sizes of the automatic fields of an object, and returns the fields that it does not use.
+    fn write_automatic(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
+        let mut unused = Vec::new();
         let mut equipment_flows = self.equipment_flows(class, object);
         let matched = self.matched(class, object, fields);
         let automatic = fields.iter().filter(|(_, value)| is_automatic(value));
@@ -145,13 +159,17 @@ impl Sizes {
         for field in automatic {
             let size = matched.sizes.iter().find(|(name, _)| *name == field).map(|(_, size)| *size);
             let size = size.or_else(|| is_equipment_flow(&field).then(|| equipment_flows.next()).flatten());
-            let is_unused = matched.are_all_used && is_word(&fields[&field], "Autosize");
+            let is_unused = size.is_none() && matched.are_all_used && is_word(&fields[&field], "Autosize");
+            if is_unused {
+                unused.push(field.clone());
+            }
             if let Some(size) = size.or_else(|| is_unused.then_some(0.0)) {
                 let size = if size > 0.0 { size } else { size.max(self.minimum(class, &field)) };
                 let is_whole = self.schema.field(class, &field).is_some_and(|known| known.whole);
                 fields.insert(field, if is_whole { json!(size.round() as i64) } else { json!(size) });
             }
         }
+        unused
     }
 
     /// Assigns the sizes of an object to its fields.
@@ -358,7 +376,7 @@ mod tests {
             ],
             ..Sizes::default()
         };
-        assert!(sizes.write_into(&mut model).is_empty());
+        assert_eq!(sizes.write_into(&mut model), Unreported::default());
         let fan = model.require("Fan:OnOff", "Supply Fan").unwrap();
         assert_eq!(fan["maximum_flow_rate"], json!(0.1 + 0.2));
         assert_eq!(fan["pressure_rise"], 500);
@@ -370,7 +388,7 @@ mod tests {
     #[test]
     fn an_object_that_was_not_sized_is_left_alone_and_listed() {
         let mut model = model(json!({"maximum_flow_rate": "Autosize", "speeds": [{"ratio": "AUTOSIZE"}]}));
-        let left = Sizes::default().write_into(&mut model);
+        let left = Sizes::default().write_into(&mut model).left;
         assert_eq!(
             left,
             ["Fan:OnOff `Supply Fan`: maximum_flow_rate", "Fan:OnOff `Supply Fan`: speeds[0].ratio"]
@@ -383,12 +401,13 @@ mod tests {
         let fan = json!({"maximum_flow_rate": "Autosize", "design_power": "Autosize"});
         let written = |sizes: Vec<Size>| {
             let mut model = model(fan.clone());
-            let left = Sizes { sizes, ..Sizes::default() }.write_into(&mut model);
-            (model.get("Fan:OnOff", "Supply Fan").unwrap()["design_power"].clone(), left.len())
+            let Unreported { left, unused } = Sizes { sizes, ..Sizes::default() }.write_into(&mut model);
+            (model.get("Fan:OnOff", "Supply Fan").unwrap()["design_power"].clone(), [left, unused])
         };
         let flow = size("Design Size maximum_flow_rate", 3.0);
-        assert_eq!(written(vec![flow.clone()]), (json!(0.0), 0));
-        assert_eq!(written(vec![flow, size("Heat Loss", 5.0)]), (json!("Autosize"), 1));
+        let power = vec!["Fan:OnOff `Supply Fan`: design_power".to_owned()];
+        assert_eq!(written(vec![flow.clone()]), (json!(0.0), [vec![], power.clone()]));
+        assert_eq!(written(vec![flow, size("Heat Loss", 5.0)]), (json!("Autosize"), [power, vec![]]));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use b2b_building::hvac::{Kind, Unsupported};
 use b2b_building::import::{Imported, Notes};
 use b2b_building::{Conditioning, Error, PreparedBuilding, design_days, import};
-use b2b_climate::Site;
+use b2b_climate::{EpwFile, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use serde_json::{Value, json};
@@ -257,6 +257,86 @@ fn the_weather_decides_sizes_and_what_is_not_sized_is_left_alone() {
     assert!(chicago > 2.5 * miami, "{chicago} {miami} W");
     let left = &buildings[0].notes.left_autosized;
     assert!(left.iter().any(|field| field.contains("`Spare`: maximum_heating_air_flow_rate")), "{left:?}");
+    // HUD-FHA, one bathroom and two bedrooms: 3.5 kW.
+    for building in &buildings {
+        let tank = building.model().get("WaterHeater:Mixed", "Tank").unwrap();
+        assert_eq!(tank["heater_maximum_capacity"], 3500.0);
+    }
+}
+
+/// The design days of Miami in the model, under the weather of Chicago.
+#[test]
+fn design_days_of_another_place_do_not_decide_sizes_unless_they_are_kept() {
+    let stock = Stock::new();
+    let site = Site::read(&stock.weather).unwrap();
+    let capacity = |model: &Value, keep: bool| {
+        let Imported { mut model, mut notes } = read_room(&stock, model).unwrap();
+        design_days::of_imported(&mut model, &site, keep, &mut notes);
+        let building =
+            PreparedBuilding::as_far_as_possible("room", model, &stock.weather, &stock.library).unwrap();
+        let heater = building.model().get("ZoneHVAC:Baseboard:Convective:Electric", "Heater").unwrap();
+        heater["heating_design_capacity"].as_f64().unwrap()
+    };
+    let mut miami = room();
+    let cold = &mut miami["SizingPeriod:DesignDay"]["Cold"];
+    for field in ["maximum_dry_bulb_temperature", "wetbulb_or_dewpoint_at_maximum_dry_bulb"] {
+        cold[field] = json!(9.0);
+    }
+    miami["Site:Location"] =
+        json!({"Miami": {"latitude": 25.8, "longitude": -80.3, "time_zone": -5, "elevation": 10}});
+    let mut without = room();
+    without.as_object_mut().unwrap().remove("SizingPeriod:DesignDay");
+    let of_weather = capacity(&without, false);
+    assert_eq!(capacity(&miami, false), of_weather);
+    let kept = capacity(&miami, true);
+    // 21 °C inside: 41 K above the design day of Chicago, 12 K above Miami's.
+    assert!(of_weather > 2.5 * kept && kept > 0.0, "{of_weather} and {kept} W");
+}
+
+/// 30 days of missing temperatures, from 10 February on.
+#[test]
+fn missing_temperatures_are_neither_in_degree_days_nor_in_design_days() {
+    let stock = Stock::new();
+    let bytes = std::fs::read(&stock.weather).unwrap();
+    let lines = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect::<Vec<_>>();
+    let missing = |(number, line): (usize, &String)| {
+        let mut columns: Vec<&str> = line.split(',').collect();
+        match number {
+            968..1688 => columns[6] = "99.9",
+            1 => columns = vec!["DESIGN CONDITIONS", "0"],
+            _ => {}
+        }
+        columns.join(",") + "\n"
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("missing.epw");
+    std::fs::write(&path, lines.iter().enumerate().map(missing).collect::<String>()).unwrap();
+    let of = |path: &Path| EpwFile::open(path).unwrap().degree_days().unwrap();
+    // The engine repeats the last temperature, 0.6 °C.
+    assert!((of(&stock.weather).cooling - 1743.4).abs() < 0.1, "{:?}", of(&stock.weather));
+    assert!((of(&path).cooling - 1741.9).abs() < 0.1, "{:?}", of(&path));
+    let site = Site::read(&path).unwrap();
+    assert!(site.sized_by_hours && site.cooling.dry_bulb < 40.0, "{} °C", site.cooling.dry_bulb);
+}
+
+/// What a model wants of its calendar and episodes do not have is told to its author.
+#[test]
+fn what_episodes_change_in_a_model_is_noted() {
+    let stock = Stock::new();
+    let mut model = room();
+    let prepared = |model: &Value| {
+        let Imported { model, .. } = read_room(&stock, model).unwrap();
+        PreparedBuilding::as_far_as_possible("room", model, &stock.weather, &stock.library).unwrap()
+    };
+    assert_eq!(prepared(&model).notes.changed, [""; 0]);
+    model["RunPeriodControl:DaylightSavingTime"] =
+        json!({"D": {"start_date": "2nd Sunday in March", "end_date": "1st Sunday in November"}});
+    model["ZoneControl:Thermostat:OperativeTemperature"] = json!({"O": {
+        "thermostat_name": "T", "radiative_fraction_input_mode": "Constant", "fixed_radiative_fraction": 0.5}});
+    let building = prepared(&model);
+    let said = building.notes.changed.join("\n");
+    assert_says(&said, &["daylight saving", "OperativeTemperature `O`", "air temperatures"]);
+    assert!(building.model().objects("ZoneControl:Thermostat:OperativeTemperature").is_empty());
 }
 
 #[test]

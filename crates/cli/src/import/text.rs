@@ -95,6 +95,14 @@ fn notes_text(notes: &Notes) -> Option<String> {
         lines.push("still autosized, because the engine reported no size:".to_owned());
         lines.extend(notes.left_autosized.iter().map(|field| format!("  {field}")));
     }
+    if !notes.unused_autosized.is_empty() {
+        lines.push("autosized, but not used by their objects (a number without effect was written):".to_owned());
+        lines.extend(notes.unused_autosized.iter().map(|field| format!("  {field}")));
+    }
+    if !notes.changed.is_empty() {
+        lines.push("changed:".to_owned());
+        lines.extend(notes.changed.iter().map(|change| format!("  {change}")));
+    }
     if !notes.switched_off.is_empty() {
         lines.push("switched off by the model's schedules, regardless of setpoints:".to_owned());
         lines.extend(notes.switched_off.iter().map(|off| format!("  {off}")));

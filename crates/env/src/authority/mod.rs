@@ -20,8 +20,8 @@
 //! - heating setpoint: a raised setpoint increases the delivered heat compared with the low setpoint before and after,
 //!   and either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
 //!   below it gets some;
-//! - setpoints of a thermostat: the zone is warmer at the high heating setpoint, and cooler at the low cooling setpoint, than
-//!   before and after.
+//! - setpoints of a thermostat: at the high heating setpoint, the zone gets more heat than before and after and is warmer or at
+//!   the setpoint; at the low cooling setpoint, it gets more cooling and is cooler or at the setpoint.
 //!
 //! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
 //!
@@ -35,8 +35,11 @@
 //! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
 //!   zones of the loop, within their design flow, and less was commanded.
 //! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
-//! - **cooling setpoint**: the zone is below it without any cooling, or is cooled and never comes within 0.5 K of it.
-//! - **setpoints of a thermostat**: a schedule of the model switches the equipment off for at least 90 % of the year.
+//! - **setpoints of a thermostat**: the zone is beyond it without more heat or cooling than before and after, or gets more and
+//!   never comes within 0.5 K of it, or misses the lowest heating or the highest cooling setpoint as well; or a schedule of the
+//!   model switches the equipment off for at least 90 % of the year.
+//!
+//! If the engine ends the run of setpoints, each one that is not tested fails with the engine's message.
 
 mod bench;
 mod heat;

@@ -65,6 +65,7 @@ impl Reading {
             tolerance: tolerance(actuator.quantity),
             heat: None,
             verdict: Verdict::Follows,
+            message: None,
         };
         Self {
             row,
@@ -146,7 +147,7 @@ impl Reading {
         self.steps = steps;
     }
 
-    fn judge(&self) -> Verdict {
+    pub(super) fn judge(&self) -> Verdict {
         match self.limit {
             _ if !self.misses() => Verdict::Follows,
             Some(limit) => Verdict::AtCapacity(limit),

@@ -29,13 +29,18 @@ pub struct Row {
     pub level: Level,
     /// Command, in the unit of the quantity.
     pub command: f64,
-    /// Lowest response over the held steps, in the same unit; for a setpoint the zone temperature, °C.
+    /// Lowest response over the held steps, in the same unit; for a setpoint the zone temperature, °C. NaN if the engine ended
+    /// the run, for which JSON has null.
+    #[serde(deserialize_with = "or_nan")]
     pub lowest: f64,
     /// Mean response.
+    #[serde(deserialize_with = "or_nan")]
     pub mean: f64,
     /// Highest response.
+    #[serde(deserialize_with = "or_nan")]
     pub highest: f64,
     /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
+    #[serde(deserialize_with = "or_nan")]
     pub error: f64,
     /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null for it.
     #[serde(deserialize_with = "or_infinite")]
@@ -44,6 +49,9 @@ pub struct Row {
     pub heat: Option<f64>,
     /// Verdict.
     pub verdict: Verdict,
+    /// The error of the engine that ended the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
 }
 
 /// Season of the check.
@@ -144,6 +152,11 @@ fn or_infinite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Err
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
+/// Reads a number, or NaN from null.
+fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
 /// A table with one line per row.
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -190,6 +203,10 @@ impl fmt::Display for Row {
             Verdict::Follows => f.write_str(" follows"),
             Verdict::AtCapacity(limit) => write!(f, " at capacity: {}", word(&limit)),
             Verdict::Fails => f.write_str(" FAILS"),
+        }?;
+        match &self.message {
+            Some(message) => write!(f, ": {}", message.split_whitespace().collect::<Vec<_>>().join(" ")),
+            None => Ok(()),
         }
     }
 }

@@ -98,6 +98,16 @@ fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_respo
     no_actuator_of_an_import_fails("RefBldgPrimarySchoolNew2004_Chicago.idf");
 }
 
+#[test]
+fn every_actuator_of_an_imported_hotel_of_packaged_units_responds() {
+    no_actuator_of_an_import_fails("RefBldgSmallHotelNew2004_Chicago.idf");
+}
+
+#[test]
+fn every_actuator_of_an_imported_hotel_of_fan_coils_responds() {
+    no_actuator_of_an_import_fails("RefBldgLargeHotelNew2004_Chicago.idf");
+}
+
 /// The house with its actuators tampered with, measured: verdicts of the rows of a quantity.
 fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
     let mut case = Case::at_home(BuildingType::SingleFamilyHouse);

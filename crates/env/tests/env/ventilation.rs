@@ -1,6 +1,7 @@
 //! The ventilation interlock on the engine: people get the design minimum of outdoor air for any action.
 
 use crate::case::Case;
+use crate::models::office;
 use b2b_building::BuildingType;
 use b2b_env::Env;
 
@@ -43,8 +44,13 @@ fn airs(env: &Env) -> Vec<Air> {
 /// Outdoor air is at least the design minimum from the second occupied step on, and may be zero while the zones are
 /// unoccupied.
 fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
-    let case = Case::at(building_type, place);
-    let (steps, env) = starve(&case, "constant", "01-13..01-13");
+    let per_person = people_of_a_case_get_their_outdoor_air(&Case::at(building_type, place));
+    eprintln!("{building_type} in {place}: {per_person:.1} L/s per person");
+}
+
+/// Returns the outdoor air with the interlock, L/s per person.
+fn people_of_a_case_get_their_outdoor_air(case: &Case) -> f64 {
+    let (steps, env) = starve(case, "constant", "01-13..01-13");
     let mut occupied = 0;
     for pair in steps.windows(2) {
         for (before, now) in pair[0].iter().zip(&pair[1]) {
@@ -59,14 +65,19 @@ fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let metrics = env.metrics();
     assert!(metrics.ventilation_overrides > 50 && metrics.ventilation_overrides < metrics.steps);
     let per_person = metrics.outdoor_air_per_person();
-    let (free, free_env) = starve(&case, "constant+free-ventilation", "01-13..01-13");
+    let (free, free_env) = starve(case, "constant+free-ventilation", "01-13..01-13");
     assert_eq!(free_env.metrics().ventilation_overrides, 0);
     let starved = |steps: &[Vec<Air>]| {
         steps.iter().flatten().any(|air| air.people > 0.0 && air.flow < 0.1 * air.minimum)
     };
     assert!(starved(&free), "without the interlock the same commands bring no outdoor air");
     assert!(per_person > free_env.metrics().outdoor_air_per_person());
-    eprintln!("{building_type} in {place}: {per_person:.1} L/s per person");
+    per_person
+}
+
+#[test]
+fn people_in_an_office_of_terminals_without_reheat_get_their_outdoor_air() {
+    people_of_a_case_get_their_outdoor_air(&office::with_bare_terminals());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! [`make_controllable`] replaces the controls of an air loop with variable-volume reheat terminals by actuators. The
 //! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are removed;
-//! the equipment and its capacities are kept, except for the main heating coil.
+//! the equipment and its capacities are kept. In a generated building, [`enlarge_heating_coil`] is called first.
 //!
 //! 1. The loop runs at every hour (`always_on`).
 //! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the heat of the fan is upstream of
@@ -77,6 +77,17 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         .collect::<Result<_>>()?;
     let name = air_loop.to_owned();
     Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, ventilation, terminals })
+}
+
+/// Enlarges the main heating coil of a loop so that it reaches [`HIGHEST_SUPPLY_TEMPERATURE`] in winter, unless it is a water
+/// coil. Arguments and errors as in [`make_controllable`].
+///
+/// # Errors
+/// As [`make_controllable`].
+pub fn enlarge_heating_coil(model: &mut Model, air_loop: &str, air_density: f64) -> Result<()> {
+    let branch = MainBranch::find(model, air_loop)?;
+    let fan_flow = fan_flow(model, &branch.fan)? * air_density;
+    supply_temperature::enlarge(model, &branch.heating, fan_flow)
 }
 
 /// Design flow of a fan, m³/s.

@@ -20,20 +20,30 @@ pub(super) const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
 /// with 25 % outdoor air at -17 °C. The coils of the prototypes (about 4 K) only temper outdoor air and leave all heating
 /// to reheat: they do not reach 25 °C in winter.
 pub(super) const HEATING_COIL_RISE: f64 = 45.0;
+/// Field of the capacity of a gas or electric coil, W.
+const CAPACITY: &str = "nominal_capacity";
 
-/// Returns the upper bound of the supply temperature, °C. A gas or electric coil is enlarged to warm the fan's design flow
-/// (kg/s) by [`HEATING_COIL_RISE`]. A water coil keeps its size, for which its plant is sized, and reaches its rise above
-/// [`NEUTRAL_SUPPLY_TEMPERATURE`].
-pub(super) fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
+/// Enlarges a gas or electric coil to warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil keeps its
+/// size, for which its plant is sized.
+pub(super) fn enlarge(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<()> {
     if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
-        let rise = water_coil::capacity(model, coil)? / (AIR_SPECIFIC_HEAT * fan_flow);
-        return Ok((NEUTRAL_SUPPLY_TEMPERATURE + rise).min(HIGHEST_SUPPLY_TEMPERATURE));
+        return Ok(());
     }
     let enough = HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * fan_flow;
-    let shipped = model.require_size(&coil.class, &coil.name, "nominal_capacity")?;
-    let fields = model.require_mut(&coil.class, &coil.name)?;
-    fields.insert("nominal_capacity".into(), shipped.max(enough).into());
-    Ok(HIGHEST_SUPPLY_TEMPERATURE)
+    let shipped = model.require_size(&coil.class, &coil.name, CAPACITY)?;
+    model.require_mut(&coil.class, &coil.name)?.insert(CAPACITY.into(), shipped.max(enough).into());
+    Ok(())
+}
+
+/// Returns the upper bound of the supply temperature, °C: what the coil reaches at the fan's design flow (kg/s) above
+/// [`NEUTRAL_SUPPLY_TEMPERATURE`].
+pub(super) fn heating_reach(model: &Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
+    let capacity = match coil.class.eq_ignore_ascii_case(WATER_HEATING) {
+        true => water_coil::capacity(model, coil)?,
+        false => model.require_size(&coil.class, &coil.name, CAPACITY)?,
+    };
+    let rise = capacity / (AIR_SPECIFIC_HEAT * fan_flow);
+    Ok((NEUTRAL_SUPPLY_TEMPERATURE + rise).min(HIGHEST_SUPPLY_TEMPERATURE))
 }
 
 /// Schedules one temperature for both coils, at the outlets of the cooling and the heating coil.

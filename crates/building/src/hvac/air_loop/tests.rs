@@ -203,10 +203,23 @@ fn a_heating_coil_is_enlarged_to_its_rise_and_never_reduced() {
     for (shipped, expected) in [(100.0, HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * 2.4), (1e9, 1e9)] {
         let mut model = office();
         model.require_mut("Coil:Heating:Fuel", "Heat").unwrap()["nominal_capacity"] = shipped.into();
-        make_controllable(&mut model, "L", DENSITY).unwrap();
+        enlarge_heating_coil(&mut model, "L", DENSITY).unwrap();
         let heat = model.require("Coil:Heating:Fuel", "Heat").unwrap();
         assert!((number(heat, "nominal_capacity").unwrap() - expected).abs() < 1e-6);
+        let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+        assert_eq!(air_loop.supply_temperature.high, HIGHEST_SUPPLY_TEMPERATURE);
     }
+}
+
+#[test]
+fn a_heating_coil_that_keeps_its_size_bounds_the_supply_temperature() {
+    let mut model = office();
+    let capacity = 4.0 * AIR_SPECIFIC_HEAT * 2.4;
+    model.require_mut("Coil:Heating:Fuel", "Heat").unwrap()["nominal_capacity"] = capacity.into();
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert!((air_loop.supply_temperature.high - (NEUTRAL_SUPPLY_TEMPERATURE + 4.0)).abs() < 1e-9);
+    let heat = model.require("Coil:Heating:Fuel", "Heat").unwrap();
+    assert_eq!(number(heat, "nominal_capacity"), Some(capacity));
 }
 
 #[test]

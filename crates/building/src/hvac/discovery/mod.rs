@@ -1,5 +1,6 @@
 //! Discovery of the systems of a model: those that can be controlled, and those that cannot, with the reason.
 
+mod notes;
 mod outdoor_air;
 
 use std::collections::HashSet;
@@ -8,22 +9,25 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::actuator::Quantity;
+use super::air_loop::{AirLoop, enlarge_heating_coil};
 use super::air_loop_graph::supply_components;
 use super::candidate::Candidate;
 use super::distribution::served_zones;
 use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
+use super::given_thermostat::has_thermostat;
 use super::kind::Kind;
 use super::references::{Reference, is_one_of, parts};
 use super::room_unit;
 use super::setpoints::{SetpointZone, passes_regardless};
 use super::system::{FromModel, System};
-use super::thermostat::{has_thermostat, split_thermostats};
 use super::ventilation::Ventilation;
+use super::zone_controls;
 use super::zone_equipment::{
     DISTRIBUTION, UNCONTROLLED, VENTILATION, is_beside, is_distribution, zone_equipment,
 };
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
+use notes::Thermostats;
 
 /// What happens to a system that cannot be made controllable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +47,8 @@ pub struct Discovery {
     pub uncontrolled: Vec<Uncontrolled>,
     /// Outdoor air of each air loop without actuators of its own, with the zones that it serves.
     pub outdoor_air: Vec<(Ventilation, Vec<String>)>,
+    /// What was changed in the thermostats of a model.
+    pub notes: Vec<String>,
 }
 
 /// A system or a piece of zone equipment without actuators of its own, which keeps its own controls.
@@ -61,7 +67,8 @@ pub struct Uncontrolled {
 
 /// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its zones,
 /// then the thermostats of zones that nothing else controls, if such zones are [`Unsupported::LeftAlone`]. `air_density`,
-/// kg/m³, turns design volume flows into mass flows.
+/// kg/m³, turns design volume flows into mass flows. Equipment that is `absent`, because it is switched off all year, does
+/// not prevent the control of other equipment in its zone.
 ///
 /// Each system is edited on a copy of the model, which is kept only if the whole edit succeeds.
 ///
@@ -73,14 +80,17 @@ pub(crate) fn discover(
     air_density: f64,
     kinds: &[Kind],
     unsupported: Unsupported,
+    absent: &[Reference],
 ) -> Result<Discovery> {
     if unsupported == Unsupported::Refused {
         // Once all systems are controlled, no schedule has an effect on them.
         remove_ems_programs(model, sets_a_schedule);
     }
     let before = objects(model);
-    split_thermostats(model);
-    let mut search = Search { model, air_density, kinds, unsupported, found: Discovery::default() };
+    zone_controls::split(model);
+    let thermostats = Thermostats::of(model);
+    let found = Discovery::default();
+    let mut search = Search { model, air_density, kinds, unsupported, absent, found };
     for air_loop in search.model.names("AirLoopHVAC") {
         search.air_loop(&air_loop)?;
     }
@@ -92,7 +102,7 @@ pub(crate) fn discover(
     }
     let found = search.found;
     silence_sensors(model, &before);
-    Ok(found)
+    Ok(Discovery { notes: thermostats.notes(model, &found.systems), ..found })
 }
 
 /// Makes the thermostat of every zone of a hard-sized model controllable, and nothing else.
@@ -100,11 +110,14 @@ pub(crate) fn discover(
 /// # Errors
 /// [`Error::MissingObject`] for a dangling reference.
 pub(crate) fn discover_setpoints(model: &mut Model, air_density: f64) -> Result<Discovery> {
-    split_thermostats(model);
+    zone_controls::split(model);
+    let thermostats = Thermostats::of(model);
     let (kinds, unsupported) = (&[Kind::of::<SetpointZone>()], Unsupported::LeftAlone);
-    let mut search = Search { model, air_density, kinds, unsupported, found: Discovery::default() };
+    let found = Discovery::default();
+    let mut search = Search { model, air_density, kinds, unsupported, absent: &[], found };
     search.thermostats()?;
-    Ok(search.found)
+    let found = search.found;
+    Ok(Discovery { notes: thermostats.notes(model, &found.systems), ..found })
 }
 
 impl Discovery {
@@ -144,6 +157,7 @@ struct Search<'a> {
     air_density: f64,
     kinds: &'a [Kind],
     unsupported: Unsupported,
+    absent: &'a [Reference],
     found: Discovery,
 }
 
@@ -151,8 +165,10 @@ impl Search<'_> {
     fn air_loop(&mut self, air_loop: &str) -> Result<()> {
         let candidate = Candidate::AirLoop(air_loop);
         let own = belongings(self.model, air_loop)?;
-        let refused = refuse_second_system(self.model, air_loop)
-            .and_then(|()| refuse_ducts(self.model, air_loop, &own));
+        let refused = self
+            .refuse_second_system(air_loop)
+            .and_then(|()| refuse_ducts(self.model, air_loop, &own))
+            .and_then(|()| self.enlarge_heating_coil(air_loop));
         let made = refused.and_then(|()| self.make_controllable(candidate));
         match made {
             Ok(system) => {
@@ -166,6 +182,16 @@ impl Search<'_> {
                 self.leave(object, served.into_iter().map(|served| served.zone).collect(), error)
             }
         }
+    }
+
+    /// Enlarges the main heating coil of a central air loop of a generated building.
+    fn enlarge_heating_coil(&mut self, air_loop: &str) -> Result<()> {
+        let kind = self.kind_of(Candidate::AirLoop(air_loop))?;
+        if self.unsupported == Unsupported::LeftAlone || kind.is_none_or(|kind| kind.id() != AirLoop::NAME.id)
+        {
+            return Ok(());
+        }
+        enlarge_heating_coil(self.model, air_loop, self.air_density)
     }
 
     /// Makes the equipment of a zone controllable if nothing else conditions the zone.
@@ -222,6 +248,9 @@ impl Search<'_> {
         has_air_system: bool,
     ) -> Result<Option<String>> {
         let (zone, item) = candidate.equipment()?;
+        if self.is_absent(item) && equipment.iter().any(|other| !self.is_absent(other)) {
+            return Ok(Some("its availability schedule is 0 all year".to_owned()));
+        }
         if self.kind_of(candidate)?.is_none() {
             let reason = match is_one_of(&item.class, &VENTILATION) {
                 true => "it ventilates by its own schedule",
@@ -241,12 +270,51 @@ impl Search<'_> {
             };
             return Ok(Some(reason.to_owned()));
         }
-        for other in equipment.iter().filter(|other| *other != item && !is_beside(&other.class)) {
+        let is_other = |other: &&Reference| *other != item && !self.is_beside(other);
+        for other in equipment.iter().filter(is_other) {
             if !(room_unit::is_unit(&item.class) && passes_regardless(self.model, zone, other)?) {
                 return Ok(Some(format!("a {} in the zone follows the same thermostat", other.class)));
             }
         }
         Ok(None)
+    }
+
+    /// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same
+    /// thermostat.
+    fn refuse_second_system(&self, air_loop: &str) -> Result<()> {
+        let mut units = HashSet::new();
+        let served = served_zones(self.model, air_loop)?;
+        for zone in &served {
+            if !units.insert(zone.zone.to_lowercase()) {
+                let why = format!("two of its terminals are in zone `{}`", zone.zone);
+                return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+            }
+            for equipment in zone_equipment(self.model, &zone.zone)? {
+                let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
+                if own || self.is_beside(&equipment) {
+                    continue;
+                }
+                let terminal = Reference { class: DISTRIBUTION.into(), name: zone.unit.clone() };
+                let why = match passes_regardless(self.model, &zone.zone, &terminal)? {
+                    true => "it does not follow the thermostats of its zones, like dedicated outdoor air"
+                        .to_owned(),
+                    false => {
+                        format!("one of its zones also has a {} under the same thermostat", equipment.class)
+                    }
+                };
+                return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns whether equipment may share a zone with a controlled system.
+    fn is_beside(&self, equipment: &Reference) -> bool {
+        is_beside(&equipment.class) || self.is_absent(equipment)
+    }
+
+    fn is_absent(&self, equipment: &Reference) -> bool {
+        self.absent.contains(equipment)
     }
 
     fn kind_of(&self, candidate: Candidate<'_>) -> Result<Option<Kind>> {
@@ -285,34 +353,6 @@ impl Search<'_> {
 /// Returns the names of the zones of a system.
 fn owned(system: &dyn System) -> Vec<String> {
     system.zones().into_iter().map(str::to_owned).collect()
-}
-
-/// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same
-/// thermostat.
-fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
-    let mut units = HashSet::new();
-    let served = served_zones(model, air_loop)?;
-    for zone in &served {
-        if !units.insert(zone.zone.to_lowercase()) {
-            let why = format!("two of its terminals are in zone `{}`", zone.zone);
-            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
-        }
-        for equipment in zone_equipment(model, &zone.zone)? {
-            let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
-            if own || is_beside(&equipment.class) {
-                continue;
-            }
-            let terminal = Reference { class: DISTRIBUTION.into(), name: zone.unit.clone() };
-            let why = match passes_regardless(model, &zone.zone, &terminal)? {
-                true => {
-                    "it does not follow the thermostats of its zones, like dedicated outdoor air".to_owned()
-                }
-                false => format!("one of its zones also has a {} under the same thermostat", equipment.class),
-            };
-            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
-        }
-    }
-    Ok(())
 }
 
 /// Rejects an air loop whose ducts are part of an AirflowNetwork, which names its nodes and components.

@@ -30,7 +30,7 @@ fn two_zones(class: &str) -> Model {
 }
 
 fn left_alone(model: &mut Model) -> Discovery {
-    discover(model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap()
+    discover(model, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap()
 }
 
 fn driven(found: &Discovery) -> Vec<&str> {
@@ -86,7 +86,7 @@ fn a_failed_edit_does_not_change_the_model() {
 #[test]
 fn unsupported_equipment_is_rejected_by_name_where_all_systems_are_to_be_controlled() {
     let mut model = two_zones("ZoneHVAC:UnitVentilator");
-    let error = discover(&mut model, 1.2, &KINDS, Unsupported::Refused).unwrap_err().to_string();
+    let error = discover(&mut model, 1.2, &KINDS, Unsupported::Refused, &[]).unwrap_err().to_string();
     for word in ["ZoneHVAC:UnitVentilator", "`X`", "`B`"] {
         assert!(error.contains(word), "{error}");
     }
@@ -95,7 +95,7 @@ fn unsupported_equipment_is_rejected_by_name_where_all_systems_are_to_be_control
 #[test]
 fn an_exhaust_fan_is_not_controlled_and_not_reported_where_all_systems_are_controlled() {
     let mut model = two_zones("Fan:ZoneExhaust");
-    let found = discover(&mut model, 1.2, &KINDS, Unsupported::Refused).unwrap();
+    let found = discover(&mut model, 1.2, &KINDS, Unsupported::Refused, &[]).unwrap();
     assert_eq!(driven(&found), ["A", "B"]);
     assert_eq!(found.uncontrolled, []);
 }
@@ -103,8 +103,8 @@ fn an_exhaust_fan_is_not_controlled_and_not_reported_where_all_systems_are_contr
 #[test]
 fn both_ways_of_discovery_control_the_same_systems_in_the_same_model() {
     let [mut refused, mut left_alone] = [two_zones("Fan:ZoneExhaust"), two_zones("Fan:ZoneExhaust")];
-    let strict = discover(&mut refused, 1.2, &KINDS, Unsupported::Refused).unwrap();
-    let tolerant = discover(&mut left_alone, 1.2, &KINDS, Unsupported::LeftAlone).unwrap();
+    let strict = discover(&mut refused, 1.2, &KINDS, Unsupported::Refused, &[]).unwrap();
+    let tolerant = discover(&mut left_alone, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap();
     assert_eq!(strict.systems, tolerant.systems);
     assert_eq!(refused.to_epjson(), left_alone.to_epjson());
 }
@@ -120,4 +120,34 @@ fn systems_are_read_back_as_they_were_written_and_an_unknown_kind_is_named() {
     let unknown = json!([{"geothermal": written[0]["heating_only"]}]);
     let said = serde_json::from_value::<Vec<Box<dyn System>>>(unknown).unwrap_err().to_string();
     assert!(said.contains("`geothermal`"), "{said}");
+}
+
+/// A loop of units in a room, of which the first are switched off all year.
+fn room_with(equipment: &[&str]) -> Model {
+    let mut model = two_zones("Fan:ZoneExhaust");
+    let item = |(number, class): (usize, &&str)| json!({"zone_equipment_object_type": class, "zone_equipment_name": format!("E{number}")});
+    let list: Vec<_> = equipment.iter().enumerate().map(item).collect();
+    model.require_mut("ZoneHVAC:EquipmentList", "B").unwrap().insert("equipment".into(), list.into());
+    for (number, class) in equipment.iter().enumerate() {
+        let heater = model.require("ZoneHVAC:UnitHeater", "HB").unwrap().clone();
+        model.insert(class, &format!("E{number}"), Value::Object(heater));
+    }
+    model
+}
+
+#[test]
+fn equipment_that_is_off_all_year_does_not_prevent_the_control_of_other_equipment() {
+    const IDEAL: &str = "ZoneHVAC:IdealLoadsAirSystem";
+    let classes = [IDEAL, "ZoneHVAC:UnitHeater"];
+    let kinds = |absent: &[Reference]| {
+        let mut model = room_with(&classes);
+        let found = discover(&mut model, 1.2, &KINDS, Unsupported::LeftAlone, absent).unwrap();
+        (found.systems[1].kind().id, found.uncontrolled)
+    };
+    assert_eq!(kinds(&[]).0, "setpoints");
+    let ideal = Reference { class: IDEAL.into(), name: "E0".into() };
+    let (kind, uncontrolled) = kinds(std::slice::from_ref(&ideal));
+    assert_eq!(kind, "heating_only");
+    let [left] = &uncontrolled[..] else { panic!("{uncontrolled:?}") };
+    assert!(left.object == ideal && left.reason.contains("0 all year"), "{left:?}");
 }

@@ -8,8 +8,14 @@ use crate::Model;
 use crate::model::{Fields, items, text};
 
 const SENSOR: &str = "EnergyManagementSystem:Sensor";
+/// Field of the object that a sensor reads.
+const KEY: &str = "output_variable_or_output_meter_index_key_name";
+/// Field of the variable that a sensor reads.
+const VARIABLE: &str = "output_variable_or_output_meter_name";
 /// The schedule that the sensors of removed equipment read.
 const ZERO: &str = "b2b Zero";
+/// The variable of a schedule.
+const SCHEDULE_VALUE: &str = "Schedule Value";
 
 /// Removes the EMS actuators whose fields satisfy `unwanted`, with every program that sets one of them and the calls of
 /// these programs. They would override controlled actuators.
@@ -49,10 +55,8 @@ pub fn objects(model: &Model) -> HashSet<(String, String)> {
 pub fn silence_sensors(model: &mut Model, before: &HashSet<(String, String)>) {
     let after = objects(model);
     let gone: HashSet<&str> = before.difference(&after).map(|(_, name)| name.as_str()).collect();
-    let reads_gone = |fields: &Fields| {
-        text(fields, "output_variable_or_output_meter_index_key_name")
-            .is_some_and(|key| gone.contains(key.to_lowercase().as_str()))
-    };
+    let reads_gone =
+        |fields: &Fields| text(fields, KEY).is_some_and(|key| gone.contains(key.to_lowercase().as_str()));
     let sensors = model.objects(SENSOR).into_iter().filter(|(_, fields)| reads_gone(fields));
     let sensors: Vec<String> = sensors.map(|(name, _)| name.to_owned()).collect();
     if sensors.is_empty() {
@@ -61,17 +65,43 @@ pub fn silence_sensors(model: &mut Model, before: &HashSet<(String, String)>) {
     model.insert("Schedule:Constant", ZERO, json!({"hourly_value": 0.0}));
     for sensor in sensors {
         tracing::info!("{SENSOR} `{sensor}`: reads 0, its equipment was replaced");
-        let reading = json!({
-            "output_variable_or_output_meter_index_key_name": ZERO,
-            "output_variable_or_output_meter_name": "Schedule Value",
-        });
-        model.insert(SENSOR, &sensor, reading);
+        model.insert(SENSOR, &sensor, json!({(KEY): ZERO, (VARIABLE): SCHEDULE_VALUE}));
+    }
+}
+
+/// Returns the EMS sensors that read the value of a schedule, each with the schedule.
+pub fn schedule_sensors(model: &Model) -> Vec<(String, String)> {
+    let read = |(name, fields): (&str, &Fields)| {
+        let is_value = text(fields, VARIABLE)?.eq_ignore_ascii_case(SCHEDULE_VALUE);
+        is_value.then_some((name.to_owned(), text(fields, KEY)?.to_owned()))
+    };
+    model.objects(SENSOR).into_iter().filter_map(read).collect()
+}
+
+/// Makes the EMS sensors that read the value of a schedule read another one's.
+pub fn read_instead(model: &mut Model, schedule: &str, other: &str) {
+    for (sensor, read) in schedule_sensors(model) {
+        if read.eq_ignore_ascii_case(schedule)
+            && let Some(fields) = model.get_mut(SENSOR, &sensor)
+        {
+            fields.insert(KEY.into(), other.into());
+        }
     }
 }
 
 /// Returns whether an EMS actuator sets a schedule: thermostats and availability are schedules, lights are not.
 pub fn sets_a_schedule(actuator: &Fields) -> bool {
     text(actuator, "actuated_component_type").is_some_and(|class| class.starts_with("Schedule:"))
+}
+
+/// Returns whether an EMS actuator sets a schedule by this name.
+pub fn sets(model: &Model, schedule: &str) -> bool {
+    let sets = |(_, fields): (&str, &Fields)| {
+        sets_a_schedule(fields)
+            && text(fields, "actuated_component_unique_name")
+                .is_some_and(|name| name.eq_ignore_ascii_case(schedule))
+    };
+    model.objects("EnergyManagementSystem:Actuator").into_iter().any(sets)
 }
 
 /// Returns whether an EMS program uses a variable.
@@ -112,12 +142,7 @@ mod tests {
 
     #[test]
     fn sensors_of_replaced_equipment_read_zero_and_others_are_kept() {
-        let sensor = |key: &str| {
-            json!({
-                "output_variable_or_output_meter_index_key_name": key,
-                "output_variable_or_output_meter_name": "Fan Runtime Fraction",
-            })
-        };
+        let sensor = |key: &str| json!({(KEY): key, (VARIABLE): "Fan Runtime Fraction"});
         let mut model = model(json!({
             "Fan:OnOff": {"Supply": {}, "Exhaust": {}},
             (SENSOR): {"S": sensor("SUPPLY"), "E": sensor("Exhaust"), "O": sensor("Node 1")},
@@ -126,8 +151,7 @@ mod tests {
         model.remove("Fan:OnOff", "Supply");
         model.insert("Fan:SystemModel", "Supply", json!({}));
         silence_sensors(&mut model, &before);
-        let key =
-            |name| &model.require(SENSOR, name).unwrap()["output_variable_or_output_meter_index_key_name"];
+        let key = |name| &model.require(SENSOR, name).unwrap()[KEY];
         assert_eq!([key("S"), key("E"), key("O")], [ZERO, "Exhaust", "Node 1"]);
         assert_eq!(model.require("Schedule:Constant", ZERO).unwrap()["hourly_value"], 0.0);
     }

@@ -1,10 +1,12 @@
 //! The thermostats of zones.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
+use super::energy_management::read_instead;
+use super::given_thermostat::{controls, thermostat};
 use super::schedules::constant_schedule;
-use crate::model::{Fields, items, text};
-use crate::zone::covers_zone;
+use super::zone_controls;
+use crate::model::Fields;
 use crate::{Error, Model, Result};
 
 /// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
@@ -12,6 +14,8 @@ const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
 /// A cooling setpoint that no zone reaches, °C: cooling is controlled through the supply air. Random actions have reached
 /// 46 °C.
 pub const OUT_OF_REACH: f64 = 90.0;
+/// A heating setpoint that no zone reaches, °C: heating is controlled through the supply air.
+pub const OUT_OF_REACH_BELOW: f64 = 0.0;
 
 /// The setpoint schedules of a zone's thermostat.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,9 +30,13 @@ pub struct Setpoints {
 /// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that is taken gets a
 /// suffix.
 ///
+/// What else sets or shifts its setpoints is removed ([`zone_controls`]). EMS sensors that read the schedule of a setpoint
+/// read its new one, unless it is out of reach.
+///
 /// # Errors
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
+    zone_controls::remove(model, zone)?;
     let thermostat = match thermostat(model, zone) {
         None => {
             return Err(Error::unsupported("Zone", zone, "it has no thermostat"));
@@ -45,6 +53,14 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
     constant_schedule(model, &setpoints.heating, heating);
     constant_schedule(model, &setpoints.cooling, cooling);
     constant_schedule(model, DUAL_SETPOINT, 4.0);
+    for control in controls(model, model.require("ZoneControl:Thermostat", &thermostat)?) {
+        if let Some(old) = control.heating.filter(|_| heating > OUT_OF_REACH_BELOW) {
+            read_instead(model, &old, &setpoints.heating);
+        }
+        if let Some(old) = control.cooling.filter(|_| cooling < OUT_OF_REACH) {
+            read_instead(model, &old, &setpoints.cooling);
+        }
+    }
     let dual = format!("{zone} Dual Setpoint");
     model.insert(
         "ThermostatSetpoint:DualSetpoint",
@@ -86,34 +102,6 @@ fn is_taken(model: &Model, name: &str) -> bool {
         || model.contains(CONSTANT, name) && model.classes().any(uses)
 }
 
-/// Removes the thermal comfort control of a zone, which would set its setpoints instead of its thermostat. A zone without
-/// another thermostat gets one, without setpoints.
-///
-/// # Errors
-/// [`Error::Unsupported`] for a comfort control of a list of zones.
-pub(in crate::hvac) fn remove_comfort_control(model: &mut Model, zone: &str) -> Result<()> {
-    const CLASS: &str = "ZoneControl:Thermostat:ThermalComfort";
-    for name in model.names(CLASS) {
-        let Some(zones) = model.get(CLASS, &name).and_then(|fields| text(fields, "zone_or_zonelist_name"))
-        else {
-            continue;
-        };
-        if !covers_zone(model, zones, zone) {
-            continue;
-        }
-        if !zones.eq_ignore_ascii_case(zone) {
-            let why = format!("it controls the zone list `{zones}`; give each zone a thermostat");
-            return Err(Error::unsupported(CLASS, &name, &why));
-        }
-        model.remove(CLASS, &name);
-        if thermostat(model, zone).is_none() {
-            let own = format!("{zone} Thermostat");
-            model.insert("ZoneControl:Thermostat", &own, json!({"zone_or_zonelist_name": zone}));
-        }
-    }
-    Ok(())
-}
-
 /// Name of the schedule of a zone's heating setpoint, °C.
 pub fn heating_setpoint(zone: &str) -> String {
     format!("{zone} Heating Setpoint")
@@ -136,57 +124,11 @@ pub(in crate::hvac) fn governs(model: &Model, zone: &str) -> bool {
     classes.any(|class| model.objects(class).into_iter().any(|(_, fields)| names(fields)))
 }
 
-/// Replaces each thermostat that controls a list of zones by one per zone. A thermostat that another object refers to is
-/// kept.
-pub(in crate::hvac) fn split_thermostats(model: &mut Model) {
-    const CLASS: &str = "ZoneControl:Thermostat";
-    for name in model.names(CLASS) {
-        let Some(fields) = model.get(CLASS, &name).cloned() else { continue };
-        let list = text(&fields, "zone_or_zonelist_name").and_then(|list| model.get("ZoneList", list));
-        let Some(list) = list else { continue };
-        let zones: Vec<_> =
-            items(list, "zones").filter_map(|item| text(item, "zone_name")).map(str::to_owned).collect();
-        let refers = |(_, fields): (&str, &Fields)| {
-            text(fields, "thermostat_name").is_some_and(|other| other.eq_ignore_ascii_case(&name))
-        };
-        let extensions: Vec<_> =
-            model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat:")).collect();
-        if extensions.iter().any(|class| model.objects(class).into_iter().any(refers)) {
-            continue;
-        }
-        model.remove(CLASS, &name);
-        for zone in zones {
-            let mut own = fields.clone();
-            own.insert("zone_or_zonelist_name".into(), zone.clone().into());
-            model.insert(CLASS, &format!("{zone} {name}"), Value::Object(own));
-        }
-    }
-}
-
-/// Returns the thermostat of a zone, with the zone list if it controls one.
-pub(crate) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
-    model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
-        let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
-        if zones.eq_ignore_ascii_case(zone) {
-            return Some((name.to_owned(), None));
-        }
-        covers_zone(model, zones, zone).then(|| (name.to_owned(), Some(zones.to_owned())))
-    })
-}
-
-/// Returns whether a zone has a thermostat of any kind.
-pub(in crate::hvac) fn has_thermostat(model: &Model, zone: &str) -> bool {
-    let mut kinds = model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat"));
-    kinds.any(|class| {
-        model.objects(class).into_iter().any(|(_, fields)| {
-            text(fields, "zone_or_zonelist_name").is_some_and(|zones| covers_zone(model, zones, zone))
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+
+    use serde_json::Value;
 
     use super::*;
 
@@ -233,17 +175,5 @@ mod tests {
         }));
         let error = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap_err();
         assert!(error.to_string().contains("`T`"), "{error}");
-    }
-
-    #[test]
-    fn a_thermostat_of_a_zone_list_becomes_one_per_zone() {
-        let mut model = model(json!({
-            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ALL", "control_1_name": "Shared"}},
-            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}, {"zone_name": "ZB"}]}},
-        }));
-        split_thermostats(&mut model);
-        assert_eq!(model.names("ZoneControl:Thermostat"), ["ZA T", "ZB T"]);
-        own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
-        assert_eq!(model.require("ZoneControl:Thermostat", "ZB T").unwrap()["control_1_name"], "Shared");
     }
 }

@@ -18,12 +18,12 @@ use super::distribution::served_zones;
 use super::energy_management::remove_ems_programs;
 use super::sequence::Sequence;
 use super::system::{FromModel, KindName, System, ZoneState};
-use super::thermostat::{OUT_OF_REACH, own_thermostat, remove_comfort_control};
+use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::text;
 use crate::morphology::NodeType;
 use crate::{Conditioning, Model, Result};
 pub(super) use equipment::passes_regardless;
-pub(crate) use switches::{Switch, switches_of_all};
+pub(crate) use switches::{Switch, absent, switches_of_all};
 
 /// Bounds of the heating setpoint, °C.
 pub const HEATING: [f64; 2] = [10.0, 30.0];
@@ -133,7 +133,6 @@ impl FromModel for SetpointZone {
             return Err(candidate.unsupported("it has no equipment that heats or cools it"));
         }
         equipment::refuse_deaf(model, zone, &equipment)?;
-        remove_comfort_control(model, zone)?;
         let cools = equipment::cools(model, zone, &equipment)?;
         let schedules =
             own_thermostat(model, zone, INITIAL[0], if cools { INITIAL[1] } else { OUT_OF_REACH })?;

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::equipment::{conditioning, consists_of};
 use crate::hvac::air_loop_graph::supply_components;
 use crate::hvac::capacity::air_loop_of;
+use crate::hvac::energy_management::sets;
 use crate::hvac::references::Reference;
 use crate::{Model, Result};
 
@@ -20,16 +21,25 @@ pub(crate) struct Switch {
     pub(crate) object: Reference,
     /// The schedule.
     pub(crate) schedule: String,
+    /// Whether it switches off all of the object, not only its heating or its cooling.
+    is_whole: bool,
 }
 
-/// Returns the switches of the equipment that heats or cools the zones of a model.
+/// Returns the objects that are switched off all year. `off` has the share of the year in which each switch is off.
+pub(crate) fn absent(switches: &[Switch], off: &[f64]) -> Vec<Reference> {
+    let is_absent = |(switch, share): &(&Switch, &f64)| switch.is_whole && **share >= 1.0;
+    let absent = switches.iter().zip(off).filter(is_absent);
+    absent.map(|(switch, _)| switch.object.clone()).collect()
+}
+
+/// Returns the switches of the equipment that heats or cools the zones of a model, but for those that EMS programs set.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.
 pub(crate) fn switches_of_all(model: &Model) -> Result<Vec<Switch>> {
     let zones = model.names("Zone");
     let each = zones.iter().map(|zone| switches(model, zone)).collect::<Result<Vec<_>>>()?;
-    Ok(each.into_iter().flatten().collect())
+    Ok(each.into_iter().flatten().filter(|switch| !sets(model, &switch.schedule)).collect())
 }
 
 /// Returns the switches of the equipment of a zone, with the air handler of its loop.
@@ -45,9 +55,10 @@ fn switches(model: &Model, zone: &str) -> Result<Vec<Switch>> {
             continue;
         }
         let schedules = fields.iter().filter(|(field, _)| field.ends_with(SWITCH));
-        for schedule in schedules.filter_map(|(_, value)| value.as_str()).filter(|name| !name.is_empty()) {
-            let (zone, object) = (zone.to_owned(), object.clone());
-            found.push(Switch { zone, object, schedule: schedule.to_owned() });
+        for (field, value) in schedules {
+            let Some(schedule) = value.as_str().filter(|name| !name.is_empty()) else { continue };
+            let (zone, object, schedule) = (zone.to_owned(), object.clone(), schedule.to_owned());
+            found.push(Switch { zone, object, schedule, is_whole: field == SWITCH });
         }
         objects.extend(consists_of(fields));
     }

@@ -27,7 +27,7 @@ fn model(class: &str, more: Value) -> Model {
 }
 
 fn found(model: &mut Model) -> Discovery {
-    discover(model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap()
+    discover(model, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap()
 }
 
 /// A terminal of a loop with a cooling coil, and whether the loop follows the zone.
@@ -85,10 +85,47 @@ fn comfort_control_and_programs_that_set_the_thermostat_give_way() {
     });
     let mut model = model("ZoneHVAC:IdealLoadsAirSystem", more);
     model.remove("ZoneControl:Thermostat", "T");
-    assert_eq!(found(&mut model).systems.len(), 1);
+    let found = found(&mut model);
+    assert_eq!(found.systems.len(), 1);
+    assert!(found.notes[0].contains("ThermalComfort `Comfort`"), "{:?}", found.notes);
     assert!(model.objects("ZoneControl:Thermostat:ThermalComfort").is_empty());
     assert!(model.objects("EnergyManagementSystem:Program").is_empty());
     assert_eq!(model.names("ZoneControl:Thermostat"), ["Z Thermostat"]);
+}
+
+/// An EMS program reads the setpoint of two zones.
+#[test]
+fn programs_that_read_a_setpoint_read_the_commanded_one() {
+    let more = json!({
+        "Zone": {"Z": {}, "Y": {}},
+        "ThermostatSetpoint:SingleHeating": {"Theirs": {"setpoint_temperature_schedule_name": "Day"}},
+        "EnergyManagementSystem:Sensor": {"S": {
+            "output_variable_or_output_meter_index_key_name": "DAY",
+            "output_variable_or_output_meter_name": "Schedule Value"}},
+    });
+    let mut alone = model("ZoneHVAC:IdealLoadsAirSystem", more);
+    let read = |model: &Model| {
+        let sensor = model.require("EnergyManagementSystem:Sensor", "S").unwrap();
+        text(sensor, "output_variable_or_output_meter_index_key_name").unwrap().to_owned()
+    };
+    let mut shared = alone.clone();
+    assert_eq!(found(&mut alone).notes, [""; 0]);
+    assert_eq!(read(&alone), "Z Heating Setpoint");
+
+    for (class, from, to) in
+        [("ZoneControl:Thermostat", "T", "TY"), ("ZoneHVAC:EquipmentConnections", "C", "CY")]
+    {
+        let mut own = shared.require(class, from).unwrap().clone();
+        let field = if from == "T" { "zone_or_zonelist_name" } else { "zone_name" };
+        own.insert(field.into(), "Y".into());
+        shared.insert(class, to, Value::Object(own));
+    }
+    let notes = found(&mut shared).notes;
+    let [note] = &notes[..] else { panic!("{notes:?}") };
+    assert_eq!(read(&shared), "Z Heating Setpoint");
+    for word in ["`S`", "`Day`", "the setpoint of `Z` now, not of `Y`"] {
+        assert!(note.to_lowercase().contains(&word.to_lowercase()), "{note}");
+    }
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub use system::{Follower, Unitary};
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::air_loop_graph::supply_components;
 use super::availability::always_on;
-use super::thermostat::{OUT_OF_REACH, own_thermostat};
+use super::thermostat::{OUT_OF_REACH, OUT_OF_REACH_BELOW, own_thermostat};
 use crate::Result;
 use crate::model::Model;
 use commands::{Schedules, follow_flow, follow_supply_temperature};
@@ -48,7 +48,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let schedules = Schedules::insert(model, &unit.served.zone);
     always_on(model, air_loop)?;
     for served in std::iter::once(&unit.served).chain(&unit.followers) {
-        own_thermostat(model, &served.zone, 0.0, OUT_OF_REACH)?;
+        own_thermostat(model, &served.zone, OUT_OF_REACH_BELOW, OUT_OF_REACH)?;
     }
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);

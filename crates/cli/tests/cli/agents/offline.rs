@@ -1,5 +1,7 @@
 //! `b2b collect` and `b2b clone` from the outside, on the real engine.
 
+use b2b_energyplus::install::{Engine, Quiet};
+
 use crate::program::{assert_rejected, b2b, json, stderr};
 
 #[test]
@@ -64,5 +66,11 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
         assert_rejected(path, &format!("collect {arguments} {day}"), words);
     }
     assert_rejected(path, "clone nowhere --out x", &["nowhere/data/metadata.json"]);
-    assert_eq!(std::fs::read_dir(path.join("datasets")).unwrap().count(), 1);
+    let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
+    let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
+    let model = models.join("RefBldgWarehouseNew2004_Chicago.idf");
+    let model = format!("{} --weather {}", model.display(), weather.display());
+    let summary = json(path, &format!("collect own-v0 {model} {day}"));
+    assert_eq!((&summary["steps"], &summary["contents"]["rescaled"]), (&288.into(), &false.into()));
+    assert_eq!(std::fs::read_dir(path.join("datasets")).unwrap().count(), 2);
 }

@@ -7,7 +7,7 @@ use b2b_env::Env;
 use serde_json::{Value, json};
 
 use crate::case::Case;
-use crate::setpoints::room::room;
+use crate::models::room::room;
 
 /// Writes Chicago's weather with the year 2020; its 29 February is like the 28th, but at 7 °C.
 fn measured(folder: &Path) -> PathBuf {
@@ -96,6 +96,51 @@ fn a_measured_leap_year_has_its_weekdays_its_29_february_and_a_new_year() {
     assert_eq!(of(&days, 0), [3.0, 4.0, 5.0], "31 December 2020 was a Thursday");
     assert_eq!(of(&days, 1), [366.0, 1.0, 2.0]);
     assert_eq!((of(&days, 2), of(&days, 3)), (vec![0.0, 1.0, 0.0], vec![21.0, 15.0, 15.0]));
+}
+
+#[test]
+fn a_run_begins_on_the_weekday_that_the_model_gives() {
+    let mut model = office();
+    model["RunPeriod"] = json!({"R": {"begin_month": 1, "begin_day_of_month": 1, "end_month": 12,
+        "end_day_of_month": 31, "day_of_week_for_start_day": "Thursday"}});
+    let case = Case::of_user(&model, Controls::default());
+    let (days, _) = noons(&mut case.env_for("01-01..01-04", "operate+tou+preview"));
+    let of = |value: usize| days.iter().map(|day| day[value]).collect::<Vec<_>>();
+    assert_eq!(of(0), [3.0, 4.0, 5.0, 6.0], "Thursday to Sunday");
+    assert_eq!(of(2), [1.0, 0.0, 0.0, 0.0], "New Year");
+    assert_eq!(of(3), [15.0, 21.0, 15.0, 15.0], "the engine's schedule of weekdays");
+}
+
+/// Chicago's weather at the same latitude south of the equator.
+fn southern(folder: &Path) -> PathBuf {
+    let chicago = Case::of_user(&room(), Controls::default()).weather;
+    let bytes = std::fs::read(chicago).unwrap();
+    let text = String::from_utf8_lossy(&bytes).replacen(",41.98,", ",-41.98,", 1);
+    let path = folder.join("southern.epw");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn targets_and_clothing_follow_the_seasons_of_the_south() {
+    let folder = tempfile::tempdir().unwrap();
+    let north = Case::of_user(&room(), Controls::default());
+    let south = Case::of_user_in(&room(), Controls::default(), southern(folder.path()));
+    // The target and the reward of the first step of a January night at the same temperature.
+    let first = |case: &Case, task: &str| {
+        let mut env = case.env_for("01-09..01-09", task);
+        let slots = env.observation_space().slots();
+        let target = slots.iter().position(|slot| slot.name == "Room target").unwrap();
+        let temperature = slots.iter().position(|slot| slot.name == "Room air temperature").unwrap();
+        env.reset().unwrap();
+        let step = env.step(&[20.0, 24.0]).unwrap();
+        (step.observation[target], step.observation[temperature], step.reward.total())
+    };
+    let targets = [&north, &south].map(|case| first(case, "occupancy").0);
+    assert_eq!(targets, [18.0, 27.0], "targets of an empty room");
+    let [(_, north, light), (_, south, heavy)] = [&north, &south].map(|case| first(case, "constant+pmv"));
+    assert!((north - south).abs() < 0.1, "{north} and {south} °C");
+    assert!(light > heavy, "rewards {light} and {heavy}: summer clothing is colder at {south} °C");
 }
 
 #[test]

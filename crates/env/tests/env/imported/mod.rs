@@ -1,6 +1,7 @@
 //! A user's building as an environment.
 
 mod calendar;
+mod room_unit;
 mod terminals;
 mod weather;
 

@@ -6,10 +6,8 @@ use b2b_energyplus::Level;
 use b2b_env::authority::measure;
 
 use crate::case::{Case, energy_is_the_engines, random_episode};
+use crate::models::office;
 
-const REHEAT: &str = "AirTerminal:SingleDuct:VAV:Reheat";
-const NO_REHEAT: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
-const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 const DENVER: &str = "USA_CO_Denver-Aurora-Buckley.AFB.724695_TMY3.epw";
 
 fn node_types(case: &Case, node_type: NodeType) -> usize {
@@ -19,30 +17,9 @@ fn node_types(case: &Case, node_type: NodeType) -> usize {
     case.building.systems.iter().map(|system| served(&**system)).sum()
 }
 
-/// The medium office, whose core zones have terminals without reheat.
-fn office() -> Case {
-    Case::imported_after("RefBldgMediumOfficeNew2004_Chicago.idf", CHICAGO, |model| {
-        for name in model.names(REHEAT).into_iter().filter(|name| name.to_lowercase().contains("core")) {
-            let mut fields = model.remove(REHEAT, &name).unwrap();
-            let coil = ["reheat_coil_object_type", "reheat_coil_name"].map(|field| fields[field].clone());
-            model.remove(coil[0].as_str().unwrap(), coil[1].as_str().unwrap());
-            fields.retain(|field, _| {
-                !field.contains("reheat") && !field.contains("damper") && !field.contains("maximum_flow")
-            });
-            model.insert(NO_REHEAT, &name, fields.into());
-        }
-        for (_, _, unit) in model.objects_mut().filter(|(class, ..)| *class == "ZoneHVAC:AirDistributionUnit")
-        {
-            if unit["air_terminal_name"].as_str().unwrap().to_lowercase().contains("core") {
-                unit.insert("air_terminal_object_type".into(), NO_REHEAT.into());
-            }
-        }
-    })
-}
-
 #[test]
 fn the_energy_of_an_air_loop_with_and_without_reheat_is_the_engines() {
-    let case = office();
+    let case = office::with_bare_terminals();
     assert_eq!([NodeType::VavZone, NodeType::DamperZone].map(|each| node_types(&case, each)), [12, 3]);
     let mut env = case.env("01-09..01-09");
     random_episode(&mut env, 1);
@@ -52,7 +29,7 @@ fn the_energy_of_an_air_loop_with_and_without_reheat_is_the_engines() {
 
 #[test]
 fn dampers_of_terminals_without_reheat_follow_their_commands() {
-    let case = office();
+    let case = office::with_bare_terminals();
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
     assert_eq!(report.failures().count(), 0, "{report}");
     let dampers = report.rows.iter().filter(|row| row.quantity == Quantity::DamperOpening).count();

@@ -1,17 +1,15 @@
 //! Zones that are controlled through the setpoints of their thermostats.
 
-pub mod room;
-
 use b2b_building::hvac::Quantity;
 use b2b_building::hvac::setpoints::LEAST_GAP;
 use b2b_building::{BuildingType, Conditioning, Controls};
 use b2b_energyplus::{Event, Level, Run};
 use b2b_env::Term;
 use b2b_env::authority::{Limit, Verdict, measure};
-use room::room;
 use serde_json::Value;
 
 use crate::case::{Case, Dice, energy_is_the_engines};
+use crate::models::room::{autosized, room};
 
 const DAY: &str = "01-09..01-09";
 
@@ -78,10 +76,23 @@ fn crossing_setpoints_are_kept_apart_and_energy_is_that_of_the_meters() {
 /// Classes of a prepared model that define an episode: its days, its steps and its warm-up.
 const OF_EPISODE: [&str; 5] = ["Timestep", "RunPeriod", "ConvergenceLimits", "Building", "SimulationControl"];
 
-/// The file of the user has nothing of ours but the classes that define an episode.
 #[test]
 fn under_its_own_controls_a_model_is_simulated_as_by_the_bare_engine() {
-    let own = Case::of_user(&room(), Controls::Own);
+    own_is_the_bare_engine(room());
+}
+
+#[test]
+fn under_its_own_controls_an_autosized_model_with_an_exhaust_fan_is_simulated_as_by_the_bare_engine() {
+    own_is_the_bare_engine(autosized());
+    let balanced = Case::of_user(&autosized(), Controls::default());
+    let note = balanced.building.notes.changed.join("; ");
+    assert!(note.contains("exhaust fans"), "{note}");
+}
+
+/// The file of the user has nothing of ours but the classes that define an episode.
+fn own_is_the_bare_engine(mut user: Value) {
+    let own = Case::of_user(&user, Controls::Own);
+    assert_eq!(own.building.notes.changed, [""; 0]);
     let mut env = own.env(DAY);
     env.reset().unwrap();
     let ours: Vec<u64> =
@@ -90,8 +101,12 @@ fn under_its_own_controls_a_model_is_simulated_as_by_the_bare_engine() {
     let file = folder.path().join("bare.epJSON");
     let prepared = own.building.model_for(DAY.parse().unwrap(), 12).to_epjson();
     let prepared: Value = serde_json::from_str(&prepared).unwrap();
-    let mut user = room();
-    OF_EPISODE.iter().for_each(|class| user[class] = prepared[class].clone());
+    for class in OF_EPISODE {
+        // A model that wants its equipment sized says so in its own object.
+        if class != "SimulationControl" || user.get(class).is_none() {
+            user[class] = prepared[class].clone();
+        }
+    }
     std::fs::write(&file, user.to_string()).unwrap();
     let run =
         Run::new(&file, &own.weather).output(folder.path()).request("Zone Mean Air Temperature", "Room");

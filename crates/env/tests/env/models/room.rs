@@ -52,6 +52,48 @@ pub fn room() -> Value {
     })
 }
 
+/// Returns the model with equipment that the engine sizes and an exhaust fan.
+pub fn autosized() -> Value {
+    let mut model = room();
+    let day = |kind: &str, month: u32, dry_bulb: f64| {
+        json!({"month": month, "day_of_month": 21, "day_type": kind, "maximum_dry_bulb_temperature": dry_bulb,
+            "daily_dry_bulb_temperature_range": 0.0, "humidity_condition_type": "WetBulb",
+            "wetbulb_or_dewpoint_at_maximum_dry_bulb": dry_bulb.min(23.0), "wind_speed": 4.0, "wind_direction": 0,
+            "solar_model_indicator": "ASHRAEClearSky", "sky_clearness": 0})
+    };
+    model["SizingPeriod:DesignDay"] =
+        json!({"Cold": day("WinterDesignDay", 1, -20.0), "Hot": day("SummerDesignDay", 7, 33.0)});
+    model["SimulationControl"] = json!({"S": {
+        "do_zone_sizing_calculation": "Yes",
+        "run_simulation_for_sizing_periods": "No",
+        "run_simulation_for_weather_file_run_periods": "Yes"}});
+    model["Sizing:Zone"] = json!({"S": {
+        "zone_or_zonelist_name": "Room",
+        "zone_cooling_design_supply_air_temperature": 13.0,
+        "zone_heating_design_supply_air_temperature": 45.0,
+        "zone_cooling_design_supply_air_humidity_ratio": 0.008,
+        "zone_heating_design_supply_air_humidity_ratio": 0.008}});
+    let ideal = &mut model["ZoneHVAC:IdealLoadsAirSystem"]["Ideal"];
+    ideal["heating_limit"] = json!("LimitFlowRate");
+    ideal["maximum_heating_air_flow_rate"] = json!("Autosize");
+    model["Fan:ZoneExhaust"] = json!({"Exhaust": {
+        "fan_total_efficiency": 0.5,
+        "pressure_rise": 100.0,
+        "maximum_flow_rate": 0.05,
+        "air_inlet_node_name": "To Fan",
+        "air_outlet_node_name": "From Fan"}});
+    model["ZoneHVAC:EquipmentConnections"]["C"]["zone_air_exhaust_node_or_nodelist_name"] = json!("To Fan");
+    let equipment = &mut model["ZoneHVAC:EquipmentList"]["List"]["equipment"];
+    let mut fan = equipment[0].clone();
+    fan["zone_equipment_object_type"] = json!("Fan:ZoneExhaust");
+    fan["zone_equipment_name"] = json!("Exhaust");
+    for sequence in ["zone_equipment_cooling_sequence", "zone_equipment_heating_or_no_load_sequence"] {
+        fan[sequence] = json!(2);
+    }
+    equipment.as_array_mut().unwrap().push(fan);
+    model
+}
+
 fn surfaces() -> Value {
     let coordinate = |corner: [u8; 3], axis: usize| f64::from(corner[axis]) * SIZE[axis];
     let vertex = |corner: [u8; 3]| {
