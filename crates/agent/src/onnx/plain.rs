@@ -8,7 +8,7 @@ use crate::network::{Activation, Actor, Distribution, Layer, Mlp, Recurrent};
 pub(super) fn file(actor: &Actor, mlp: &Mlp, bounds: &[[f64; 2]], actions: usize) -> Vec<u8> {
     let mut export = Export { file: File::default(), actor };
     let input = export.scaled(bounds);
-    export.to_actions(mlp, &actor.parameters, input, actions);
+    export.actions(mlp, &actor.parameters, input, actions);
     export.file.finish(&[("observation", bounds.len())], &[("action", actions)])
 }
 
@@ -22,7 +22,7 @@ pub(super) fn recurrent(actor: &Actor, network: &Recurrent, bounds: &[[f64; 2]],
     let (gates, hidden) = layers.split_last().expect("an encoder has a layer");
     let input = export.hidden(hidden, network.encoder.activation, encoder, input);
     let state = export.cell(&input, (gates, encoder), &places);
-    export.to_actions(&network.head, &actor.parameters[places.head], state, actions);
+    export.actions(&network.head, &actor.parameters[places.head], state, actions);
     let width = network.state();
     let inputs = [("observation", bounds.len()), ("state", width)];
     export.file.finish(&inputs, &[("action", actions), (NEXT_STATE, width)])
@@ -64,7 +64,7 @@ impl Export<'_> {
 
     /// Adds the layers of a network whose first outputs are the actions. Standard deviations after the means are only for
     /// training.
-    fn to_actions(&mut self, mlp: &Mlp, parameters: &[f32], input: String, actions: usize) {
+    fn actions(&mut self, mlp: &Mlp, parameters: &[f32], input: String, actions: usize) {
         let layers: Vec<Layer> = mlp.layers().collect();
         let (output, hidden) = layers.split_last().expect("a network has a layer");
         let input = self.hidden(hidden, mlp.activation, parameters, input);

@@ -23,6 +23,12 @@ pub(super) fn proportional_mb(process: u32) -> Result<f64> {
     Ok(kilobytes(&text, |field| field == "Pss") / 1e3)
 }
 
+/// Returns the resident memory of a process, including shared memory, MB.
+pub(super) fn resident_mb(process: u32) -> Result<f64> {
+    let text = read(process, "status")?;
+    Ok(kilobytes(&text, |field| field == "VmRSS") / 1e3)
+}
+
 fn kilobytes(text: &str, wanted: impl Fn(&str) -> bool) -> f64 {
     let fields = text.lines().filter_map(|line| line.split_once(':'));
     let values = fields

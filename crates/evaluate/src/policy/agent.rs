@@ -24,7 +24,7 @@ impl Policy for Agent {
     }
 
     fn has_memory(&self) -> bool {
-        !matches!(self.info().network, Shape::Mlp(_) | Shape::Graph(_))
+        matches!(self.info().network, Shape::Recurrent(_))
     }
 
     fn trained_task(&self) -> Option<&Task> {
