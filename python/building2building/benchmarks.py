@@ -330,11 +330,11 @@ class Problem:
           one array ``[nodes, slots]`` for each node type, ``to_pyg()["edge_index"]`` the edges, and ``join_actions``
           makes an action from one array for each node type. A graph policy of your own can thus control any building.
 
-        Where the problem says that policies keep their memory (``protocol["memory"] == "building"``), a class or a callable
-        object with a method ``next_episode()`` controls all episodes with the same building, task and seed: it is made or
-        copied for the first, and ``next_episode()`` is called before each of the others. Its method ``reward(value)``, if it
-        has one, is called after each step. An object, which observes what the problem defines, also observes the previous
-        step: its action in [-1, 1], its reward, and 1 in the first step of an episode.
+        Where the problem says that policies keep their memory (``protocol["memory"] == "building"``), a class or an
+        object with a method ``next_episode()`` controls all episodes with the same building, task and seed: it is made
+        or copied for the first, and ``next_episode()`` is called before each of the others. If it has a method
+        ``reward(value)``, it is called after each step. An object, which observes what the problem defines, also
+        observes the previous step, as with :class:`PreviousStepObservation`.
 
         The folder receives ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
         ``verify`` checks them like any other result, but reports that it did not rerun the policy, which is your
