@@ -96,7 +96,9 @@ fn notes_text(notes: &Notes) -> Option<String> {
         lines.extend(notes.left_autosized.iter().map(|field| format!("  {field}")));
     }
     if !notes.unused_autosized.is_empty() {
-        lines.push("autosized, but not used by their objects (a number without effect was written):".to_owned());
+        lines.push(
+            "autosized, but not used by their objects (a number without effect was written):".to_owned(),
+        );
         lines.extend(notes.unused_autosized.iter().map(|field| format!("  {field}")));
     }
     if !notes.changed.is_empty() {
