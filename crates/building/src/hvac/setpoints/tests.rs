@@ -122,8 +122,8 @@ fn programs_that_read_a_setpoint_read_the_commanded_one() {
     }
     let notes = found(&mut shared).notes;
     let [note] = &notes[..] else { panic!("{notes:?}") };
-    assert_eq!(read(&shared), "Z Heating Setpoint");
-    for word in ["`S`", "`Day`", "the setpoint of `Z` now, not of `Y`"] {
+    assert_eq!(read(&shared), "Y Heating Setpoint");
+    for word in ["`S`", "`Day`", "the setpoint of `Y` now, not of `Z`"] {
         assert!(note.to_lowercase().contains(&word.to_lowercase()), "{note}");
     }
 }
