@@ -161,7 +161,7 @@ impl PreparedBuilding {
         };
         let calendar = calendar::of(&model, weather, unsupported)?;
         let Year { zones: years, holidays, off } = year(name, &model, &switches, calendar, library)?;
-        let absent = hvac::absent(&switches, &off);
+        let absent = hvac::absent(&switches, off.iter().map(|off| off.share));
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported, &absent)?;
         notes.switched_off = switched_off(&switches, &off, &discovery);
         notes.changed.extend_from_slice(&discovery.notes);

@@ -147,8 +147,17 @@ pub(crate) struct Year {
     pub(crate) zones: Vec<ZoneYear>,
     /// Days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
     pub(crate) holidays: Vec<u32>,
-    /// Share of time in which each switch is off.
-    pub(crate) off: Vec<f64>,
+    /// When each switch is off.
+    pub(crate) off: Vec<Off>,
+}
+
+/// When a schedule is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Off {
+    /// Share of the time.
+    pub(crate) share: f64,
+    /// Share of each month of the first year, January first.
+    pub(crate) by_month: [f64; 12],
 }
 
 /// Returns the years of zones and of switches, which are names of schedules, according to the schedules of a model. The
@@ -191,7 +200,7 @@ pub(crate) fn year(
         })
     });
     let zones = household::furnish(building, zones.collect());
-    let off = switches.iter().map(|name| sampled.of_schedule(name).share_off()).collect();
+    let off = switches.iter().map(|name| sampled.of_schedule(name).share_off(years[0])).collect();
     Ok(Year { zones, off, holidays: sampled.into_holidays() })
 }
 

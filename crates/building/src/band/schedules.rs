@@ -8,6 +8,7 @@ use b2b_energyplus::Library;
 use rusqlite::Connection;
 use serde_json::json;
 
+use super::Off;
 use crate::model::number;
 use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
@@ -89,11 +90,21 @@ impl Values<'_> {
         self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
 
-    /// Returns the share of the time in which it is zero.
-    pub(super) fn share_off(self) -> f64 {
-        let off = self.0.iter().filter(|value| **value == 0.0).count();
-        off as f64 / self.0.len().max(1) as f64
+    /// Returns the share of the time in which it is zero, `year` being the first year.
+    pub(super) fn share_off(self, year: Calendar) -> Off {
+        let of_month = |month: usize| {
+            let first = year.month_start(month) as usize - 1;
+            let days = first..first + year.month_days(month) as usize;
+            share_off(self.0.get(days.start * PER_DAY..days.end * PER_DAY).unwrap_or(self.0))
+        };
+        Off { share: share_off(self.0), by_month: std::array::from_fn(of_month) }
     }
+}
+
+/// Returns the share of values that are zero.
+fn share_off(values: &[f64]) -> f64 {
+    let off = values.iter().filter(|value| **value == 0.0).count();
+    off as f64 / values.len().max(1) as f64
 }
 
 /// The value of a schedule that never changes.

@@ -6,9 +6,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::versions::Conversion;
+use crate::band::Off;
 use crate::hvac::{Discovery, Switch};
 
-/// The share of a year that is most of it.
+/// The share of a month that is most of it.
 const MOSTLY: f64 = 0.9;
 
 /// What was found and changed when a model was read and sized.
@@ -43,6 +44,9 @@ pub struct SwitchedOff {
     pub schedule: String,
     /// The share of the year in which it is zero.
     pub share: f64,
+    /// The share of each month, January first.
+    #[serde(default)]
+    pub by_month: [f64; 12],
     /// The equipment, each `class name`.
     pub equipment: Vec<String>,
     /// The zones.
@@ -51,7 +55,7 @@ pub struct SwitchedOff {
 
 impl fmt::Display for SwitchedOff {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { schedule, share, equipment, zones } = self;
+        let Self { schedule, share, equipment, zones, .. } = self;
         let first = equipment.first().map_or("", String::as_str);
         let others = match equipment.len() {
             0 | 1 => String::new(),
@@ -66,20 +70,20 @@ impl fmt::Display for SwitchedOff {
     }
 }
 
-/// Returns the schedules that switch off equipment of zones that a discovery controls through their setpoints. `off` has the
-/// share of the year of each switch.
-pub(crate) fn switched_off(switches: &[Switch], off: &[f64], found: &Discovery) -> Vec<SwitchedOff> {
+/// Returns the schedules that switch off equipment of zones that a discovery controls through their setpoints. `off` has when
+/// each switch is off.
+pub(crate) fn switched_off(switches: &[Switch], off: &[Off], found: &Discovery) -> Vec<SwitchedOff> {
     let controlled: HashSet<String> =
         found.setpoint_zones().into_iter().map(|zone| zone.to_lowercase()).collect();
     let mut all: Vec<SwitchedOff> = Vec::new();
     let is_off =
-        |(switch, share): &(&Switch, &f64)| **share > 0.0 && controlled.contains(&switch.zone.to_lowercase());
-    for (Switch { zone, object, schedule, .. }, share) in switches.iter().zip(off).filter(is_off) {
+        |(switch, off): &(&Switch, &Off)| off.share > 0.0 && controlled.contains(&switch.zone.to_lowercase());
+    for (Switch { zone, object, schedule, .. }, off) in switches.iter().zip(off).filter(is_off) {
         let name = format!("{} `{}`", object.class, object.name);
         let known = all.iter().position(|each| each.schedule.eq_ignore_ascii_case(schedule));
         let known = known.unwrap_or_else(|| {
-            let (equipment, zones) = (Vec::new(), Vec::new());
-            all.push(SwitchedOff { schedule: schedule.clone(), share: *share, equipment, zones });
+            let (equipment, zones, Off { share, by_month }) = (Vec::new(), Vec::new(), *off);
+            all.push(SwitchedOff { schedule: schedule.clone(), share, by_month, equipment, zones });
             all.len() - 1
         });
         let SwitchedOff { equipment, zones, .. } = &mut all[known];
@@ -107,9 +111,9 @@ impl Notes {
         self.warnings.iter().cloned().chain(summary)
     }
 
-    /// Returns whether a schedule of the model switches off equipment of a zone for most of the year.
-    pub fn is_mostly_off(&self, zone: &str) -> bool {
-        let mostly = self.switched_off.iter().filter(|off| off.share >= MOSTLY);
+    /// Returns whether a schedule of the model switches off equipment of a zone for most of a month, from 0.
+    pub fn is_mostly_off(&self, zone: &str, month: usize) -> bool {
+        let mostly = self.switched_off.iter().filter(|off| off.by_month[month] >= MOSTLY);
         mostly.flat_map(|off| &off.zones).any(|other| other.eq_ignore_ascii_case(zone))
     }
 
@@ -150,8 +154,10 @@ mod tests {
         )
         .unwrap();
         let switches = switches_of_all(&model).unwrap();
-        let off: Vec<f64> =
-            switches.iter().map(|switch| if switch.schedule == "Season" { 0.95 } else { 0.0 }).collect();
+        let mut season = Off { share: 0.95, by_month: [1.0; 12] };
+        season.by_month[6] = 0.4;
+        let of = |switch: &Switch| if switch.schedule == "Season" { season } else { Off::default() };
+        let off: Vec<Off> = switches.iter().map(of).collect();
         assert_eq!(off.len(), 2);
         let found = discover(&mut model, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap();
         let switched_off = switched_off(&switches, &off, &found);
@@ -159,6 +165,6 @@ mod tests {
         let said = only.to_string();
         assert!(said.contains("`Season`, 95 %") && said.contains("IdealLoadsAirSystem `Ideal`"), "{said}");
         let notes = Notes { switched_off, ..Notes::default() };
-        assert!(notes.is_mostly_off("z") && !notes.is_mostly_off("Y"));
+        assert!(notes.is_mostly_off("z", 0) && !notes.is_mostly_off("z", 6) && !notes.is_mostly_off("Y", 0));
     }
 }

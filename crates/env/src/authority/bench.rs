@@ -22,6 +22,8 @@ pub(super) struct Bench<'a> {
     pub(super) env: Env,
     pub(super) building: &'a PreparedBuilding,
     pub(super) season: Season,
+    /// Month of its days, from 0.
+    pub(super) month: usize,
     pub(super) readings: Vec<Reading>,
 }
 

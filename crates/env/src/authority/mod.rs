@@ -37,7 +37,7 @@
 //! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
 //! - **setpoints of a thermostat**: the zone is beyond it without more heat or cooling than before and after, or gets more and
 //!   never comes within 0.5 K of it, or misses the lowest heating or the highest cooling setpoint as well; or a schedule of the
-//!   model switches the equipment off for at least 90 % of the year.
+//!   model switches equipment of the zone off for at least 90 % of the month.
 //!
 //! If the engine ends the run of setpoints, each one that is not tested fails with the engine's message.
 
@@ -110,9 +110,10 @@ fn bench<'a>(
     weather: &Path,
     season: Season,
 ) -> Result<Bench<'a>> {
+    let period = season.days(Seasons::of(weather, building.calendar())?);
     let episode = EpisodeConfig {
         weather: weather.to_owned(),
-        period: season.days(Seasons::of(weather, building.calendar())?),
+        period,
         steps_per_hour: STEPS_PER_HOUR,
         // The interlock would prevent zero flow.
         task: Task { ventilation: Ventilation::Free, ..Task::default() },
@@ -121,6 +122,7 @@ fn bench<'a>(
         env: Env::new(library.clone(), Arc::clone(building), episode)?.observe_effects(),
         building,
         season,
+        month: period.first().month_and_day()[0] as usize - 1,
         readings: Vec::new(),
     };
     bench.env.reset()?;

@@ -45,7 +45,7 @@ pub struct Row {
     /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null for it.
     #[serde(deserialize_with = "or_infinite")]
     pub tolerance: f64,
-    /// Heat delivered or removed, W; setpoints only.
+    /// Heat delivered or removed, W; setpoints only. For a setpoint of a thermostat, its mean over the hold.
     pub heat: Option<f64>,
     /// Verdict.
     pub verdict: Verdict,
@@ -128,7 +128,7 @@ pub enum Limit {
     Cooler,
     /// Zone below the cooling setpoint without cooling.
     CoolZone,
-    /// Nothing happens, and a schedule of the model switches the equipment off for at least 90 % of the year.
+    /// Nothing happens, and a schedule of the model switches equipment off for at least 90 % of the month.
     SwitchedOff,
 }
 

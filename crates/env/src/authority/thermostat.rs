@@ -19,7 +19,8 @@ const STEPS: usize = 24;
 const TESTED: [(Quantity, Level); 2] =
     [(Quantity::HeatingSetpoint, Level::High), (Quantity::CoolingSetpoint, Level::Low)];
 
-/// The state of the zones of all setpoints at the end of a hold: temperature (°C), and heat delivered or removed (W).
+/// The state of the zones of all setpoints in a hold: temperature at its end (°C), and mean heat delivered or removed (W).
+/// Equipment may cycle, so that a single step says little.
 type State = Vec<(f64, f64)>;
 
 /// A zone between two holds that call for nothing.
@@ -62,7 +63,7 @@ impl Bench<'_> {
                 let zone = &self.building.zones[slot].name;
                 let free = self.free(index, zone, [before[number], after[number]]);
                 let verdict = match judge(&row, free) {
-                    Verdict::Fails if self.building.notes.is_mostly_off(zone) => {
+                    Verdict::Fails if self.building.notes.is_mostly_off(zone, self.month) => {
                         Verdict::AtCapacity(Limit::SwitchedOff)
                     }
                     other => other,
@@ -121,15 +122,15 @@ impl Bench<'_> {
     /// Runs some steps in which nothing is called for.
     fn settle(&mut self, thermostats: &[(usize, usize)], steps: usize) -> Result<State> {
         let hold = setpoint_hold(self.building, None);
-        let mut temperatures = vec![0.0; thermostats.len()];
+        let mut state = vec![(0.0, 0.0); thermostats.len()];
         for _ in 0..steps {
-            let step = self.env.step(&hold.action)?;
-            for (temperature, (_, slot)) in temperatures.iter_mut().zip(thermostats) {
-                *temperature = step.observation[*slot];
+            self.env.step(&hold.action)?;
+            for ((temperature, heat), &(index, slot)) in state.iter_mut().zip(thermostats) {
+                *temperature = self.env.observation()[slot];
+                *heat += self.env.heat(index).unwrap_or(0.0) / steps as f64;
             }
         }
-        let heat = |&(index, _): &(usize, usize)| self.env.heat(index).unwrap_or(0.0);
-        Ok(temperatures.into_iter().zip(thermostats.iter().map(heat)).collect())
+        Ok(state)
     }
 
     /// Holds the setpoints of one quantity at a level. Returns a row for each, with its number among the setpoints.
@@ -151,17 +152,19 @@ impl Bench<'_> {
             Reading::new(actuators[index], self.season, Condition::Free, level)
         };
         let mut readings: Vec<Reading> = tested.iter().map(reading).collect();
+        let mut heats = vec![0.0; tested.len()];
         for _ in 0..STEPS {
-            let step = self.env.step(&hold.action)?;
-            for (&(_, index, slot), reading) in tested.iter().zip(&mut readings) {
-                reading.add(actuators[index], step.observation[slot]);
+            self.env.step(&hold.action)?;
+            for ((&(_, index, slot), reading), heat) in tested.iter().zip(&mut readings).zip(&mut heats) {
+                reading.add(actuators[index], self.env.observation()[slot]);
+                *heat += self.env.heat(index).unwrap_or(0.0) / STEPS as f64;
             }
         }
-        let ended = |(&(number, index, _), reading): (&(usize, usize, usize), Reading)| {
+        let ended = |((&(number, ..), reading), heat): ((&(usize, usize, usize), Reading), f64)| {
             let error = (reading.last - reading.row.command).abs();
-            (number, Row { mean: reading.last, heat: self.env.heat(index), error, ..reading.row })
+            (number, Row { mean: reading.last, heat: Some(heat), error, ..reading.row })
         };
-        Ok(tested.iter().zip(readings).map(ended).collect())
+        Ok(tested.iter().zip(readings).zip(heats).map(ended).collect())
     }
 }
 

@@ -248,10 +248,12 @@ impl Search<'_> {
         has_air_system: bool,
     ) -> Result<Option<String>> {
         let (zone, item) = candidate.equipment()?;
-        if self.is_absent(item) && equipment.iter().any(|other| !self.is_absent(other)) {
+        let is_supported = self.kind_of(candidate)?.is_some();
+        let others = equipment.iter().any(|other| !self.is_absent(other));
+        if self.is_absent(item) && (others || !is_supported) {
             return Ok(Some("its availability schedule is 0 all year".to_owned()));
         }
-        if self.kind_of(candidate)?.is_none() {
+        if !is_supported {
             let reason = match is_one_of(&item.class, &VENTILATION) {
                 true => "it ventilates by its own schedule",
                 false if has_air_system => "unsupported component: it follows the controlled thermostat",

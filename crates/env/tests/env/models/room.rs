@@ -61,6 +61,8 @@ pub fn autosized() -> Value {
             "wetbulb_or_dewpoint_at_maximum_dry_bulb": dry_bulb.min(23.0), "wind_speed": 4.0, "wind_direction": 0,
             "solar_model_indicator": "ASHRAEClearSky", "sky_clearness": 0})
     };
+    model["Site:Location"] =
+        json!({"Chicago": {"latitude": 41.98, "longitude": -87.92, "time_zone": -6.0, "elevation": 201.0}});
     model["SizingPeriod:DesignDay"] =
         json!({"Cold": day("WinterDesignDay", 1, -20.0), "Hot": day("SummerDesignDay", 7, 33.0)});
     model["SimulationControl"] = json!({"S": {
