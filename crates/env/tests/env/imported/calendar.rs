@@ -124,8 +124,11 @@ fn southern(folder: &Path) -> PathBuf {
 #[test]
 fn targets_and_clothing_follow_the_seasons_of_the_south() {
     let folder = tempfile::tempdir().unwrap();
-    let north = Case::of_user(&room(), Controls::default());
-    let south = Case::of_user_in(&room(), Controls::default(), southern(folder.path()));
+    let both = |model: &Value| {
+        let weather = southern(folder.path());
+        let south = Case::of_user_in(model, Controls::default(), weather);
+        [Case::of_user(model, Controls::default()), south]
+    };
     // The target and the reward of the first step of a January night at the same temperature.
     let first = |case: &Case, task: &str| {
         let mut env = case.env_for("01-09..01-09", task);
@@ -136,9 +139,14 @@ fn targets_and_clothing_follow_the_seasons_of_the_south() {
         let step = env.step(&[20.0, 24.0]).unwrap();
         (target.map(|slot| step.observation[slot]), step.observation[temperature], step.reward.total())
     };
-    let targets = [&north, &south].map(|case| first(case, "occupancy").0);
+    let targets = both(&room()).map(|case| first(&case, "occupancy").0);
     assert_eq!(targets, [Some(18.0), Some(26.0)], "targets of an empty room");
-    let [(_, north, light), (_, south, heavy)] = [&north, &south].map(|case| first(case, "constant+pmv"));
+    let mut occupied = room();
+    occupied["Schedule:Constant"]["Seated"] = json!({"hourly_value": 120.0});
+    occupied["People"] = json!({"P": {
+        "zone_or_zonelist_or_space_or_spacelist_name": "Room", "number_of_people": 4,
+        "number_of_people_schedule_name": "Single Heating", "activity_level_schedule_name": "Seated"}});
+    let [(_, north, light), (_, south, heavy)] = both(&occupied).map(|case| first(&case, "constant+pmv"));
     assert!((north - south).abs() < 0.1, "{north} and {south} °C");
     assert!(light > heavy, "rewards {light} and {heavy}: summer clothing is colder at {south} °C");
 }
