@@ -26,8 +26,8 @@ Callback = Callable[[dict[str, float]], object]
 
 
 class AgentController(BuiltInController):
-    """The controller of an :class:`Agent` in an environment. It acts without exploration. In a loop of your own, an agent that
-    observes its rewards also needs :meth:`reward` after every step."""
+    """The controller of an :class:`Agent` in an environment. It acts without exploration. In a loop of your own, an
+    agent that observes its rewards also needs :meth:`reward` after every step."""
 
     def __init__(self, folder: PathLike, env: gymnasium.Env[Any, Any] | ControlledEnv):
         core: Any = env.unwrapped
@@ -105,7 +105,8 @@ def train(
     building of the type's training split, and with ``problem``, the run uses only the training side of a benchmark
     problem. Several types need the preset ``"graph"`` or ``"supervisory-graph"``, whose agents control buildings of any
     type. ``task`` is a task as for :func:`make_env`, or several, one of which is drawn for every episode.
-    ``preset`` is ``"residual"`` (the default), ``"paper"``, ``"recurrent"``, ``"graph"``, ``"supervisory"`` or ``"supervisory-graph"``;
+    ``preset`` is ``"residual"`` (the default), ``"paper"``, ``"recurrent"``, ``"graph"``,
+    ``"supervisory"`` or ``"supervisory-graph"``;
     ``options`` are any other options of a run's ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``.
     ``config`` is such a file, for example of an earlier run; other arguments take precedence. ``out`` is the folder of
     the run and of the agent. If it already has a run with the same options, that run continues from its last
