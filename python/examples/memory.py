@@ -7,7 +7,7 @@ from building2building.benchmarks import Problem
 
 
 class HeatLoss:
-    """Heats in proportion to the outdoor cold and the deviation. Its memory is the first proportion, which it learns."""
+    """Heats in proportion to the outdoor cold and the deviation. Its memory is the first factor, which it learns."""
 
     def __init__(self, context):
         self.layout, self.loss = context.layout, 0.0

@@ -55,7 +55,7 @@ def test_a_class_keeps_its_memory_in_a_building_and_nowhere_else(tmp_path):
 
 
 class Climber:
-    """Tries actions around the one with the best reward so far, and notes its steps at the beginning of every episode."""
+    """Tries actions around the one with the best reward so far, and notes its steps when an episode begins."""
 
     firsts: list[int] = []
 
