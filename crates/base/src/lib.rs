@@ -2,6 +2,9 @@
 //! stay empty, digests, random streams, even samples, the calendar, energy carriers, suggestions for misspelled names, and
 //! the fingerprint of the machine's arithmetic.
 
+#[cfg(not(target_os = "linux"))]
+compile_error!("building2building runs on Linux only");
+
 pub mod aside;
 pub mod calendar;
 pub mod carrier;

@@ -102,12 +102,14 @@ fn run(
     let read = |(number, episode): (usize, &Episode)| {
         folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines)).transpose()
     };
-    let (mut kept, missing) = kept(episodes, policy, read)?;
+    let Parts { mut kept, missing } = parts(episodes, policy, read)?;
     let lost = run_missing(evaluation, folder, &missing, policy, progress)?;
     for each in missing {
-        kept.insert(each.0, read(each)?);
+        if let Some(ran) = read(each)? {
+            kept.insert(each.0, ran);
+        }
     }
-    let ran: Vec<_> = episodes.iter().map(|(number, _)| kept.remove(number).flatten()).collect();
+    let ran: Vec<_> = episodes.iter().map(|(number, _)| kept.remove(number)).collect();
     let keys = ran
         .iter()
         .zip(episodes)
@@ -117,11 +119,16 @@ fn run(
     Ok(Ran { episodes: ran, lost })
 }
 
-/// The episodes that a folder contains by number, and those that are to be run.
-type Parts<'a> = (HashMap<usize, Option<Unscored>>, Vec<(usize, &'a Episode)>);
+/// The episodes of an evaluation, by number.
+struct Parts<'a> {
+    /// Those of complete sequences in the folder.
+    kept: HashMap<usize, Unscored>,
+    /// Those that are to be run.
+    missing: Vec<(usize, &'a Episode)>,
+}
 
-/// Reads the sequences of which a folder contains every episode; the others are to be run.
-fn kept<'a>(
+/// Reads the sequences of which a folder contains every episode.
+fn parts<'a>(
     episodes: &[(usize, &'a Episode)],
     policy: &dyn Policy,
     read: impl Fn((usize, &Episode)) -> Result<Option<Unscored>>,
@@ -129,13 +136,13 @@ fn kept<'a>(
     let (mut kept, mut missing) = (HashMap::new(), Vec::new());
     for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
         let own = || sequence.iter().map(|position| episodes[*position]);
-        let found: Vec<_> = own().map(|each| Ok((each.0, read(each)?))).collect::<Result<_>>()?;
-        match found.iter().all(|(_, found)| found.is_some()) {
-            true => kept.extend(found),
-            false => missing.extend(own()),
+        let found: Vec<Option<Unscored>> = own().map(&read).collect::<Result<_>>()?;
+        match found.into_iter().collect::<Option<Vec<_>>>() {
+            Some(found) => kept.extend(own().map(|(number, _)| number).zip(found)),
+            None => missing.extend(own()),
         }
     }
-    Ok((kept, missing))
+    Ok(Parts { kept, missing })
 }
 
 /// Runs episodes, keeps them in a folder, and returns the lost ones by number.

@@ -101,8 +101,9 @@ impl Problem {
     /// Episodes already in the folder are not run again.
     ///
     /// `make` takes spaces, building and seed and returns the controller of an episode, or of consecutive ones if its
-    /// attribute `has_memory` is true and the problem says so; `train_make`, if given, does so for training buildings. `whole` is whether these controllers observe and control the whole building instead of
-    /// the problem's interface. `progress` is called regularly with a label and the simulated days done and in total.
+    /// attribute `has_memory` is true and the problem says so; `train_make`, if given, does so for training buildings.
+    /// `whole` is whether these controllers observe and control the whole building instead of the problem's interface.
+    /// `progress` is called regularly with a label and the simulated days done and in total.
     #[pyo3(signature = (make, train_make, folder, jobs, rescale, whole, by_seed, name, identity, description, training_steps, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
     fn run(

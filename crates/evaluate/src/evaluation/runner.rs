@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::bench::{Bench, Group};
 use super::episode::Episode;
-use super::finished::{Finished, Lost, Outcome};
+use super::finished::{Lost, Outcome};
 use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
 use super::recording::Recorded;
@@ -114,8 +114,17 @@ impl Evaluation<'_> {
         episode: (usize, &Episode),
         work: &Work<'_>,
     ) -> Result<Outcome> {
-        let finish = AssertUnwindSafe(|| self.finish(group, bench, memory, episode, work));
-        match catch_unwind(finish) {
+        let finish = || {
+            work.check()?;
+            let bench = match bench {
+                Some(bench) => bench,
+                None => bench.insert(Bench::new(self, work.policy.controls(), group, work.progress)?),
+            };
+            let finished = rollout::run(bench, episode, memory, work)?;
+            group.is_prepared(bench);
+            Ok(finished)
+        };
+        match catch_unwind(AssertUnwindSafe(finish)) {
             Ok(Ok(finished)) => Ok(Ok(finished)),
             Ok(Err(error)) if ends_evaluation(&error) => Err(error),
             Ok(Err(error)) => Ok(Err(Lost { reason: error.to_string() })),
@@ -124,24 +133,6 @@ impl Evaluation<'_> {
                 Ok(Err(Lost { reason: format!("it panicked: {}", panic_message(&*panic)) }))
             }
         }
-    }
-
-    fn finish(
-        &self,
-        group: &Group<'_>,
-        bench: &mut Option<Bench>,
-        memory: &mut Memory,
-        episode: (usize, &Episode),
-        work: &Work<'_>,
-    ) -> Result<Finished> {
-        work.check()?;
-        let bench = match bench {
-            Some(bench) => bench,
-            None => bench.insert(Bench::new(self, work.policy.controls(), group, work.progress)?),
-        };
-        let finished = rollout::run(bench, episode, memory, work)?;
-        group.is_prepared(bench);
-        Ok(finished)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Trained agents as policies.
 
 use b2b_agent::Agent;
-use b2b_agent::network::Shape;
 use b2b_control::Controller;
 use b2b_env::Task;
 use serde_json::Value;
@@ -24,7 +23,7 @@ impl Policy for Agent {
     }
 
     fn has_memory(&self) -> bool {
-        matches!(self.info().network, Shape::Recurrent(_))
+        self.info().network.recurrent().is_some()
     }
 
     fn trained_task(&self) -> Option<&Task> {

@@ -1,7 +1,7 @@
 //! Minibatches on several threads, with the same bits on any number of them.
 //!
-//! [`chunk`] splits a minibatch into chunks of whole sequences of rows, whatever the number of threads. Each chunk has its own buffers and
-//! gradients, and gradients are summed in the order of the chunks.
+//! [`chunk`] splits a minibatch into chunks of whole sequences of rows, whatever the number of threads. Each chunk has its own
+//! buffers and gradients, and gradients are summed in the order of the chunks.
 
 use std::ops::Range;
 

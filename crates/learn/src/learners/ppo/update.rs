@@ -171,16 +171,16 @@ impl Ppo {
     /// Returns the values of the observations of a rollout; for recurrent networks, also computes the log densities of its
     /// actions.
     pub(super) fn evaluate(&mut self, rollout: &Rollout) -> Values {
+        let after = scenes_after(rollout);
         let mut values = match self.networks.critic.state() {
-            0 => self.outputs_of_critic(rollout),
+            0 => self.outputs_of_critic(rollout, &after),
             _ => self.evaluate_sequences(rollout),
         };
-        self.denormalize(rollout, &mut values);
+        self.denormalize(&after, &mut values);
         values
     }
 
-    fn outputs_of_critic(&mut self, rollout: &Rollout) -> Values {
-        let [of_ends, of_next] = scenes_after(rollout);
+    fn outputs_of_critic(&mut self, rollout: &Rollout, [of_ends, of_next]: &[Vec<usize>; 2]) -> Values {
         let Self { workers, networks, parameters, widths, graphs, samples, .. } = self;
         let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
@@ -196,17 +196,16 @@ impl Ppo {
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
         Values {
             steps: of(&rollout.observations, &samples.scenes),
-            next: of(&rollout.next, &of_next),
-            ends: of(&ends, &of_ends),
+            next: of(&rollout.next, of_next),
+            ends: of(&ends, of_ends),
         }
     }
 
     /// Converts outputs of the critic to the scale of returns.
-    fn denormalize(&self, rollout: &Rollout, values: &mut Values) {
+    fn denormalize(&self, [of_ends, of_next]: &[Vec<usize>; 2], values: &mut Values) {
         if self.config.normalize_values {
-            let [of_ends, of_next] = scenes_after(rollout);
             let Values { steps, next, ends } = values;
-            for (scenes, values) in [(&self.samples.scenes, steps), (&of_next, next), (&of_ends, ends)] {
+            for (scenes, values) in [(&self.samples.scenes, steps), (of_next, next), (of_ends, ends)] {
                 let rows = Rows { credits: &self.credits, scenes, parts: self.widths.parts };
                 self.scale.denormalize(rows, values);
             }
