@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
-use b2b_control::{Controller, KindDescription};
+use b2b_control::{Controller, KindDescription, Noise, Noisy};
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,13 @@ pub enum ControllerDescription {
         /// Attributes of the building that it observes.
         attributes: Vec<f64>,
     },
+    /// Another controller with noise on its actions.
+    Noisy {
+        /// The other controller.
+        of: Box<Self>,
+        /// The noise.
+        noise: Noise,
+    },
 }
 
 impl ControllerDescription {
@@ -46,6 +53,7 @@ impl ControllerDescription {
                 let pilot = Pilot::without_model(interface, spaces, plan.as_ref(), attributes)?;
                 Box::new(AgentController::new(pilot, Arc::clone(agent.actor())))
             }
+            Self::Noisy { of, noise } => Box::new(Noisy::new(of.controller(spaces)?, &spaces.action, *noise)),
         })
     }
 }

@@ -16,5 +16,6 @@ pub mod new_folders;
 pub mod random;
 pub mod scratch;
 pub mod seal;
+pub mod shard;
 pub mod spread;
 pub mod suggestion;

@@ -64,6 +64,12 @@ pub enum Error {
         /// The name given.
         text: String,
     },
+    /// A level of noise that is not from 0 to 2.
+    #[error("the level of noise is `{text}`; expected a share of half of each actuator's range, from 0 to 2")]
+    NoiseLevel {
+        /// The level given.
+        text: String,
+    },
     /// A folder of a different evaluation.
     #[error(
         "{folder} contains a different evaluation: {differences}; choose another folder or remove this one"

@@ -44,12 +44,6 @@ pub enum Error {
         /// The fault.
         why: String,
     },
-    /// A shard that is not valid.
-    #[error("invalid shard `{text}`; expected I/N with I from 0 to N - 1, such as 0/3")]
-    Shard {
-        /// The text given.
-        text: String,
-    },
     /// A folder of another experiment or budget.
     #[error("{path} has the results of {other}; choose another folder for {experiment}")]
     OtherExperiment {

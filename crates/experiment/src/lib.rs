@@ -26,4 +26,4 @@ pub use folder::{Evaluated, Folder, JobFolder, JobResult, State};
 pub use job::{Action, Entry, Episodes, Job};
 pub use rates::{Rate, rates, rates_text};
 pub use results::Results;
-pub use run::{Checked, Ended, OWNER, Runner, Shard, check};
+pub use run::{Checked, Ended, OWNER, Runner, check};

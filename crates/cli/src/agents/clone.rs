@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
-use b2b_agent::{Agent, ObservationForm};
-use b2b_building::PreparedBuilding;
+use b2b_agent::{Agent, ObservationForm, ObservationOptions};
+use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_climate::Place;
 use b2b_dataset::{Catalog, Placement};
 use b2b_energyplus::install::Quiet;
@@ -29,9 +29,18 @@ pub struct Arguments {
     /// Folder of the dataset
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
+    /// Building type to learn, in a corpus of several
+    #[arg(long = "type", value_name = "TYPE")]
+    building_type: Option<BuildingType>,
+    /// Task to learn, in a corpus of several
+    #[arg(long, value_name = "TASK")]
+    task: Option<String>,
     /// What the agent observes: raw, roles or features
     #[arg(long, value_name = "FORM", default_value = "raw")]
     observation: ObservationForm,
+    /// Let the agent observe attributes of the building, too
+    #[arg(long)]
+    attributes: bool,
     /// Widths of the hidden layers
     #[arg(long, value_name = "N", num_args = 1.., default_values_t = [256, 256])]
     hidden: Vec<usize>,
@@ -59,7 +68,8 @@ const EXAMPLES: &str = "\
 Examples:
   b2b collect b2b/office-small-v0 OfficeSmall-0042 --task occupancy --out datasets
   b2b clone datasets/b2b/office-small-v0 --out runs/clone
-  b2b evaluate OfficeSmall-0042 --policy runs/clone --task occupancy --out evaluated";
+  b2b evaluate OfficeSmall-0042 --policy runs/clone --task occupancy --out evaluated
+  b2b clone datasets/b2b/corpus-quick-v0 --type OfficeSmall --task occupancy --observation features --out runs/clone";
 
 /// Runs the command.
 pub fn clone(arguments: &Arguments) -> Result<()> {
@@ -75,7 +85,12 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
     let dataset = Dataset::open(&arguments.dataset)?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let config = CloneConfig {
-        observation: arguments.observation,
+        building_type: arguments.building_type.map(|it| it.to_string()),
+        task: arguments.task.clone(),
+        observation: ObservationOptions {
+            attributes: arguments.attributes,
+            ..ObservationOptions::from(arguments.observation)
+        },
         hidden: arguments.hidden.clone(),
         updates: arguments.updates as usize,
         batch_size: arguments.batch_size as usize,
@@ -143,6 +158,7 @@ impl Buildings<'_> {
         }
         let (building, weather) = &self.prepared[&key];
         let Contents { task, period, steps_per_hour, .. } = self.contents;
+        let (task, period) = episode.corpus.as_ref().map_or((task, period), |of| (&of.task, &of.period));
         let config = EpisodeConfig {
             weather: weather.clone(),
             period: period.parse().map_err(|error: b2b_building::Error| invalid(&error))?,

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_experiment::{Ended, Error, Experiment, Folder, Job, Runner, Shard, State, duration_text, estimate};
+use b2b_base::shard::Shard;
+use b2b_experiment::{Ended, Error, Experiment, Folder, Job, Runner, State, duration_text, estimate};
 use serde_json::json;
 
 use super::report;

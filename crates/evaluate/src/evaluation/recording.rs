@@ -5,6 +5,8 @@ use std::sync::Arc;
 use b2b_building::{Conditioning, Zone};
 use b2b_env::{Pair, Spaces, Target, Trajectory};
 
+use crate::subject::{SiteInfo, Subject};
+
 /// A recorded episode.
 pub(super) struct Recording {
     /// The observation before the first step.
@@ -15,6 +17,10 @@ pub(super) struct Recording {
 
 /// A recorded episode and its spaces, as [`Evaluation::record`](super::Evaluation::record) passes it on.
 pub struct Recorded<'a> {
+    /// The building.
+    pub subject: &'a Subject,
+    /// Its site.
+    pub site: &'a SiteInfo,
     /// Spaces of the environment.
     pub spaces: &'a Arc<Spaces>,
     /// The observation before the first step.

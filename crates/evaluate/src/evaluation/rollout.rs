@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use b2b_control::Controller;
 use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout, rollout_next};
 
-use super::bench::Bench;
+use super::bench::{Bench, Located};
 use super::episode::Episode;
 use super::finished::Finished;
 use super::info::EpisodeInfo;
@@ -57,7 +57,8 @@ pub(super) fn run(
         error => error.into(),
     })?;
     let Recording { first_observation, trajectory } = &recorder.recording;
-    (work.recorded)(number, &Recorded { spaces: &spaces, first_observation, trajectory })?;
+    let Located { subject, site, .. } = &*bench.located;
+    (work.recorded)(number, &Recorded { subject, site, spaces: &spaces, first_observation, trajectory })?;
     let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
     let inputs = match &mut bench.inputs {
         Some(inputs) => inputs,

@@ -5,12 +5,12 @@ use std::str::FromStr;
 
 use b2b_building::Controls;
 use b2b_control::{Case, Controller, Kind, KindDescription, baseline, kind};
-use b2b_env::Task;
+use b2b_env::{Spaces, Task};
 use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
 use crate::tuned::controller_parameters;
-use crate::{Error, Result};
+use crate::{Error, Recorded, Result, SiteInfo, Subject};
 
 /// A controller that needs no file: a [`Kind`] of `b2b_control`.
 #[derive(Clone, Copy)]
@@ -62,16 +62,42 @@ impl BuiltIn {
     }
 
     /// Returns the values of the parameters in an episode.
-    fn values(self, context: &EpisodeContext<'_>) -> Value {
-        let task = &context.spaces.episode.task;
+    fn values(self, subject: &Subject, site: &SiteInfo, spaces: &Spaces) -> Value {
+        let task = &spaces.episode.task;
         match self == Self::reactive() {
             // Scores are relative to the parameters for the building's class, wherever its model comes from.
             true => {
-                let parameters = controller_parameters(context.subject, context.site, task);
+                let parameters = controller_parameters(subject, site, task);
                 serde_json::to_value(parameters).expect("plain numbers always serialize")
             }
-            false => self.0.tuned(&context.spaces.building, task),
+            false => self.0.tuned(&spaces.building, task),
         }
+    }
+
+    fn values_in(self, context: &EpisodeContext<'_>) -> Value {
+        self.values(context.subject, context.site, context.spaces)
+    }
+
+    /// Returns the actions that the controller commands for the observations of a recorded episode, row by row, within
+    /// their bounds.
+    ///
+    /// # Errors
+    /// Errors from [`Kind::make`].
+    pub fn labels(self, recorded: &Recorded<'_>) -> Result<Vec<f64>> {
+        let Recorded { subject, site, spaces, first_observation, trajectory } = recorded;
+        let (values, width) = (self.values(subject, site, spaces), spaces.action.len());
+        let case = Case { spaces, action: &spaces.action, seed: 0, values: &values };
+        let mut controller = self.0.make(&case)?;
+        controller.reset();
+        let mut labels = vec![0.0; width * trajectory.len()];
+        let later = trajectory.observations.chunks_exact(first_observation.len());
+        let observations = std::iter::once(*first_observation).chain(later);
+        let mut commanded = vec![0.0; width];
+        for (row, observation) in labels.chunks_exact_mut(width.max(1)).zip(observations) {
+            controller.act(observation, &mut commanded);
+            spaces.action.clamp_into(&commanded, row)?;
+        }
+        Ok(labels)
     }
 }
 
@@ -128,12 +154,12 @@ impl Policy for BuiltIn {
         if !self.ignores_interface() || self.0.plans() {
             return Ok(None);
         }
-        let (name, seed, values) = (self.name(), context.seed, self.values(context));
+        let (name, seed, values) = (self.name(), context.seed, self.values_in(context));
         Ok(Some(KindDescription { name, seed, values }.to_order()))
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
-        let values = self.values(&context);
+        let values = self.values_in(&context);
         let EpisodeContext { spaces, interface, seed, episode, .. } = context;
         let case = Case { spaces, action: &interface.action, seed, values: &values };
         // The whole episode is planned on copies, and the plan is replayed afterward.

@@ -8,6 +8,7 @@ mod form;
 mod interface;
 mod limited;
 mod named;
+mod noisy;
 mod onnx;
 mod onnx_format;
 mod onnx_state;

@@ -4,15 +4,16 @@ use std::path::Path;
 
 use b2b_agent::{Agent, INFO};
 
+use super::noisy::NoisyPolicy;
 use super::{ActionScale, BuiltIn, OnnxPolicy, Policy};
 use crate::Result;
 
 impl dyn Policy {
     /// Returns the policy for a name: a [`BuiltIn`], the folder of an agent, or an ONNX file, whose actions have the
-    /// scale `scale`.
+    /// scale `scale`; `NAME+noise0.2` adds [noise](b2b_control::Noise) to the actions of any of them.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); [`Error::NoiseLevel`](crate::Error::NoiseLevel); errors from [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
         let path = Path::new(name);
         if is_onnx(path) {
@@ -20,6 +21,9 @@ impl dyn Policy {
         }
         if is_agent(path) {
             return Ok(Box::new(Agent::read(path)?));
+        }
+        if let Some((name, level)) = NoisyPolicy::parts(name)? {
+            return Ok(Box::new(NoisyPolicy::new(Self::named(name, scale)?, level)));
         }
         Ok(Box::new(name.parse::<BuiltIn>()?))
     }

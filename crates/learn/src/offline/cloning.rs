@@ -1,15 +1,16 @@
 //! Behavior cloning (Pomerleau 1991): an agent that imitates the actions of a dataset, by least squares.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
 use b2b_agent::{
-    Acting, AgentInfo, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot, TrainingInfo,
+    Acting, AgentInfo, FORMAT, Interface, ObservationOptions, Pilot, TrainingInfo,
 };
 use b2b_control::Versions;
 use b2b_env::{ActionSpace, Spaces, unscale};
 
-use super::dataset::{Dataset, EpisodeMetadata};
+use super::dataset::{CorpusEpisode, Dataset, EpisodeMetadata};
 use super::episodes::EpisodeFile;
 use crate::nn::{Adam, Gains, Pass, orthogonal};
 use crate::random::Random;
@@ -30,8 +31,12 @@ const CHUNK: usize = 4096;
 /// Options of cloning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloneConfig {
+    /// Type of the buildings to learn from, in a corpus of several.
+    pub building_type: Option<String>,
+    /// Task of the episodes to learn from, in a corpus of several.
+    pub task: Option<String>,
     /// Observation of the agent.
-    pub observation: ObservationForm,
+    pub observation: ObservationOptions,
     /// Widths of the hidden layers.
     pub hidden: Vec<usize>,
     /// Steps of the optimizer.
@@ -69,11 +74,11 @@ pub fn clone_policy(
     spaces: &mut dyn FnMut(&EpisodeMetadata) -> Result<Arc<Spaces>>,
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Cloned> {
-    let options = ObservationOptions::from(config.observation);
-    let interface = Interface { observation: options, acting: Acting::Direct, nodes: None };
+    let interface = Interface { observation: config.observation, acting: Acting::Direct, nodes: None };
     let (mut learned, mut held_out) = (Samples::default(), Samples::default());
     let mut known: Option<(Vec<String>, Arc<Spaces>)> = None;
-    for (number, episode) in dataset.episodes.iter().enumerate() {
+    let selected = config.selected(dataset)?;
+    for (number, episode) in selected.iter().copied() {
         let spaces = spaces(episode)?;
         let pilot = Pilot::new(interface, &spaces)?;
         let names = [pilot.observation().names(), spaces.action.names().to_vec()].concat();
@@ -82,7 +87,7 @@ pub fn clone_policy(
             return Err(Error::Invalid(format!(
                 "{} has other observations or actuators than {}; with the observation `roles` all houses have the same, \
                  or collect one dataset for each building",
-                episode.building, dataset.episodes[0].building
+                episode.building, selected[0].1.building
             )));
         }
         let file = dataset.read(number)?;
@@ -108,15 +113,57 @@ pub fn clone_policy(
         network: actor.shape.clone(),
         distribution: actor.distribution.clone(),
         task: spaces.episode.task.clone(),
-        training: training(dataset, config),
+        training: training(&selected, dataset, config),
         weights: String::new(),
     };
     Ok(Cloned { info, actor, errors })
 }
 
-fn training(dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {
+impl CloneConfig {
+    /// Returns the episodes to learn from, with their numbers.
+    fn selected<'a>(&self, dataset: &'a Dataset) -> Result<Vec<(usize, &'a EpisodeMetadata)>> {
+        let is_or = |wanted: &Option<String>, own: &str| wanted.as_ref().is_none_or(|wanted| wanted == own);
+        let is_selected = |(_, episode): &(usize, &EpisodeMetadata)| match &episode.corpus {
+            // Without actuators there is nothing to imitate.
+            Some(of) => {
+                of.action_width > 0 && is_or(&self.building_type, &of.building_type) && is_or(&self.task, &of.task)
+            }
+            None => {
+                is_or(&self.building_type, &dataset.contents.building_type)
+                    && is_or(&self.task, &dataset.contents.task)
+            }
+        };
+        let selected: Vec<_> = dataset.episodes.iter().enumerate().filter(is_selected).collect();
+        let values: [(&str, fn(&CorpusEpisode) -> &str); 2] =
+            [("type", |of| &of.building_type), ("task", |of| &of.task)];
+        for (option, value) in values {
+            let found = different(&selected, value);
+            if found.len() > 1 {
+                let found: Vec<&str> = found.into_iter().collect();
+                return Err(Error::Invalid(format!(
+                    "the dataset has episodes of {}; choose one with --{option}",
+                    found.join(", ")
+                )));
+            }
+        }
+        if selected.is_empty() {
+            return Err(Error::Invalid("the dataset has no such episodes with actions".into()));
+        }
+        Ok(selected)
+    }
+}
+
+/// Returns the different values among episodes of a corpus.
+fn different<'a>(
+    selected: &[(usize, &'a EpisodeMetadata)],
+    value: fn(&CorpusEpisode) -> &str,
+) -> BTreeSet<&'a str> {
+    selected.iter().filter_map(|(_, episode)| episode.corpus.as_ref()).map(value).collect()
+}
+
+fn training(episodes: &[(usize, &EpisodeMetadata)], dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {
     let mut buildings: Vec<&str> = Vec::new();
-    for episode in &dataset.episodes {
+    for (_, episode) in episodes {
         if !buildings.contains(&episode.building.as_str()) {
             buildings.push(&episode.building);
         }
@@ -127,7 +174,7 @@ fn training(dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {
         buildings: buildings.join(", "),
         period: dataset.contents.period.clone(),
         steps_per_hour: dataset.contents.steps_per_hour,
-        steps: dataset.episodes.iter().map(|episode| episode.total_steps as u64).sum(),
+        steps: episodes.iter().map(|(_, episode)| episode.total_steps as u64).sum(),
         seed: config.seed,
         package,
         generator,
@@ -162,11 +209,14 @@ fn add(
     let width = file.observations.len() / (file.rewards.len() + 1);
     let steps = file.rewards.len();
     pilot.reset();
-    let rows = file.observations.chunks_exact(width).zip(file.actions.chunks_exact(outputs));
-    for (step, (observation, action)) in rows.enumerate() {
+    // In a corpus, the expert's actions are learned, whatever was done; the previous action that the agent observes is the
+    // expert's too, as it is its own when it acts.
+    let targets = if file.expert.is_empty() { &file.actions } else { &file.expert };
+    let rows = file.observations.chunks_exact(width).zip(targets.chunks_exact(outputs));
+    for (step, (observation, target)) in rows.enumerate() {
         let observation: Vec<f64> = observation.iter().map(|value| f64::from(*value)).collect();
         let bounds = space.low().iter().zip(space.high());
-        let scaled = action.iter().zip(bounds).map(|(value, (low, high))| match rescaled {
+        let scaled = target.iter().zip(bounds).map(|(value, (low, high))| match rescaled {
             true => *value,
             false => unscale(f64::from(*value), *low, *high) as f32,
         });
@@ -245,6 +295,8 @@ fn fit(
 
 #[cfg(test)]
 mod tests {
+    use b2b_agent::ObservationForm;
+
     use super::*;
 
     #[test]
@@ -257,7 +309,9 @@ mod tests {
             samples.actions.extend([0.4 * row[0] - 0.2 * row[1], 0.3 * row[2] + 0.1]);
         }
         let config = CloneConfig {
-            observation: ObservationForm::Raw,
+            building_type: None,
+            task: None,
+            observation: ObservationForm::Raw.into(),
             hidden: vec![32],
             updates: 2000,
             batch_size: 64,

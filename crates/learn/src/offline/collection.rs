@@ -56,6 +56,7 @@ pub fn collect(
         rescaled,
         observation_names: shape.observation_names.clone(),
         action_names: shape.action_names.clone(),
+        widths: None,
     };
     let names: Vec<String> = collection.policies.iter().map(|policy| policy.name()).collect();
     let spec = spec(&building_type, example, rescaled);
@@ -121,6 +122,7 @@ impl Collection<'_> {
             weather: placement.weather.clone(),
             policy: self.policies[part].name(),
             episode_return: file.rewards.iter().sum(),
+            corpus: None,
         };
         new.write(&metadata, &file)?;
         Ok(metadata)
@@ -194,26 +196,35 @@ impl Shape {
 
     /// Returns the spaces of observation and action, as Minari writes them.
     fn boxes(&self) -> [Value; 2] {
-        [&self.observation, &self.action].map(|bounds| {
-            let side = |index: usize| bounds.iter().map(|each| each[index]).collect::<Vec<f32>>();
-            json!({"type": "Box", "dtype": "float32", "shape": [bounds.len()], "low": side(0), "high": side(1)})
-        })
+        [&self.observation, &self.action].map(|bounds| box_space(bounds))
     }
 }
 
-fn file_of(recorded: &Recorded<'_>, rescaled: bool) -> EpisodeFile {
-    let Recorded { spaces, first_observation, trajectory } = recorded;
+/// Returns the space of a vector with these bounds, as Minari writes it.
+pub(super) fn box_space(bounds: &[[f32; 2]]) -> Value {
+    let side = |index: usize| bounds.iter().map(|each| each[index]).collect::<Vec<f32>>();
+    json!({"type": "Box", "dtype": "float32", "shape": [bounds.len()], "low": side(0), "high": side(1)})
+}
+
+/// Returns the steps of a recorded episode, with actions in [-1, 1] if they are rescaled.
+pub(super) fn file_of(recorded: &Recorded<'_>, rescaled: bool) -> EpisodeFile {
+    let Recorded { spaces, first_observation, trajectory, .. } = recorded;
     let observations = first_observation.iter().chain(&trajectory.observations);
-    let bounds = || spaces.action.low().iter().zip(spaces.action.high()).cycle();
-    let action = |(value, (low, high)): (&f64, (&f64, &f64))| match rescaled {
-        false => *value as f32,
-        true => unscale(*value, *low, *high) as f32,
-    };
     EpisodeFile {
         observations: observations.map(|value| *value as f32).collect(),
-        actions: trajectory.actions.iter().zip(bounds()).map(action).collect(),
+        actions: match rescaled {
+            true => unscaled(&trajectory.actions, spaces),
+            false => trajectory.actions.iter().map(|value| *value as f32).collect(),
+        },
         rewards: trajectory.penalties.iter().map(|[temperature, energy]| -(temperature + energy)).collect(),
+        expert: Vec::new(),
     }
+}
+
+/// Returns actions, row by row, scaled from the bounds of each actuator to [-1, 1].
+pub(super) fn unscaled(actions: &[f64], spaces: &Spaces) -> Vec<f32> {
+    let bounds = spaces.action.low().iter().zip(spaces.action.high()).cycle();
+    actions.iter().zip(bounds).map(|(value, (low, high))| unscale(*value, *low, *high) as f32).collect()
 }
 
 /// Returns the absolute path of the model file of an episode.

@@ -17,7 +17,7 @@ use crate::{Error, Result};
 
 /// Version of Minari that defines the format.
 const MINARI: &str = "0.5.3";
-const METADATA: &str = "metadata.json";
+pub(super) const METADATA: &str = "metadata.json";
 
 /// Contents of a dataset, in addition to Minari's own metadata.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,9 @@ pub struct Contents {
     pub observation_names: Vec<String>,
     /// Names of the actuators.
     pub action_names: Vec<String>,
+    /// Widths of observations and actions in a corpus, whose names are in the graphs of its buildings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widths: Option<[usize; 2]>,
 }
 
 /// Metadata of an episode.
@@ -59,6 +62,28 @@ pub struct EpisodeMetadata {
     pub policy: String,
     /// Return.
     pub episode_return: f64,
+    /// Part of an episode in a corpus, whose episodes differ in it.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub corpus: Option<CorpusEpisode>,
+}
+
+/// Metadata of an episode in a corpus.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CorpusEpisode {
+    /// Type of its building.
+    pub building_type: String,
+    /// Task.
+    pub task: String,
+    /// Run period.
+    pub period: String,
+    /// The controller whose actions are the labels; empty where the building's own controls act.
+    pub expert: String,
+    /// File name of its graph.
+    pub graph: String,
+    /// Values of an observation, before the zeros behind them.
+    pub observation_width: usize,
+    /// Actuators, before the zeros behind them.
+    pub action_width: usize,
 }
 
 /// A dataset on disk.
@@ -113,9 +138,23 @@ impl Dataset {
         if let Some(digests) = &self.digests {
             digests.read_file(&self.path, &name.to_string_lossy()).map_err(at(&path))?;
         }
-        let Contents { observation_names, action_names, .. } = &self.contents;
-        episodes::read(&path, observation_names.len(), action_names.len())
+        let Contents { observation_names, action_names, widths, .. } = &self.contents;
+        let [observation, action] = widths.unwrap_or([observation_names.len(), action_names.len()]);
+        let mut file = episodes::read(&path, observation, action)?;
+        if let Some(of) = &self.episodes[episode].corpus {
+            cut(&mut file.observations, observation, of.observation_width);
+            cut(&mut file.actions, action, of.action_width);
+            cut(&mut file.expert, action, of.action_width);
+        }
+        Ok(file)
     }
+}
+
+/// Cuts the padding behind rows.
+fn cut(values: &mut Vec<f32>, from: usize, to: usize) {
+    let rows = values.len() / from;
+    (0..rows).for_each(|row| values.copy_within(row * from..row * from + to, row * to));
+    values.truncate(rows * to);
 }
 
 /// A dataset that is being written to a temporary folder and is moved into place once complete.
@@ -173,46 +212,61 @@ impl NewDataset {
         [observation, action]: [Value; 2],
         spec: &Value,
     ) -> Result<()> {
-        let policies = format!("{algorithm} on {} episodes of {}", episodes.len(), contents.building_type);
-        let metadata = json!({
-            "total_episodes": episodes.len(),
-            "total_steps": episodes.iter().map(|episode| episode.total_steps).sum::<usize>(),
-            "data_format": "parquet",
-            "jpeg_encoding": false,
-            "observation_space": observation.to_string(),
-            "action_space": action.to_string(),
-            "env_spec": spec.to_string(),
-            "dataset_id": id,
-            "minari_version": MINARI,
-            "author": ["building2building"],
-            "algorithm_name": algorithm,
-            "description": policies,
-            "requirements": ["building2building"],
-            "b2b": contents,
-        });
+        let description = format!("{algorithm} on {} episodes of {}", episodes.len(), contents.building_type);
+        let mut metadata = metadata(id, algorithm, &description, contents, episodes, [observation, action]);
+        metadata["env_spec"] = spec.to_string().into();
         write_json(&self.data().join(METADATA), &metadata)?;
-        self.write_digests(episodes)?;
+        write_digests(&self.whole(), files(episodes)).map_err(at(&self.destination))?;
         std::fs::rename(self.whole(), &self.destination).map_err(at(&self.destination))
-    }
-
-    /// Writes the digests of all files.
-    fn write_digests(&self, episodes: &[EpisodeMetadata]) -> Result<()> {
-        let data = Path::new("data");
-        let mut files = vec![data.join(METADATA)];
-        for EpisodeMetadata { id, .. } in episodes {
-            files.extend([data.join(id.to_string()).join(METADATA), episodes::path(data, *id)]);
-        }
-        let mut digests = DigestList::default();
-        for name in files {
-            let path = self.whole().join(&name);
-            digests.add(name.to_string_lossy(), &std::fs::read(&path).map_err(at(&path))?);
-        }
-        digests.write(&self.whole()).map_err(at(&self.destination))
     }
 }
 
+/// Returns Minari's description of a dataset.
+pub(super) fn metadata(
+    id: &str,
+    algorithm: &str,
+    description: &str,
+    contents: &Contents,
+    episodes: &[EpisodeMetadata],
+    [observation, action]: [Value; 2],
+) -> Value {
+    json!({
+        "total_episodes": episodes.len(),
+        "total_steps": episodes.iter().map(|episode| episode.total_steps).sum::<usize>(),
+        "data_format": "parquet",
+        "jpeg_encoding": false,
+        "observation_space": observation.to_string(),
+        "action_space": action.to_string(),
+        "dataset_id": id,
+        "minari_version": MINARI,
+        "author": ["building2building"],
+        "algorithm_name": algorithm,
+        "description": description,
+        "requirements": ["building2building"],
+        "b2b": contents,
+    })
+}
+
+/// Returns the files of the episodes of a dataset and its description.
+pub(super) fn files(episodes: &[EpisodeMetadata]) -> Vec<PathBuf> {
+    let data = Path::new("data");
+    let of_episode = |episode: &EpisodeMetadata| {
+        [data.join(episode.id.to_string()).join(METADATA), episodes::path(data, episode.id)]
+    };
+    std::iter::once(data.join(METADATA)).chain(episodes.iter().flat_map(of_episode)).collect()
+}
+
+/// Writes the digests of files in a folder.
+pub(super) fn write_digests(folder: &Path, files: Vec<PathBuf>) -> std::io::Result<()> {
+    let mut digests = DigestList::default();
+    for name in files {
+        digests.add(name.to_string_lossy(), &std::fs::read(folder.join(&name))?);
+    }
+    digests.write(folder)
+}
+
 /// Reads a file of a dataset, verified if there are digests.
-fn read_json<T: for<'a> Deserialize<'a>>(
+pub(super) fn read_json<T: for<'a> Deserialize<'a>>(
     folder: &Path,
     name: &str,
     digests: Option<&DigestList>,
@@ -226,7 +280,7 @@ fn read_json<T: for<'a> Deserialize<'a>>(
     serde_json::from_slice(&text).map_err(|error| Error::Invalid(format!("{}: {error}", path.display())))
 }
 
-fn write_json(path: &Path, value: &Value) -> Result<()> {
+pub(super) fn write_json(path: &Path, value: &Value) -> Result<()> {
     std::fs::write(path, value.to_string()).map_err(at(path))
 }
 
@@ -243,6 +297,7 @@ mod tests {
             rescaled: true,
             observation_names: vec!["a".into(), "b".into()],
             action_names: vec!["c".into()],
+            widths: None,
         }
     }
 
@@ -254,6 +309,7 @@ mod tests {
             observations: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
             actions: vec![0.5, -0.5],
             rewards: vec![-1.25, -0.5],
+            expert: Vec::new(),
         };
         let metadata = |id| EpisodeMetadata {
             id,
@@ -264,6 +320,7 @@ mod tests {
             weather: None,
             policy: "reactive".into(),
             episode_return: -1.75,
+            corpus: None,
         };
         let new = NewDataset::create(&path).unwrap();
         let episodes = [metadata(0), metadata(1)];

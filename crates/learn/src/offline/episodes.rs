@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float32Type, Float64Type};
-use arrow_array::{ArrayRef, BooleanArray, FixedSizeListArray, Float32Array, Float64Array, RecordBatch};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, FixedSizeListArray, Float32Array, Float64Array, RecordBatch, StructArray,
+};
 use arrow_schema::{DataType, Field};
 use b2b_evaluate::read_parquet;
 use parquet::arrow::ArrowWriter;
@@ -15,6 +17,9 @@ use parquet::file::properties::WriterProperties;
 
 use crate::error::at;
 use crate::{Error, Result};
+
+/// The expert's actions among the infos.
+const EXPERT: &str = "expert_actions";
 
 /// The steps of an episode, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +30,8 @@ pub struct EpisodeFile {
     pub actions: Vec<f32>,
     /// Rewards.
     pub rewards: Vec<f64>,
+    /// The expert's actions for the observations of a corpus; empty in other datasets.
+    pub expert: Vec<f32>,
 }
 
 /// Returns the path of the steps of an episode.
@@ -40,7 +47,7 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
     };
     let mut rewards = episode.rewards.clone();
     rewards.resize(rows, 0.0);
-    let columns: [(&str, ArrayRef); 5] = [
+    let mut columns: Vec<(&str, ArrayRef)> = vec![
         ("observations", lists(&episode.observations, rows)),
         ("actions", lists(&episode.actions, rows)),
         ("rewards", Arc::new(Float64Array::from(rewards))),
@@ -48,6 +55,9 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
         ("terminations", flags(false)),
         ("truncations", flags(true)),
     ];
+    if !episode.expert.is_empty() {
+        columns.push(("infos", infos(&episode.expert, rows)));
+    }
     let damaged = |error: &dyn std::fmt::Display| Error::Invalid(format!("{}: {error}", path.display()));
     let table = RecordBatch::try_from_iter(columns).map_err(|error| damaged(&error))?;
     let file = File::create(path).map_err(at(path))?;
@@ -71,6 +81,13 @@ fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
     Arc::new(FixedSizeListArray::new(field, width as i32, Arc::new(Float32Array::from(numbers)), None))
 }
 
+/// Returns the column that Minari reads as infos.
+fn infos(expert: &[f32], rows: usize) -> ArrayRef {
+    let lists = lists(expert, rows);
+    let field = Field::new(EXPERT, lists.data_type().clone(), true);
+    Arc::new(StructArray::from(vec![(Arc::new(field), lists)]))
+}
+
 /// Reads the steps of an episode with these widths of observation and action.
 pub(super) fn read(path: &Path, observation: usize, action: usize) -> Result<EpisodeFile> {
     let damaged =
@@ -81,12 +98,16 @@ pub(super) fn read(path: &Path, observation: usize, action: usize) -> Result<Epi
     for table in tables {
         let column =
             |name: &str| table.column_by_name(name).ok_or_else(|| damaged(format!("no column {name}")));
-        for (name, width, numbers) in [
-            ("observations", observation, &mut episode.observations),
-            ("actions", action, &mut episode.actions),
-        ] {
+        let infos = table.column_by_name("infos").and_then(|infos| infos.as_struct_opt());
+        let expert = infos.and_then(|infos| infos.column_by_name(EXPERT));
+        let mut columns = vec![
+            ("observations", column("observations")?, observation, &mut episode.observations),
+            ("actions", column("actions")?, action, &mut episode.actions),
+        ];
+        columns.extend(expert.map(|expert| (EXPERT, expert, action, &mut episode.expert)));
+        for (name, column, width, numbers) in columns {
             let lists =
-                column(name)?.as_fixed_size_list_opt().filter(|lists| lists.value_length() as usize == width);
+                column.as_fixed_size_list_opt().filter(|lists| lists.value_length() as usize == width);
             let lists = lists.ok_or_else(|| damaged(format!("{name} are not lists of {width} numbers")))?;
             let values = lists.values().as_primitive_opt::<Float32Type>();
             numbers.extend_from_slice(values.ok_or_else(|| damaged(format!("{name} are not f32")))?.values());
@@ -97,7 +118,9 @@ pub(super) fn read(path: &Path, observation: usize, action: usize) -> Result<Epi
             .extend_from_slice(rewards.ok_or_else(|| damaged("rewards are not f64".into()))?.values());
     }
     // The row of the last observation has no action.
-    episode.actions.truncate(episode.actions.len().saturating_sub(action));
+    for actions in [&mut episode.actions, &mut episode.expert] {
+        actions.truncate(actions.len().saturating_sub(action));
+    }
     episode.rewards.pop();
     Ok(episode)
 }

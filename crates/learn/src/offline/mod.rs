@@ -5,10 +5,12 @@
 
 mod cloning;
 mod collection;
+mod corpus;
 mod dataset;
 mod episodes;
 
 pub use cloning::{CloneConfig, Cloned, clone_policy};
 pub use collection::{Collection, collect};
-pub use dataset::{Contents, Dataset, EpisodeMetadata};
+pub use corpus::{Behavior, Collected, CorpusPart, Definition, collect_corpus};
+pub use dataset::{Contents, CorpusEpisode, Dataset, EpisodeMetadata};
 pub use episodes::EpisodeFile;

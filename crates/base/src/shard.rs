@@ -1,8 +1,15 @@
-//! A part of an experiment's jobs, for job arrays.
+//! A part of a list of jobs, for job arrays.
 
 use std::str::FromStr;
 
-use crate::error::Error;
+use thiserror::Error;
+
+/// Text that is not a shard.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("invalid shard `{text}`; expected I/N with I from 0 to N - 1, such as 0/3")]
+pub struct InvalidShard {
+    text: String,
+}
 
 /// The part `index` of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,14 +29,14 @@ impl Shard {
 }
 
 impl FromStr for Shard {
-    type Err = Error;
+    type Err = InvalidShard;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self, InvalidShard> {
         let parsed = text.split_once('/').and_then(|(index, count)| {
             let shard = Self { index: index.parse().ok()?, count: count.parse().ok()? };
             (shard.index < shard.count).then_some(shard)
         });
-        parsed.ok_or_else(|| Error::Shard { text: text.to_owned() })
+        parsed.ok_or_else(|| InvalidShard { text: text.to_owned() })
     }
 }
 

@@ -1,0 +1,53 @@
+//! The card of a corpus.
+
+use std::collections::BTreeMap;
+
+use super::definition::Definition;
+use crate::offline::dataset::EpisodeMetadata;
+
+/// Returns the description of a corpus for people, in Markdown.
+pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[EpisodeMetadata]) -> String {
+    let [observation, action] = definition.widths;
+    let transitions: usize = episodes.iter().map(|episode| episode.total_steps).sum();
+    format!(
+        "# {id}\n\n\
+         The corpus `{name}` of building2building: {transitions} transitions of 5 minutes, in {buildings} episodes of a week \
+         in {all} buildings of six types, all from the training split of its dataset v1. Simulated with EnergyPlus.\n\n\
+         | type | task | policy | episodes | mean return |\n|---|---|---|--:|--:|\n{rows}\n\
+         ## Files\n\n\
+         - `data/N/part-0.parquet`: the steps of an episode in Minari's format, also plain Parquet. `observations` are f32 in \
+         physical units with zeros behind them to {observation} values, `actions` are scaled to [-1, 1] between the bounds of \
+         each actuator with zeros behind them to {action}; `infos.expert_actions` are the actions of the expert for the same \
+         observation. The last row has an observation alone.\n\
+         - `data/N/metadata.json`: building, task, period, policy, seed, widths without zeros, and the graph.\n\
+         - `graphs/*.json`: a building's nodes with attributes, its edges, and the node, quantity and bounds of every \
+         value of an observation and an action. `universe.json` has the node types.\n\
+         - `SHA256SUMS`: digests of all files.\n\n\
+         ## Policies\n\n\
+         `reactive` are the paper's tuned controllers, `guideline36` the sequences of ASHRAE Guideline 36, `own` the model's \
+         own thermostats and schedules (no actions), `random` uniform actions. `+noiseX` adds noise, uniform within X of \
+         half of each actuator's range and held for an hour. The expert is `reactive` in tasks with targets and \
+         `guideline36` in operation.\n\n\
+         ## Use\n\n\
+         ```python\nimport minari\n\ndataset = minari.load_dataset(\"{id}\")\n```\n\n\
+         ```sh\nb2b collect --corpus {name} {id}      # makes it again, with the same bytes on the same machine\n```\n",
+        buildings = episodes.len(),
+        all = definition.all_buildings(),
+        rows = rows(episodes),
+    )
+}
+
+/// Returns the rows of the table: by type, task and policy.
+fn rows(episodes: &[EpisodeMetadata]) -> String {
+    let mut groups: BTreeMap<[&str; 3], (usize, f64)> = BTreeMap::new();
+    for episode in episodes {
+        let Some(of) = &episode.corpus else { continue };
+        let (count, sum) = groups.entry([&of.building_type, &of.task, &episode.policy]).or_default();
+        *count += 1;
+        *sum += episode.episode_return;
+    }
+    let row = |([building_type, task, policy], (count, sum)): ([&str; 3], (usize, f64))| {
+        format!("| {building_type} | `{task}` | `{policy}` | {count} | {:.0} |\n", sum / count as f64)
+    };
+    groups.into_iter().map(row).collect()
+}

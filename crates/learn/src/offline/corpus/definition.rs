@@ -1,0 +1,165 @@
+//! Definitions of corpora.
+
+use std::collections::BTreeMap;
+
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::{BuildingId, BuildingName, Placement, Split};
+use b2b_env::Task;
+use b2b_evaluate::{Episode, Subject};
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Result};
+
+/// Days of an episode.
+const DAYS: u32 = 7;
+/// Whole weeks of a year.
+const WEEKS: u32 = 52;
+/// Zone time steps per hour.
+const STEPS_PER_HOUR: u32 = 12;
+
+/// The definition of a corpus.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Definition {
+    /// Buildings of each type, from the training split.
+    pub buildings: u32,
+    /// Weeks in each building, spread over the year.
+    pub weeks: u32,
+    /// Widths that observations and actions are padded to.
+    pub widths: [usize; 2],
+    /// Policies by task.
+    pub episodes: Vec<Behavior>,
+}
+
+/// Policies under a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Behavior {
+    /// The task.
+    pub task: String,
+    /// The policies.
+    pub policies: Vec<String>,
+}
+
+/// An episode of a corpus.
+pub(super) struct Planned<'a> {
+    /// Number.
+    pub number: usize,
+    /// Number of its building.
+    pub building: usize,
+    /// Its task.
+    pub task: &'a str,
+    /// Name of its policy.
+    pub policy: &'a str,
+    /// The episode.
+    pub episode: Episode,
+}
+
+impl Definition {
+    /// Returns the definition with a name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        let mut all: BTreeMap<String, Self> =
+            toml::from_str(include_str!("../../../data/corpora.toml")).expect("a test reads it");
+        let known = all.keys().cloned().collect::<Vec<_>>().join(", ");
+        all.remove(name)
+            .ok_or_else(|| Error::Invalid(format!("unknown corpus `{name}`; expected one of {known}")))
+    }
+
+    /// Returns the number of buildings of all types.
+    pub fn all_buildings(&self) -> usize {
+        BuildingType::ALL.len() * self.buildings as usize
+    }
+
+    /// Returns the number of episodes.
+    pub fn len(&self) -> usize {
+        self.all_buildings() * self.weeks as usize * self.policies().count()
+    }
+
+    /// Returns whether there are no episodes.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the number of transitions.
+    pub fn transitions(&self) -> usize {
+        self.len() * (DAYS * 24 * STEPS_PER_HOUR) as usize
+    }
+
+    /// Returns the tasks and policies, in the order of the episodes of a week.
+    pub(super) fn policies(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.episodes.iter().flat_map(|behavior| {
+            let Behavior { task, policies } = behavior;
+            policies.iter().map(|policy| (task.as_str(), policy.as_str()))
+        })
+    }
+
+    /// Returns all episodes, by building, week and policy.
+    ///
+    /// # Errors
+    /// [`Error::Env`] for an invalid task.
+    pub(super) fn plan(&self) -> Result<Vec<Planned<'_>>> {
+        let mut planned = Vec::with_capacity(self.len());
+        for (building, id) in self.ids().into_iter().enumerate() {
+            for week in 0..self.weeks {
+                let period = self.week(building as u32 % self.buildings, week);
+                for (task, policy) in self.policies() {
+                    let number = planned.len();
+                    let subject = Subject { name: BuildingName::Id(id), placement: Placement::default() };
+                    let episode = Episode {
+                        subject,
+                        task: task.parse::<Task>()?,
+                        period: period.into(),
+                        seed: number as u64,
+                        steps_per_hour: STEPS_PER_HOUR,
+                    };
+                    planned.push(Planned { number, building, task, policy, episode });
+                }
+            }
+        }
+        Ok(planned)
+    }
+
+    /// Returns the buildings: the first ones of the training split, by type.
+    pub fn ids(&self) -> Vec<BuildingId> {
+        let of_type = |building_type| {
+            let rows = b2b_dataset::rows(building_type).iter();
+            let training = rows.filter(|row| row.split == Split::Train).map(|row| row.id);
+            training.take(self.buildings as usize)
+        };
+        BuildingType::ALL.into_iter().flat_map(of_type).collect()
+    }
+
+    /// Returns the days of a week in a building, both given by number.
+    fn week(&self, building: u32, week: u32) -> RunPeriod {
+        let number = (building * WEEKS / self.buildings + week * WEEKS / self.weeks) % WEEKS;
+        let first = 1 + DAYS * number;
+        RunPeriod::new(Date::of_day(first), Date::of_day(first + DAYS - 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn the_corpora_have_their_sizes_and_weeks_all_over_the_year() {
+        let quick = Definition::named("quick").unwrap();
+        let full = Definition::named("full").unwrap();
+        assert_eq!((quick.transitions(), full.transitions()), (2_032_128, 101_606_400));
+        assert!(full.all_buildings() >= 1000);
+        for definition in [quick, full] {
+            let planned = definition.plan().unwrap();
+            assert_eq!(planned.len(), definition.len());
+            assert!(planned.iter().enumerate().all(|(number, each)| each.number == number));
+            let weeks: HashSet<String> = planned.iter().map(|each| each.episode.period.to_string()).collect();
+            assert!(weeks.len() >= 24 && weeks.contains("01-01..01-07"), "{weeks:?}");
+            assert!(planned.iter().all(|each| each.episode.days() == u64::from(DAYS)));
+        }
+        assert!(Definition::named("huge").unwrap_err().to_string().contains("full, quick"));
+    }
+}

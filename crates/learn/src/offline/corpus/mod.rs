@@ -1,0 +1,150 @@
+//! A corpus: trajectories of many policies in buildings of all types, as one dataset.
+//!
+//! Vectors are padded with zeros to one width; the graph of each building says what a value is and which node it belongs
+//! to. Every step has the expert's action for its observation. Episodes are written one by one, so that a corpus can be
+//! resumed and divided between machines.
+
+mod card;
+mod definition;
+mod graph;
+mod writer;
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use b2b_base::shard::Shard;
+use b2b_evaluate::{ActionScale, BuiltIn, Episode, Evaluation, Policy, Progress, Recorded};
+
+use definition::Planned;
+pub use definition::{Behavior, Definition};
+use graph::Graph;
+use writer::Writer;
+
+use super::collection::{file_of, unscaled};
+use super::dataset::{CorpusEpisode, EpisodeMetadata};
+use crate::{Error, Result};
+
+/// A part of a corpus to collect.
+#[derive(Clone, Copy, Debug)]
+pub struct CorpusPart<'a> {
+    /// Name of the dataset, such as `b2b/corpus-quick-v0`.
+    pub id: &'a str,
+    /// Name of the definition.
+    pub name: &'a str,
+    /// The buildings to run, by number.
+    pub shard: Shard,
+}
+
+/// What there is of a corpus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Collected {
+    /// Episodes that are written.
+    pub episodes: usize,
+    /// All episodes of the corpus.
+    pub of: usize,
+    /// Transitions that are written.
+    pub transitions: usize,
+}
+
+impl Collected {
+    /// Returns whether the corpus is complete: a dataset that can be read.
+    pub fn is_complete(&self) -> bool {
+        self.episodes == self.of
+    }
+}
+
+/// Runs the remaining episodes of a part, and completes the corpus if no other part has episodes left.
+///
+/// # Errors
+/// [`Error::Invalid`] for an unknown name, a folder of another corpus, a vector wider than the corpus, and when an episode
+/// is lost; errors from [`Evaluation::record`].
+pub fn collect_corpus(
+    part: &CorpusPart<'_>,
+    destination: &Path,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<Collected> {
+    let definition = Definition::named(part.name)?;
+    let writer = Writer::open(destination, part.name, &definition)?;
+    let planned = definition.plan()?;
+    let is_left = |each: &&Planned<'_>| part.shard.contains(each.building) && !writer.has(each.number);
+    let left: Vec<_> = planned.iter().filter(is_left).collect();
+    for (task, name) in definition.policies() {
+        let policy = <dyn Policy>::named(name, ActionScale::Rescaled)?;
+        let of_policy = |each: &&&Planned<'_>| (each.task, each.policy) == (task, name);
+        let episodes: Vec<_> =
+            left.iter().filter(of_policy).map(|each| (each.number, &each.episode)).collect();
+        if !episodes.is_empty() {
+            record(&episodes, policy.as_ref(), &writer, evaluation, progress)?;
+        }
+    }
+    let episodes = planned.iter().filter(|each| writer.has(each.number)).count();
+    let transitions = definition.transitions() / planned.len() * episodes;
+    let collected = Collected { episodes, of: planned.len(), transitions };
+    if collected.is_complete() {
+        writer.finish(part.id, part.name)?;
+    }
+    Ok(collected)
+}
+
+/// Runs and writes the episodes of a policy.
+fn record(
+    episodes: &[(usize, &Episode)],
+    policy: &dyn Policy,
+    writer: &Writer<'_>,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<()> {
+    progress.begin(&policy.name(), episodes.len(), episodes.iter().map(|(_, episode)| episode.days()).sum());
+    let episode_of = |number: usize| episodes.iter().find(|(known, _)| *known == number).map(|(_, it)| *it);
+    let failure = Mutex::new(None);
+    let recorded = evaluation.record(episodes, policy, progress, &|number, recorded| {
+        let episode = episode_of(number).expect("it is one of them");
+        let outcome = match recorded {
+            Ok(recorded) => write(number, episode, recorded, policy, writer),
+            Err(lost) => Err(Error::Invalid(format!("{episode} was lost: {lost}"))),
+        };
+        outcome.map_err(|error| {
+            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+            b2b_evaluate::Error::Interrupted
+        })
+    });
+    let failure = failure.into_inner().unwrap_or_else(PoisonError::into_inner);
+    recorded.map_err(|error| failure.unwrap_or_else(|| error.into()))
+}
+
+/// Writes an episode with its labels and its graph.
+fn write(
+    number: usize,
+    episode: &Episode,
+    recorded: &Recorded<'_>,
+    policy: &dyn Policy,
+    writer: &Writer<'_>,
+) -> Result<()> {
+    let spaces = recorded.spaces;
+    let expert = BuiltIn::baseline_of(&episode.task);
+    let mut file = file_of(recorded, true);
+    if !spaces.action.is_empty() {
+        file.expert = unscaled(&expert.labels(recorded)?, spaces);
+    }
+    let metadata = EpisodeMetadata {
+        id: number,
+        total_steps: file.rewards.len(),
+        seed: episode.seed,
+        building: episode.subject.label(),
+        place: None,
+        weather: None,
+        policy: policy.name(),
+        episode_return: file.rewards.iter().sum(),
+        corpus: Some(CorpusEpisode {
+            building_type: episode.subject.building_type().to_owned(),
+            task: episode.task.to_string(),
+            period: episode.period.to_string(),
+            expert: if spaces.action.is_empty() { String::new() } else { expert.to_string() },
+            graph: Graph::of(spaces)?.write(&writer.graphs())?,
+            observation_width: spaces.observation.len(),
+            action_width: spaces.action.len(),
+        }),
+    };
+    writer.write(&metadata, file)
+}
