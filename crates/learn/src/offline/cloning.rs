@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
-use b2b_agent::{
-    Acting, AgentInfo, FORMAT, Interface, ObservationOptions, Pilot, TrainingInfo,
-};
+use b2b_agent::{Acting, AgentInfo, FORMAT, Interface, ObservationOptions, Pilot, TrainingInfo};
 use b2b_control::Versions;
 use b2b_env::{ActionSpace, Spaces, unscale};
 
@@ -126,7 +124,9 @@ impl CloneConfig {
         let is_selected = |(_, episode): &(usize, &EpisodeMetadata)| match &episode.corpus {
             // Without actuators there is nothing to imitate.
             Some(of) => {
-                of.action_width > 0 && is_or(&self.building_type, &of.building_type) && is_or(&self.task, &of.task)
+                of.action_width > 0
+                    && is_or(&self.building_type, &of.building_type)
+                    && is_or(&self.task, &of.task)
             }
             None => {
                 is_or(&self.building_type, &dataset.contents.building_type)

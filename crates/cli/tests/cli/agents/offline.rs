@@ -1,6 +1,10 @@
 //! `b2b collect` and `b2b clone` from the outside, on the real engine.
 
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
 use b2b_energyplus::install::{Engine, Quiet};
+use b2b_learn::offline::{Dataset, EpisodeFile};
 
 use crate::program::{assert_rejected, b2b, json, stderr};
 
@@ -73,4 +77,81 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
     let summary = json(path, &format!("collect own-v0 {model} {day}"));
     assert_eq!((&summary["steps"], &summary["contents"]["rescaled"]), (&288.into(), &false.into()));
     assert_eq!(std::fs::read_dir(path.join("datasets")).unwrap().count(), 2);
+}
+
+/// A corpus of two types, small enough for a test.
+const TINY: &str = r#"
+types = ["SingleFamilyHouse", "OfficeSmall"]
+buildings = 1
+weeks = 1
+widths = [256, 16]
+
+[[episodes]]
+task = "occupancy"
+policies = ["reactive", "reactive+noise0.3"]
+
+[[episodes]]
+task = "operate+preview"
+policies = ["own"]
+"#;
+
+/// Returns the content of all files of a folder, by name.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => all.extend(files(&path)),
+            false => drop(all.insert(path.clone(), std::fs::read(&path).unwrap())),
+        }
+    }
+    all
+}
+
+#[test]
+fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(path.join("tiny.toml"), TINY).unwrap();
+    let collect = "collect --corpus tiny.toml b2b/tiny-v0 --out";
+    let part = json(path, &format!("{collect} parts --shard 1/2"));
+    assert_eq!((&part["episodes"], &part["of"], &part["complete"]), (&3.into(), &6.into(), &false.into()));
+    assert!(!path.join("parts/b2b/tiny-v0/data/metadata.json").exists());
+    let rest = json(path, &format!("{collect} parts"));
+    assert_eq!((&rest["steps"], &rest["complete"]), (&(6 * 2016).into(), &true.into()));
+    json(path, &format!("{collect} whole"));
+    let relative = |root: &str| -> BTreeMap<PathBuf, Vec<u8>> {
+        let root = path.join(root);
+        files(&root)
+            .into_iter()
+            .map(|(file, bytes)| (file.strip_prefix(&root).unwrap().to_owned(), bytes))
+            .collect()
+    };
+    let whole = relative("whole");
+    assert!(relative("parts") == whole);
+    // 6 episodes with metadata, 4 graphs, description, card, definition, universe and digests.
+    assert_eq!(whole.len(), 2 * 6 + 4 + 5, "{:?}", whole.keys());
+    assert_rejected(path, "collect --corpus quick b2b/tiny-v0 --out whole", &["is another corpus"]);
+    assert_rejected(path, "collect --corpus huge b2b/x-v0", &["unknown corpus `huge`", "full, quick"]);
+
+    // Without noise, the label is what was done, except where the ventilation interlock raised a flow.
+    let dataset = Dataset::open(&path.join("whole/b2b/tiny-v0")).unwrap();
+    let of = |number: usize| dataset.episodes[number].corpus.as_ref().unwrap();
+    assert_eq!(
+        (&of(0).building_type[..], of(0).action_width, &of(0).expert[..]),
+        ("OfficeSmall", 10, "reactive")
+    );
+    assert_eq!((of(5).action_width, &of(5).expert[..], of(5).task.as_str()), (0, "", "operate+preview"));
+    let (exact, noisy) = (dataset.read(3).unwrap(), dataset.read(4).unwrap());
+    let near = |file: &EpisodeFile| {
+        let pairs = file.actions.iter().zip(&file.expert);
+        pairs.filter(|(action, label)| (*action - *label).abs() < 1e-6).count() as f64
+            / file.actions.len() as f64
+    };
+    assert_eq!(exact.expert.len(), 2016 * 10);
+    assert!(near(&exact) > 0.9, "{}", near(&exact));
+    assert!(near(&noisy) < 0.5, "{}", near(&noisy));
+    let clone = "clone whole/b2b/tiny-v0 --observation features --updates 50 --hidden 16 --out clone";
+    assert_rejected(path, clone, &["OfficeSmall, SingleFamilyHouse", "--type"]);
+    json(path, &format!("{clone} --type OfficeSmall"));
 }

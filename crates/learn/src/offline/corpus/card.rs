@@ -12,7 +12,7 @@ pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[Ep
     format!(
         "# {id}\n\n\
          The corpus `{name}` of building2building: {transitions} transitions of 5 minutes, in {buildings} episodes of a week \
-         in {all} buildings of six types, all from the training split of its dataset v1. Simulated with EnergyPlus.\n\n\
+         in {all} buildings of {types} types, all from the training split of its dataset v1. Simulated with EnergyPlus.\n\n\
          | type | task | policy | episodes | mean return |\n|---|---|---|--:|--:|\n{rows}\n\
          ## Files\n\n\
          - `data/N/part-0.parquet`: the steps of an episode in Minari's format, also plain Parquet. `observations` are f32 in \
@@ -33,6 +33,7 @@ pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[Ep
          ```sh\nb2b collect --corpus {name} {id}      # makes it again, with the same bytes on the same machine\n```\n",
         buildings = episodes.len(),
         all = definition.all_buildings(),
+        types = definition.types.len(),
         rows = rows(episodes),
     )
 }

@@ -1,6 +1,7 @@
 //! Definitions of corpora.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Placement, Split};
@@ -8,6 +9,7 @@ use b2b_env::Task;
 use b2b_evaluate::{Episode, Subject};
 use serde::{Deserialize, Serialize};
 
+use crate::error::at;
 use crate::{Error, Result};
 
 /// Days of an episode.
@@ -21,6 +23,9 @@ const STEPS_PER_HOUR: u32 = 12;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Definition {
+    /// Building types; all six by default.
+    #[serde(default = "all_types")]
+    pub types: Vec<BuildingType>,
     /// Buildings of each type, from the training split.
     pub buildings: u32,
     /// Weeks in each building, spread over the year.
@@ -56,21 +61,42 @@ pub(super) struct Planned<'a> {
 }
 
 impl Definition {
-    /// Returns the definition with a name.
+    /// Returns the definition with a name, or the one in a TOML file.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an unknown name.
+    /// [`Error::Invalid`] for an unknown name and a definition with an error; [`Error::Io`].
     pub fn named(name: &str) -> Result<Self> {
         let mut all: BTreeMap<String, Self> =
             toml::from_str(include_str!("../../../data/corpora.toml")).expect("a test reads it");
-        let known = all.keys().cloned().collect::<Vec<_>>().join(", ");
-        all.remove(name)
-            .ok_or_else(|| Error::Invalid(format!("unknown corpus `{name}`; expected one of {known}")))
+        let path = Path::new(name);
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            let known = all.keys().cloned().collect::<Vec<_>>().join(", ");
+            let unknown = || format!("unknown corpus `{name}`; expected {known} or a TOML file");
+            return all.remove(name).ok_or_else(|| Error::Invalid(unknown()));
+        }
+        let text = std::fs::read_to_string(path).map_err(at(path))?;
+        let definition: Self =
+            toml::from_str(&text).map_err(|error| Error::Invalid(format!("{name}: {error}")))?;
+        definition.check().map_err(|why| Error::Invalid(format!("{name}: {why}")))?;
+        Ok(definition)
+    }
+
+    fn check(&self) -> std::result::Result<(), String> {
+        let numbers = [("buildings", self.buildings, 800), ("weeks", self.weeks, WEEKS)];
+        if let Some((name, value, most)) =
+            numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value))
+        {
+            return Err(format!("`{name}` is {value}; expected 1 to {most}"));
+        }
+        match self.types.is_empty() || self.policies().next().is_none() {
+            true => Err("it has no types or no policies; expected at least one of each".into()),
+            false => Ok(()),
+        }
     }
 
     /// Returns the number of buildings of all types.
     pub fn all_buildings(&self) -> usize {
-        BuildingType::ALL.len() * self.buildings as usize
+        self.types.len() * self.buildings as usize
     }
 
     /// Returns the number of episodes.
@@ -129,7 +155,7 @@ impl Definition {
             let training = rows.filter(|row| row.split == Split::Train).map(|row| row.id);
             training.take(self.buildings as usize)
         };
-        BuildingType::ALL.into_iter().flat_map(of_type).collect()
+        self.types.iter().copied().flat_map(of_type).collect()
     }
 
     /// Returns the days of a week in a building, both given by number.
@@ -138,6 +164,10 @@ impl Definition {
         let first = 1 + DAYS * number;
         RunPeriod::new(Date::of_day(first), Date::of_day(first + DAYS - 1))
     }
+}
+
+fn all_types() -> Vec<BuildingType> {
+    BuildingType::ALL.to_vec()
 }
 
 #[cfg(test)]
