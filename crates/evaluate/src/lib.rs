@@ -29,9 +29,9 @@ pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
-    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
-    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
-    read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
+    Deviations, Episode, EpisodeInfo, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
+    KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, read_episodes,
+    read_kept, read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
 };
 pub use output::read_rows;
 pub use panics::panic_message;
@@ -47,5 +47,5 @@ pub use scores::{
     normalized_score, resolved_score, score_at_comfort,
 };
 pub use subject::{SiteInfo, Subject, hash_of};
-pub use summary::{Group, LostEpisode, OperationComfort, Summary, Window, type_label};
+pub use summary::{Group, OperationComfort, Summary, Window, type_label};
 pub use tuned::{controller_parameters, task_for};

@@ -7,7 +7,7 @@ use b2b_dataset::{BuildingName, Control};
 use b2b_env::{CostScale, OPERATION_WEIGHT};
 use serde::Serialize;
 
-use crate::evaluation::Row;
+use crate::evaluation::EpisodeResult;
 
 /// Approximate share of discomfort intended in the guideline controller's penalty.
 const DISCOMFORT_SHARE: f64 = 0.1;
@@ -18,7 +18,7 @@ pub struct Operation<'a> {
     /// Name of the controller.
     pub policy: &'a str,
     /// The episodes.
-    pub rows: &'a [Row],
+    pub rows: &'a [EpisodeResult],
 }
 
 /// The weight that makes discomfort a tenth of a controller's penalty, and the numbers it is computed from.
@@ -67,7 +67,7 @@ struct Episode {
 }
 
 /// Returns the mean cost of an hour in each class that has episodes, in the order of the classes.
-pub fn cost_scales(rows: &[Row]) -> Vec<CostScale> {
+pub fn cost_scales(rows: &[EpisodeResult]) -> Vec<CostScale> {
     let mut classes: BTreeMap<Class, Vec<Episode>> = BTreeMap::new();
     for episode in rows.iter().filter_map(Episode::of) {
         classes.entry(episode.class).or_default().push(episode);
@@ -84,7 +84,7 @@ pub fn cost_scales(rows: &[Row]) -> Vec<CostScale> {
 
 /// Returns the weights that make discomfort a tenth of the penalty of the controller whose costs are the scales, for
 /// each type and for all.
-pub fn balances(rows: &[Row]) -> Vec<Balance> {
+pub fn balances(rows: &[EpisodeResult]) -> Vec<Balance> {
     let mut types: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in rows {
         let Some(episode) = Episode::of(row) else { continue };
@@ -146,7 +146,7 @@ impl Ranked {
 
 impl Episode {
     /// Returns `None` for a lost episode, a building outside the dataset, or a task with targets.
-    fn of(row: &Row) -> Option<Self> {
+    fn of(row: &EpisodeResult) -> Option<Self> {
         let (name, _) = Control::split_name(&row.info.building);
         let Ok(BuildingName::Id(id)) = name.parse() else { return None };
         let metrics = row.metrics()?;
@@ -170,7 +170,7 @@ mod tests {
     use crate::{BuiltIn, Subject};
 
     /// Two weeks of a building at a cost per m² and a discomfort in K·h per zone.
-    fn row(building: &str, cost: f64, discomfort: f64) -> Row {
+    fn row(building: &str, cost: f64, discomfort: f64) -> EpisodeResult {
         let episode = Run {
             subject: Subject::at_home(building.parse().unwrap()),
             task: "operate".parse().unwrap(),
@@ -185,7 +185,7 @@ mod tests {
             ..EpisodeMetrics::default()
         };
         let scored = Scored { metrics, score: Some(cost), ..Scored::default() };
-        Row { info: EpisodeInfo::of(&episode, &BuiltIn::guideline36()), outcome: Ok(scored) }
+        EpisodeResult { info: EpisodeInfo::of(&episode, &BuiltIn::guideline36()), outcome: Ok(scored) }
     }
 
     #[test]
