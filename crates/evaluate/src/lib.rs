@@ -6,6 +6,7 @@
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
 //!    is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
+//! 5. A [`problem`] names the episodes that agents may be trained on, and those that they are tested on.
 
 pub mod any_number;
 mod baseline;
@@ -16,6 +17,7 @@ mod output;
 mod panics;
 mod parquet_file;
 mod policy;
+pub mod problem;
 pub mod report;
 mod results;
 mod return_terms;

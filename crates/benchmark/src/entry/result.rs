@@ -69,9 +69,8 @@ impl RunResult {
     pub(super) fn of(entry: &Entry, stages: &[(Stage, Vec<EpisodeResult>)]) -> Result<Self> {
         let versions = Versions::current();
         let problem = &entry.problem;
-        let measures = Measures::of(stages, problem.protocol.consecutive()).ok_or_else(|| {
-            Error::Problem { name: problem.name.clone(), why: "no episode has a score".into() }
-        })?;
+        let measures = Measures::of(stages, problem.protocol.consecutive())
+            .ok_or_else(|| problem.error("no episode has a score".into()))?;
         Ok(Self {
             format: FORMAT,
             name: entry.name.clone(),

@@ -146,6 +146,7 @@ fn ends_evaluation(error: &Error) -> bool {
             | Error::ObservationShape { .. }
             | Error::ActionShape { .. }
             | Error::InvalidPolicy { .. }
+            | Error::Problem { .. }
             | Error::Policy(_)
     )
 }

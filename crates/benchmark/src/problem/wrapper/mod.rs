@@ -6,15 +6,11 @@ use b2b_base::digest::sha256;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
+use b2b_evaluate::problem::{Attributes, Fallback, Memory, Problem, RestrictedAction, Side};
+use b2b_evaluate::{EpisodeContext, Form, Interface, Policy, controller_parameters};
 use serde_json::Value;
 
-use super::definition::Problem;
-use super::protocol::{Attributes, Memory};
-use super::restriction::{Fallback, RestrictedAction};
-use super::side::Side;
-use crate::{Error, Result};
-use b2b_evaluate::controller_parameters;
-use b2b_evaluate::{EpisodeContext, Form, Interface, Policy};
+use crate::Result;
 use previous_step::PreviousStep;
 
 /// A policy behind the observation and action spaces of a problem's side: observations have the problem's form (or the
@@ -76,7 +72,7 @@ impl<'a> WrappedPolicy<'a> {
         if let Some(building_type) = subject.name.building_type()
             && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
         {
-            return Err(Error::Problem { name: self.problem.name.clone(), why });
+            return Err(self.problem.error(why).into());
         }
         Ok(Access { restricted, attributes, previous, form, action })
     }
@@ -104,10 +100,8 @@ impl<'a> WrappedPolicy<'a> {
     /// Returns the number of zeros that pad an observation of `slots` values.
     fn padding(&self, slots: usize) -> Result<usize> {
         let Some(width) = self.problem.protocol.observation_width else { return Ok(0) };
-        width.checked_sub(slots).ok_or_else(|| Error::Problem {
-            name: self.problem.name.clone(),
-            why: format!("an observation has {slots} values, more than observation_width, {width}"),
-        })
+        let too_long = || format!("an observation has {slots} values, more than observation_width, {width}");
+        width.checked_sub(slots).ok_or_else(|| self.problem.error(too_long()).into())
     }
 }
 
@@ -164,7 +158,7 @@ impl Policy for WrappedPolicy<'_> {
                 "{} controls all actuators; it cannot run with some of them withheld",
                 self.policy.name()
             );
-            return Err(Error::Problem { name: self.problem.name.clone(), why }.into());
+            return Err(self.problem.error(why));
         }
         let inner = self.policy.controller(EpisodeContext {
             subject,
