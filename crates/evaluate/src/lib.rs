@@ -39,8 +39,8 @@ pub use output::read_rows;
 pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{
-    Ablation, ActionScale, BuiltIn, EpisodeContext, Form, HouseForm, Interface, OnnxPolicy, Policy, is_agent,
-    is_onnx,
+    Ablation, ActionScale, BuiltIn, EpisodeContext, HouseForm, OnnxPolicy, Policy, PolicyForm,
+    PolicyInterface, is_agent, is_onnx,
 };
 pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;

@@ -55,7 +55,7 @@ pub struct Ranked {
 pub const WEIGHTS: [f64; 3] = [0.25, 1.0, 4.0];
 
 /// An episode in the units of the reward.
-struct Episode {
+struct OperationEpisode {
     class: Class,
     building: String,
     /// Currency/m².
@@ -68,11 +68,11 @@ struct Episode {
 
 /// Returns the mean cost of an hour in each class that has episodes, in the order of the classes.
 pub fn cost_scales(rows: &[EpisodeResult]) -> Vec<CostScale> {
-    let mut classes: BTreeMap<Class, Vec<Episode>> = BTreeMap::new();
-    for episode in rows.iter().filter_map(Episode::of) {
+    let mut classes: BTreeMap<Class, Vec<OperationEpisode>> = BTreeMap::new();
+    for episode in rows.iter().filter_map(OperationEpisode::of) {
         classes.entry(episode.class).or_default().push(episode);
     }
-    let scale = |(class, episodes): (Class, Vec<Episode>)| {
+    let scale = |(class, episodes): (Class, Vec<OperationEpisode>)| {
         let mut buildings: Vec<String> = episodes.iter().map(|episode| episode.building.clone()).collect();
         buildings.dedup();
         let cost: f64 = episodes.iter().map(|episode| episode.cost).sum();
@@ -87,7 +87,7 @@ pub fn cost_scales(rows: &[EpisodeResult]) -> Vec<CostScale> {
 pub fn balances(rows: &[EpisodeResult]) -> Vec<Balance> {
     let mut types: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in rows {
-        let Some(episode) = Episode::of(row) else { continue };
+        let Some(episode) = OperationEpisode::of(row) else { continue };
         types.entry(&row.info.building_type).or_default().push(episode.discomfort / episode.hours);
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -124,9 +124,11 @@ impl Balance {
 
 impl Ranked {
     fn of(operation: &Operation<'_>, scales: &[CostScale]) -> Self {
-        let episodes: Vec<Episode> = operation.rows.iter().filter_map(Episode::of).collect();
-        let mean =
-            |value: &dyn Fn(&Episode) -> f64| episodes.iter().map(value).sum::<f64>() / episodes.len() as f64;
+        let episodes: Vec<OperationEpisode> =
+            operation.rows.iter().filter_map(OperationEpisode::of).collect();
+        let mean = |value: &dyn Fn(&OperationEpisode) -> f64| {
+            episodes.iter().map(value).sum::<f64>() / episodes.len() as f64
+        };
         let scale_of = |class: Class| {
             scales.iter().find(|scale| scale.class == class).map_or(f64::NAN, |scale| scale.cost_scale)
         };
@@ -144,7 +146,7 @@ impl Ranked {
     }
 }
 
-impl Episode {
+impl OperationEpisode {
     /// Returns `None` for a lost episode, a building outside the dataset, or a task with targets.
     fn of(row: &EpisodeResult) -> Option<Self> {
         let (name, _) = Control::split_name(&row.info.building);
@@ -166,12 +168,12 @@ mod tests {
     use b2b_env::EpisodeMetrics;
 
     use super::*;
-    use crate::evaluation::{Episode as Run, EpisodeInfo, Scored};
+    use crate::evaluation::{Episode, EpisodeInfo, Scored};
     use crate::{BuiltIn, Subject};
 
     /// Two weeks of a building at a cost per m² and a discomfort in K·h per zone.
     fn row(building: &str, cost: f64, discomfort: f64) -> EpisodeResult {
-        let episode = Run {
+        let episode = Episode {
             subject: Subject::at_home(building.parse().unwrap()),
             task: "operate".parse().unwrap(),
             period: "peak-heating".parse().unwrap(),

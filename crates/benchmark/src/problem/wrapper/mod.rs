@@ -7,7 +7,7 @@ use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
 use b2b_evaluate::problem::{Attributes, Fallback, Memory, Problem, RestrictedAction, Side};
-use b2b_evaluate::{EpisodeContext, Form, Interface, Policy, controller_parameters};
+use b2b_evaluate::{EpisodeContext, Policy, PolicyForm, PolicyInterface, controller_parameters};
 use serde_json::Value;
 
 use crate::Result;
@@ -29,17 +29,17 @@ struct Access {
     /// Attributes that follow the observation.
     attributes: Vec<f64>,
     previous: PreviousStep,
-    form: Form,
+    form: PolicyForm,
     action: ActionSpace,
 }
 
 impl Access {
     /// Returns what the policy observes and controls.
-    fn interface(&self, spaces: &Spaces) -> Interface {
+    fn interface(&self, spaces: &Spaces) -> PolicyInterface {
         let attributes = COMMON.iter().take(self.attributes.len()).map(|slot| attribute_name(slot.quantity));
         let names = self.form.names(spaces).into_iter().chain(attributes);
         let observation = names.chain(self.previous.names(&self.action)).collect();
-        Interface { observation, action: self.action.clone() }
+        PolicyInterface { observation, action: self.action.clone() }
     }
 }
 
@@ -79,12 +79,17 @@ impl<'a> WrappedPolicy<'a> {
 
     /// Returns the form of the observations of a building, to which `attributes` values and the previous step are appended; this
     /// is empty for a policy that does not keep its memory, or whose width is a form's own.
-    fn form(&self, spaces: &Spaces, attributes: usize, action: &ActionSpace) -> Result<(Form, PreviousStep)> {
+    fn form(
+        &self,
+        spaces: &Spaces,
+        attributes: usize,
+        action: &ActionSpace,
+    ) -> Result<(PolicyForm, PreviousStep)> {
         let (slots, roles) = (spaces.observation.len(), RoleObservation::of(spaces));
         let role_width = roles.as_ref().map(|_| RoleObservation::WIDTH);
         let default = match roles.filter(|_| self.problem.protocol.observation.is_roles()) {
-            Some(roles) => Form::Roles(roles),
-            None => Form::Raw { padding: self.padding(slots)? },
+            Some(roles) => PolicyForm::Roles(roles),
+            None => PolicyForm::Raw { padding: self.padding(slots)? },
         };
         let width = self.policy.observation_width().and_then(|width| width.checked_sub(attributes));
         let forms = [Some(default.width(spaces)), Some(slots), role_width];
@@ -94,7 +99,7 @@ impl<'a> WrappedPolicy<'a> {
             false => PreviousStep::default(),
         };
         let width = width.and_then(|width| width.checked_sub(previous.len()));
-        Ok((Form::of_width(spaces, width, default), previous))
+        Ok((PolicyForm::of_width(spaces, width, default), previous))
     }
 
     /// Returns the number of zeros that pad an observation of `slots` values.
@@ -187,7 +192,7 @@ struct WrappedController {
     /// Whether the inner controller observes and controls the whole building; withheld actuators are overwritten.
     bypass: bool,
     restricted: Option<RestrictedAction>,
-    form: Form,
+    form: PolicyForm,
     /// Observation in its form, attributes and previous step.
     row: Vec<f64>,
     previous: PreviousStep,
