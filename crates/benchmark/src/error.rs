@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use b2b_base::suggestion::did_you_mean;
-
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -12,40 +10,6 @@ pub enum Error {
     ExternalPolicy {
         /// Its name.
         name: String,
-    },
-    /// An unknown problem.
-    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", did_you_mean(", ", near))]
-    UnknownProblem {
-        /// The name given.
-        text: String,
-        /// Similar names.
-        near: String,
-    },
-    /// A file that is not a problem.
-    #[error("{path} is not a valid problem: {why}")]
-    ProblemFile {
-        /// The file.
-        path: PathBuf,
-        /// The fault.
-        why: String,
-    },
-    /// An invalid problem, or a policy that violates its protocol.
-    #[error("problem {name}: {why}")]
-    Problem {
-        /// Its name.
-        name: String,
-        /// The fault.
-        why: String,
-    },
-    /// A building that must not be trained on.
-    #[error("{building} is not a training building of {problem}: {why}")]
-    NotForTraining {
-        /// The problem.
-        problem: String,
-        /// The building.
-        building: String,
-        /// The reason.
-        why: String,
     },
     /// An unfinished benchmark run.
     #[error("{folder} is unfinished: run the same `b2b benchmark run` again to resume it")]

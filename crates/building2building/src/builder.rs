@@ -9,7 +9,8 @@ use b2b_dataset::{BuildingName, Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, EpisodeConfig, Task};
 use b2b_workers::{
-    Autoreset, Episode, Fixed, Jobs, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+    Autoreset, Episode, EpisodeSetting, Fixed, Jobs, Launcher, Source, VecEnv, VecEnvOptions, WorkerOptions,
+    Workers,
 };
 
 use crate::{Error, Result};
@@ -140,11 +141,11 @@ impl EnvBuilder {
     ///
     /// # Errors
     /// The errors of [`EnvBuilder::build`].
-    pub fn setting(self) -> Result<(Setting, WorkerOptions)> {
+    pub fn setting(self) -> Result<(EpisodeSetting, WorkerOptions)> {
         let catalog = hosted_catalog()?;
         let (building, episode) = self.prepare(&catalog)?;
         let options = WorkerOptions::new(Launcher::this_program()?, catalog.library().path());
-        Ok((Setting::new(Source::Prepared(Box::new(building)), episode), options))
+        Ok((EpisodeSetting::new(Source::Prepared(Box::new(building)), episode), options))
     }
 
     fn set<T>(mut self, value: Result<T>, put: impl FnOnce(&mut Self, T)) -> Self {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::thread::available_parallelism;
 
-use b2b_learn::train::{RunOptions, Summary, TrainConfig};
+use b2b_learn::train::{RunOptions, RunSummary, TrainConfig};
 use b2b_workers::Launcher;
 
 use crate::Result;
@@ -17,7 +17,7 @@ use crate::builder::hosted_catalog;
 /// # Errors
 /// [`Error::Training`](crate::Error::Training) for an invalid configuration, a folder that holds another run, or a
 /// failure during training; errors from finding the engine.
-pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<Summary> {
+pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<RunSummary> {
     let options = RunOptions {
         out: folder.as_ref().to_owned(),
         catalog: hosted_catalog()?,

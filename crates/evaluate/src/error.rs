@@ -131,6 +131,40 @@ pub enum Error {
         /// The library's error.
         source: parquet::errors::ParquetError,
     },
+    /// An unknown problem.
+    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", did_you_mean(", ", near))]
+    UnknownProblem {
+        /// The name given.
+        text: String,
+        /// Similar names.
+        near: String,
+    },
+    /// A file that is not a problem.
+    #[error("{path} is not a valid problem: {why}")]
+    ProblemFile {
+        /// The file.
+        path: PathBuf,
+        /// The fault.
+        why: String,
+    },
+    /// An invalid problem, or a policy that violates its protocol.
+    #[error("problem {name}: {why}")]
+    Problem {
+        /// Its name.
+        name: String,
+        /// The fault.
+        why: String,
+    },
+    /// A building that must not be trained on.
+    #[error("{building} is not a training building of {problem}: {why}")]
+    NotForTraining {
+        /// The problem.
+        problem: String,
+        /// The building.
+        building: String,
+        /// The reason.
+        why: String,
+    },
     /// The evaluation was interrupted. Finished episodes are kept.
     #[error("interrupted")]
     Interrupted,

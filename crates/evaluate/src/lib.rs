@@ -6,6 +6,7 @@
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
 //!    is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
+//! 5. A [`problem`] names the episodes that agents may be trained on, and those that they are tested on.
 
 pub mod any_number;
 mod baseline;
@@ -16,6 +17,7 @@ mod output;
 mod panics;
 mod parquet_file;
 mod policy;
+pub mod problem;
 pub mod report;
 mod results;
 mod return_terms;
@@ -29,16 +31,16 @@ pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
-    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
-    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
-    read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
+    Deviations, Episode, EpisodeInfo, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
+    KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, read_episodes,
+    read_kept, read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
 };
 pub use output::read_rows;
 pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{
-    Ablation, ActionScale, BuiltIn, EpisodeContext, Form, HouseForm, Interface, OnnxPolicy, Policy, is_agent,
-    is_onnx,
+    Ablation, ActionScale, BuiltIn, EpisodeContext, HouseForm, OnnxPolicy, Policy, PolicyForm,
+    PolicyInterface, is_agent, is_onnx,
 };
 pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;
@@ -47,5 +49,5 @@ pub use scores::{
     normalized_score, resolved_score, score_at_comfort,
 };
 pub use subject::{SiteInfo, Subject, hash_of};
-pub use summary::{Group, LostEpisode, OperationComfort, Summary, Window, type_label};
+pub use summary::{Group, OperationComfort, Summary, Window, type_label};
 pub use tuned::{controller_parameters, task_for};

@@ -7,7 +7,7 @@ use b2b_dataset::{BuildingName, Control};
 use b2b_env::{CostScale, OPERATION_WEIGHT};
 use serde::Serialize;
 
-use crate::evaluation::Row;
+use crate::evaluation::EpisodeResult;
 
 /// Approximate share of discomfort intended in the guideline controller's penalty.
 const DISCOMFORT_SHARE: f64 = 0.1;
@@ -18,7 +18,7 @@ pub struct Operation<'a> {
     /// Name of the controller.
     pub policy: &'a str,
     /// The episodes.
-    pub rows: &'a [Row],
+    pub rows: &'a [EpisodeResult],
 }
 
 /// The weight that makes discomfort a tenth of a controller's penalty, and the numbers it is computed from.
@@ -55,7 +55,7 @@ pub struct Ranked {
 pub const WEIGHTS: [f64; 3] = [0.25, 1.0, 4.0];
 
 /// An episode in the units of the reward.
-struct Episode {
+struct OperationEpisode {
     class: Class,
     building: String,
     /// Currency/m².
@@ -67,12 +67,12 @@ struct Episode {
 }
 
 /// Returns the mean cost of an hour in each class that has episodes, in the order of the classes.
-pub fn cost_scales(rows: &[Row]) -> Vec<CostScale> {
-    let mut classes: BTreeMap<Class, Vec<Episode>> = BTreeMap::new();
-    for episode in rows.iter().filter_map(Episode::of) {
+pub fn cost_scales(rows: &[EpisodeResult]) -> Vec<CostScale> {
+    let mut classes: BTreeMap<Class, Vec<OperationEpisode>> = BTreeMap::new();
+    for episode in rows.iter().filter_map(OperationEpisode::of) {
         classes.entry(episode.class).or_default().push(episode);
     }
-    let scale = |(class, episodes): (Class, Vec<Episode>)| {
+    let scale = |(class, episodes): (Class, Vec<OperationEpisode>)| {
         let mut buildings: Vec<String> = episodes.iter().map(|episode| episode.building.clone()).collect();
         buildings.dedup();
         let cost: f64 = episodes.iter().map(|episode| episode.cost).sum();
@@ -84,10 +84,10 @@ pub fn cost_scales(rows: &[Row]) -> Vec<CostScale> {
 
 /// Returns the weights that make discomfort a tenth of the penalty of the controller whose costs are the scales, for
 /// each type and for all.
-pub fn balances(rows: &[Row]) -> Vec<Balance> {
+pub fn balances(rows: &[EpisodeResult]) -> Vec<Balance> {
     let mut types: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in rows {
-        let Some(episode) = Episode::of(row) else { continue };
+        let Some(episode) = OperationEpisode::of(row) else { continue };
         types.entry(&row.info.building_type).or_default().push(episode.discomfort / episode.hours);
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -124,9 +124,11 @@ impl Balance {
 
 impl Ranked {
     fn of(operation: &Operation<'_>, scales: &[CostScale]) -> Self {
-        let episodes: Vec<Episode> = operation.rows.iter().filter_map(Episode::of).collect();
-        let mean =
-            |value: &dyn Fn(&Episode) -> f64| episodes.iter().map(value).sum::<f64>() / episodes.len() as f64;
+        let episodes: Vec<OperationEpisode> =
+            operation.rows.iter().filter_map(OperationEpisode::of).collect();
+        let mean = |value: &dyn Fn(&OperationEpisode) -> f64| {
+            episodes.iter().map(value).sum::<f64>() / episodes.len() as f64
+        };
         let scale_of = |class: Class| {
             scales.iter().find(|scale| scale.class == class).map_or(f64::NAN, |scale| scale.cost_scale)
         };
@@ -144,9 +146,9 @@ impl Ranked {
     }
 }
 
-impl Episode {
+impl OperationEpisode {
     /// Returns `None` for a lost episode, a building outside the dataset, or a task with targets.
-    fn of(row: &Row) -> Option<Self> {
+    fn of(row: &EpisodeResult) -> Option<Self> {
         let (name, _) = Control::split_name(&row.info.building);
         let Ok(BuildingName::Id(id)) = name.parse() else { return None };
         let metrics = row.metrics()?;
@@ -166,12 +168,12 @@ mod tests {
     use b2b_env::EpisodeMetrics;
 
     use super::*;
-    use crate::evaluation::{Episode as Run, EpisodeInfo, Scored};
+    use crate::evaluation::{Episode, EpisodeInfo, Scored};
     use crate::{BuiltIn, Subject};
 
     /// Two weeks of a building at a cost per m² and a discomfort in K·h per zone.
-    fn row(building: &str, cost: f64, discomfort: f64) -> Row {
-        let episode = Run {
+    fn row(building: &str, cost: f64, discomfort: f64) -> EpisodeResult {
+        let episode = Episode {
             subject: Subject::at_home(building.parse().unwrap()),
             task: "operate".parse().unwrap(),
             period: "peak-heating".parse().unwrap(),
@@ -185,7 +187,7 @@ mod tests {
             ..EpisodeMetrics::default()
         };
         let scored = Scored { metrics, score: Some(cost), ..Scored::default() };
-        Row { info: EpisodeInfo::of(&episode, &BuiltIn::guideline36()), outcome: Ok(scored) }
+        EpisodeResult { info: EpisodeInfo::of(&episode, &BuiltIn::guideline36()), outcome: Ok(scored) }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use b2b_base::digest_list::{DigestList, read_verified};
 
 use crate::error::at;
-use crate::evaluation::{Folder, Row, read_episodes, write_episodes};
+use crate::evaluation::{EpisodeResult, Folder, read_episodes, write_episodes};
 use crate::results::Results;
 use crate::summary::Summary;
 use crate::{Result, report};
@@ -19,7 +19,7 @@ const REPORT: &str = "report.html";
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io), also for a table that was changed; [`Error::Table`](crate::Error::Table).
-pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+pub fn read_rows(folder: &Path) -> Result<Vec<EpisodeResult>> {
     let path = folder.join(EPISODES);
     read_verified(folder, EPISODES).map_err(at(&path))?;
     let file = File::open(&path).map_err(at(&path))?;

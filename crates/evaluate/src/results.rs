@@ -3,32 +3,23 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use b2b_env::Task;
-
 use crate::Result;
 use crate::baseline::{Baselines, Key};
 use crate::evaluation::{
-    Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards, sequences,
+    Episode, EpisodeInfo, EpisodeResult, Evaluation, Finished, Folder, Lost, Progress, sequences,
 };
 use crate::policy::Policy;
-use crate::return_terms::ReturnTerms;
 use crate::tuned::task_for;
 
 /// The rows of an evaluation in the order of its episodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Results {
     /// One row per episode.
-    pub rows: Vec<Row>,
+    pub rows: Vec<EpisodeResult>,
 }
 
-/// An episode that ran but is not scored yet.
-struct Unscored {
-    record: Record,
-    terms: ReturnTerms,
-    step_rewards: StepRewards,
-    key: Key,
-    task: Task,
-}
+/// The result of an episode without a score, and the key of its baseline.
+type Unscored = (EpisodeResult, Key);
 
 /// Episodes that were to be run.
 struct Ran {
@@ -54,11 +45,11 @@ impl Results {
         let all: Vec<_> = episodes.iter().enumerate().collect();
         let Ran { episodes: ran, mut lost } = run(evaluation, folder, &all, policy, baselines, progress)?;
         let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
-            Some(ran) => ran.row(baselines),
+            Some(ran) => scored(ran, episode, baselines),
             None => {
                 let unreadable = || Lost { reason: "its file cannot be read".to_owned() };
                 let lost = lost.remove(&number).unwrap_or_else(unreadable);
-                Row { info: EpisodeInfo::of(episode, policy), outcome: Err(lost) }
+                EpisodeResult { info: EpisodeInfo::of(episode, policy), outcome: Err(lost) }
             }
         };
         Ok(Self { rows: ran.into_iter().zip(episodes).enumerate().map(row).collect() })
@@ -81,8 +72,9 @@ pub fn run_part(
 ) -> Result<HashMap<usize, Lost>> {
     let baselines = Baselines::open()?;
     let Ran { episodes, lost } = run(evaluation, folder, part, policy, &baselines, progress)?;
-    for Unscored { key, task, .. } in episodes.iter().flatten() {
-        let of = |baselines: &Baselines| baselines.get(key, task.resource);
+    for (ran, (_, episode)) in episodes.iter().zip(part) {
+        let Some((_, key)) = ran else { continue };
+        let of = |baselines: &Baselines| baselines.get(key, episode.task.resource);
         if let (None, Some(terms)) = (of(collected), of(&baselines)) {
             collected.keep(key, terms)?;
         }
@@ -100,7 +92,7 @@ fn run(
     progress: &dyn Progress,
 ) -> Result<Ran> {
     let read = |(number, episode): (usize, &Episode)| {
-        folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines)).transpose()
+        folder.read(number).map(|finished| unscored(episode, finished, policy, baselines)).transpose()
     };
     let Parts { mut kept, missing } = parts(episodes, policy, read)?;
     let lost = run_missing(evaluation, folder, &missing, policy, progress)?;
@@ -113,7 +105,7 @@ fn run(
     let keys = ran
         .iter()
         .zip(episodes)
-        .filter_map(|(each, (_, episode))| Some((each.as_ref()?.key.clone(), (*episode).clone())));
+        .filter_map(|(each, (_, episode))| Some((each.as_ref()?.1.clone(), (*episode).clone())));
     let unknown = baselines.missing(keys);
     baselines.compute(evaluation, &unknown, progress)?;
     Ok(Ran { episodes: ran, lost })
@@ -165,23 +157,27 @@ fn run_missing(
     Ok(lost.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-impl Unscored {
-    /// Prepares a finished episode for scoring. An episode of the baseline is cached.
-    fn of(episode: &Episode, finished: Finished, policy: &dyn Policy, baselines: &Baselines) -> Result<Self> {
-        let Finished { record, terms, step_rewards, .. } = finished;
-        let site = record.info.site();
-        let key = Key::of(episode, &site)?;
-        if policy.is_baseline(&episode.task) && baselines.get(&key, episode.task.resource).is_none() {
-            baselines.remember(&key, terms);
-        }
-        let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
-        Ok(Self { record, terms, step_rewards, key, task })
+/// Returns the result of a finished episode without a score. An episode of the baseline is cached.
+fn unscored(
+    episode: &Episode,
+    finished: Finished,
+    policy: &dyn Policy,
+    baselines: &Baselines,
+) -> Result<Unscored> {
+    let key = Key::of(episode, &finished.record.info.site())?;
+    let resource = episode.task.resource;
+    if policy.is_baseline(&episode.task) && baselines.get(&key, resource).is_none() {
+        baselines.remember(&key, finished.terms);
     }
+    Ok((EpisodeResult::unscored(finished, resource), key))
+}
 
-    fn row(self, baselines: &Baselines) -> Row {
-        let terms = baselines.get(&self.key, self.task.resource);
-        let baseline = terms.map(|terms| terms.baseline(&self.task));
-        let resource = self.terms.used(self.task.resource);
-        Row::scored(self.record, self.step_rewards, baseline, resource)
+/// Returns the result with its score, if the baseline is known.
+fn scored((mut result, key): Unscored, episode: &Episode, baselines: &Baselines) -> EpisodeResult {
+    let Episode { subject, task, steps_per_hour, .. } = episode;
+    if let Some(terms) = baselines.get(&key, task.resource) {
+        let task = task_for(subject, &result.info.site(), task, *steps_per_hour);
+        result.score_against(terms.baseline(&task));
     }
+    result
 }

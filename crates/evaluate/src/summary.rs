@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use b2b_control::Versions;
 use b2b_env::{EpisodeMetrics, Term};
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
-use crate::evaluation::{Row, relative_energy, relative_resource};
+use crate::evaluation::{EpisodeResult, relative_energy, relative_resource};
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
@@ -24,25 +25,10 @@ pub struct Summary {
     /// Number of episodes.
     pub episodes: usize,
     /// Lost episodes.
-    pub lost: Vec<LostEpisode>,
+    #[serde(serialize_with = "lost_episodes")]
+    pub lost: Vec<EpisodeResult>,
     /// Groups of episodes, one per task and run period.
     pub windows: Vec<Window>,
-}
-
-/// A lost episode.
-#[derive(Clone, Debug, Serialize)]
-pub struct LostEpisode {
-    /// The building.
-    pub building: String,
-    /// The task.
-    pub task: String,
-    /// The run period.
-    pub period: String,
-    /// Seed of the policy.
-    pub seed: u64,
-    /// The reason.
-    #[serde(rename = "why")]
-    pub reason: String,
 }
 
 /// The episodes with the same task and run period.
@@ -108,18 +94,13 @@ pub struct OperationComfort {
 impl Results {
     /// Summarizes the results.
     pub fn summary(&self, policy: &dyn Policy) -> Summary {
-        let lost = self.rows.iter().filter_map(|row| {
-            let reason = row.outcome.as_ref().err()?.reason.clone();
-            let (building, task) = (row.info.building.clone(), row.info.task.clone());
-            Some(LostEpisode { building, task, period: row.info.period.clone(), seed: row.info.seed, reason })
-        });
-        let ran: Vec<&Row> = self.rows.iter().filter(|row| row.outcome.is_ok()).collect();
+        let ran: Vec<&EpisodeResult> = self.rows.iter().filter(|row| row.outcome.is_ok()).collect();
         let windows = grouped(&ran, |row| (row.info.task.clone(), row.info.period.clone()));
         Summary {
             versions: Versions::current(),
             policy: policy.name(),
             episodes: self.rows.len(),
-            lost: lost.collect(),
+            lost: self.rows.iter().filter(|row| row.outcome.is_err()).cloned().collect(),
             windows: windows
                 .into_iter()
                 .map(|((task, period), rows)| Window::of(task, period, &rows))
@@ -128,17 +109,30 @@ impl Results {
     }
 }
 
-impl std::fmt::Display for LostEpisode {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { building, task, period, seed, reason } = self;
-        write!(f, "{building}, {task}, {period}, seed {seed}: {reason}")
+/// Writes what identifies each lost episode, and why it was lost.
+fn lost_episodes<S: Serializer>(lost: &[EpisodeResult], serializer: S) -> Result<S::Ok, S::Error> {
+    struct Entry<'a>(&'a EpisodeResult);
+
+    impl Serialize for Entry<'_> {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let EpisodeResult { info, outcome } = self.0;
+            let mut entry = serializer.serialize_struct("lost", 5)?;
+            entry.serialize_field("building", &info.building)?;
+            entry.serialize_field("task", &info.task)?;
+            entry.serialize_field("period", &info.period)?;
+            entry.serialize_field("seed", &info.seed)?;
+            entry.serialize_field("why", &outcome.as_ref().err().map(|lost| &lost.reason))?;
+            entry.end()
+        }
     }
+
+    serializer.collect_seq(lost.iter().map(Entry))
 }
 
 impl Window {
-    fn of(task: String, period: String, rows: &[&Row]) -> Self {
+    fn of(task: String, period: String, rows: &[&EpisodeResult]) -> Self {
         let types = grouped(rows, |row| type_label(&row.info.building_type).to_owned());
-        let strata: Vec<&[&Row]> = types.iter().map(|(_, rows)| rows.as_slice()).collect();
+        let strata: Vec<&[&EpisodeResult]> = types.iter().map(|(_, rows)| rows.as_slice()).collect();
         let all = Group::of("all".to_owned(), &strata);
         let types = types.iter().map(|(name, rows)| Group::of(name.clone(), &[rows])).collect();
         Self { task, period, types, all }
@@ -146,9 +140,9 @@ impl Window {
 }
 
 impl Group {
-    fn of(name: String, strata: &[&[&Row]]) -> Self {
-        let aggregated = |score: fn(&Row) -> Option<f64>| {
-            let of_stratum = |rows: &&[&Row]| rows.iter().filter_map(|row| score(row)).collect();
+    fn of(name: String, strata: &[&[&EpisodeResult]]) -> Self {
+        let aggregated = |score: fn(&EpisodeResult) -> Option<f64>| {
+            let of_stratum = |rows: &&[&EpisodeResult]| rows.iter().filter_map(|row| score(row)).collect();
             aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
         };
         let metrics = || strata.iter().copied().flatten().filter_map(|row| row.metrics());
@@ -159,8 +153,8 @@ impl Group {
         };
         Self {
             name,
-            scores: aggregated(Row::score),
-            resolved_scores: aggregated(Row::resolved_score),
+            scores: aggregated(EpisodeResult::score),
+            resolved_scores: aggregated(EpisodeResult::resolved_score),
             rms_deviation_k: mean(|metrics| metrics.rms_deviation),
             occupied_too_cold_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_cold)),
             occupied_too_warm_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_warm)),
@@ -181,11 +175,11 @@ impl Group {
 
 impl OperationComfort {
     /// Returns the comfort of some episodes; `None` if one was lost or is not of operation.
-    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
+    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a EpisodeResult>) -> Option<Self> {
         let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
         let (mut costs, mut peaks) = (Vec::new(), Vec::new());
         for row in rows {
-            let scored = row.outcome.as_ref().ok()?;
+            let scored = row.scored()?;
             own.push(scored.metrics.tdis_tot?);
             costs.push(scored.metrics.cost_tot?);
             peaks.push(scored.metrics.pele_tot.unwrap_or(0.0));
@@ -221,8 +215,11 @@ pub fn type_label(building_type: &str) -> &str {
 }
 
 /// Groups rows by a key, in order of first appearance.
-fn grouped<'a, K: PartialEq>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Vec<(K, Vec<&'a Row>)> {
-    let mut groups: Vec<(K, Vec<&Row>)> = Vec::new();
+fn grouped<'a, K: PartialEq>(
+    rows: &[&'a EpisodeResult],
+    key: impl Fn(&EpisodeResult) -> K,
+) -> Vec<(K, Vec<&'a EpisodeResult>)> {
+    let mut groups: Vec<(K, Vec<&EpisodeResult>)> = Vec::new();
     for row in rows {
         let key = key(row);
         match groups.iter_mut().find(|(known, _)| *known == key) {

@@ -1,7 +1,7 @@
 //! Figures with units, shown next to scores: RMS deviation and energy, of agents and of the reactive controllers.
 
 use b2b_evaluate::statistics::median;
-use b2b_evaluate::{Row, Scored};
+use b2b_evaluate::{EpisodeResult, Scored};
 
 /// A figure of an episode, if it has one.
 pub(crate) type Figure = fn(&Scored) -> Option<f64>;
@@ -40,8 +40,8 @@ pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
 }
 
 /// Returns the median of a figure as a cell.
-pub(crate) fn median_text(rows: &[&Row], figure: Figure) -> String {
-    let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.outcome.as_ref().ok()?)).collect();
+pub(crate) fn median_text(rows: &[&EpisodeResult], figure: Figure) -> String {
+    let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.scored()?)).collect();
     values.sort_by(f64::total_cmp);
     if values.is_empty() { "–".to_owned() } else { format!("{:.2}", median(&values)) }
 }

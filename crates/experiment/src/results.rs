@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use b2b_env::EpisodeMetrics;
-use b2b_evaluate::{Deviations, Row, Scored};
+use b2b_evaluate::{Deviations, EpisodeResult, Scored};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -102,7 +102,10 @@ impl Results {
     }
 
     /// Returns the training runs of a policy by name, with the episodes of each.
-    pub(crate) fn trainings<'a>(&'a self, policy: &str) -> impl Iterator<Item = (&'a JobResult, &'a [Row])> {
+    pub(crate) fn trainings<'a>(
+        &'a self,
+        policy: &str,
+    ) -> impl Iterator<Item = (&'a JobResult, &'a [EpisodeResult])> {
         let own = move |done: &'a JobResult| {
             let found = done.policies().find(|(name, ..)| name == policy);
             found.map(|(_, rows, _)| (done, rows))
@@ -111,7 +114,7 @@ impl Results {
     }
 
     /// Returns the episodes of a policy with their jobs.
-    pub(crate) fn of<'a>(&'a self, policy: &str) -> impl Iterator<Item = (&'a JobResult, &'a Row)> {
+    pub(crate) fn of<'a>(&'a self, policy: &str) -> impl Iterator<Item = (&'a JobResult, &'a EpisodeResult)> {
         self.trainings(policy).flat_map(|(done, rows)| rows.iter().map(move |row| (done, row)))
     }
 
@@ -119,7 +122,7 @@ impl Results {
     pub(crate) fn deviations<'a>(
         &'a self,
         policy: &str,
-        is_own: impl Fn(&Row) -> bool,
+        is_own: impl Fn(&EpisodeResult) -> bool,
     ) -> impl Iterator<Item = &'a Deviations> {
         let own = self.done.iter().flat_map(JobResult::policies).filter(move |(name, ..)| name == policy);
         let episodes = own.flat_map(|(_, rows, deviations)| rows.iter().zip(deviations));
@@ -142,8 +145,8 @@ fn operation(scored: &Scored) -> Option<Operation> {
     Some(Operation { cost_tot, ener_tot, tdis_tot: tdis_tot?, pele_tot, baseline_tdis_tot })
 }
 
-fn episode<'a>(done: &'a JobResult, agent: String, row: &'a Row) -> Option<Episode<'a>> {
-    let scored = row.outcome.as_ref().ok()?;
+fn episode<'a>(done: &'a JobResult, agent: String, row: &'a EpisodeResult) -> Option<Episode<'a>> {
+    let scored = row.scored()?;
     Some(Episode {
         job: &done.key,
         agent,

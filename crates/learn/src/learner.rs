@@ -10,7 +10,7 @@ use b2b_agent::Interface;
 use b2b_agent::network::Actor;
 
 use crate::error::Result;
-use crate::policy::Policy;
+use crate::policy::PolicyConfig;
 use crate::rollout::Rollout;
 use crate::state::State;
 use crate::widths::Widths;
@@ -52,7 +52,7 @@ pub trait Learner: Send {
     }
 }
 
-/// The options of a kind of learner: a table of a configuration, named as in [`Kind`](crate::learners::Kind).
+/// The options of a kind of learner: a table of a configuration, named as in [`LearnerKind`](crate::learners::Kind).
 pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Checks the values.
     ///
@@ -119,7 +119,7 @@ pub struct LearnerSetting<'a> {
     /// What the agent observes and how it acts.
     pub interface: Interface,
     /// Kind of network.
-    pub policy: &'a Policy,
+    pub policy: &'a PolicyConfig,
     /// Weight of each part of the reward (column) in the advantage of each action (row), for flat networks with credit.
     pub credit: Option<Vec<Vec<f32>>>,
     /// Steps for which a decision is held. A step of a rollout is a decision, discounted by its length.

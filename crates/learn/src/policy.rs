@@ -10,7 +10,7 @@ use crate::limits::{check_counts, require};
 /// The kind of network of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Policy {
+pub enum PolicyConfig {
     /// Multilayer perceptrons, for buildings with the same observation and actuators: see [`PpoConfig`](crate::ppo::PpoConfig) and
     /// [`SacConfig`](crate::sac::SacConfig) for their layers.
     #[default]
@@ -78,7 +78,7 @@ impl Default for GraphPolicy {
     }
 }
 
-impl Policy {
+impl PolicyConfig {
     /// Returns how a graph network observes a building.
     pub(crate) fn nodes(&self) -> Option<NodeForm> {
         match self {

@@ -45,7 +45,7 @@ struct EmissionsFile {
     place: String,
     rate: Rate,
     source: Source,
-    electricity: toml::Spanned<ElectricityFile>,
+    electricity: toml::Spanned<IntensityFile>,
     #[serde(default)]
     fuels: Fuels,
 }
@@ -53,7 +53,7 @@ struct EmissionsFile {
 /// kg/MWh, one value or by season and hour.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ElectricityFile {
+struct IntensityFile {
     flat: Option<f64>,
     winter: Option<[f64; 24]>,
     spring: Option<[f64; 24]>,
@@ -103,7 +103,7 @@ impl Emissions {
     }
 }
 
-impl ElectricityFile {
+impl IntensityFile {
     fn kg_per_kwh(&self) -> Result<[[f64; 24]; 4], String> {
         let per_mwh = match (self.flat, self.winter, self.spring, self.summer, self.autumn) {
             (Some(flat), None, None, None, None) => [[flat; 24]; 4],

@@ -32,7 +32,7 @@ pub use sampler::population::{Buildings, Population};
 pub use sampler::{
     AnyOf, Draw, Fixed, Kept, Rotating, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather,
 };
-pub use setting::{Setting, Source};
+pub use setting::{EpisodeSetting, Source};
 pub use vec_env::statistics::Statistics;
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
 pub use worker::entry::{run_if_worker, run_if_worker_with};

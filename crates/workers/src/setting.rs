@@ -103,14 +103,14 @@ impl Source {
 
 /// The setting of an episode: a building, its weather, its days and its task.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct EpisodeSetting {
     /// The building. Settings that share one share its preparation.
     pub source: Arc<Source>,
     /// Weather, period, time step and task.
     pub episode: EpisodeConfig,
 }
 
-impl Setting {
+impl EpisodeSetting {
     /// Creates a setting.
     pub fn new(source: impl Into<Arc<Source>>, episode: EpisodeConfig) -> Self {
         Self { source: source.into(), episode }

@@ -226,7 +226,7 @@ impl Building {
 #[derive(Clone)]
 pub struct Setting {
     /// The underlying setting.
-    pub setting: b2b_workers::Setting,
+    pub setting: b2b_workers::EpisodeSetting,
     /// The building.
     pub building: Arc<Inner>,
 }
@@ -240,7 +240,7 @@ impl Setting {
         let period: Period = run_period.parse().map_err(of_building)?;
         let period = period.in_weather(&weather).map_err(of_building)?;
         let episode = EpisodeConfig { weather, period, steps_per_hour: timesteps_per_hour, task };
-        let setting = b2b_workers::Setting { source: building.inner.source(), episode };
+        let setting = b2b_workers::EpisodeSetting { source: building.inner.source(), episode };
         Ok(Self { setting, building: Arc::clone(&building.inner) })
     }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use b2b_agent::Agent;
-use b2b_learn::train::{Monitor, Row, RunOptions, TrainConfig};
+use b2b_learn::train::{Monitor, ProgressRow, RunOptions, TrainConfig};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 
@@ -83,7 +83,7 @@ enum Event {
     /// The run began work other than updates.
     Stage(String),
     /// An update.
-    Update(Row),
+    Update(ProgressRow),
 }
 
 impl Monitor for &Events {
@@ -91,7 +91,7 @@ impl Monitor for &Events {
         locked(&self.0).push(Event::Stage(what.to_owned()));
     }
 
-    fn update(&mut self, row: &Row) {
+    fn update(&mut self, row: &ProgressRow) {
         locked(&self.0).push(Event::Update(row.clone()));
     }
 

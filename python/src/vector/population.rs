@@ -8,7 +8,7 @@ use b2b_building::Period;
 use b2b_dataset::{BuildingId, Control};
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
-    AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
+    AnyOf, Buildings, EpisodeSetting, Fixed, Kept, Population, Sampler, Source, Weighted, Windows, WithTask,
     WithWeather,
 };
 use pyo3::prelude::*;
@@ -81,12 +81,12 @@ impl Episodes {
     }
 
     /// Returns a setting of each given building with the first task.
-    fn found_settings(&self, of: &[Arc<Inner>]) -> PyResult<Vec<Setting>> {
+    fn found_settings(&self, of: &[Arc<Inner>]) -> PyResult<Vec<EpisodeSetting>> {
         let setting = |building: &Arc<Inner>| {
             let weather = building.weather().to_owned();
             let period = self.period.in_weather(&weather).map_err(of_building)?;
             let (steps_per_hour, task) = (self.steps_per_hour, self.tasks[0].clone());
-            Ok(Setting {
+            Ok(EpisodeSetting {
                 source: building.source(),
                 episode: EpisodeConfig { weather, period, steps_per_hour, task },
             })
@@ -96,7 +96,7 @@ impl Episodes {
 
     /// Returns the pairs of building and task that environments repeat: all buildings with one task, then all with the
     /// next, up to `count` pairs.
-    pub fn repeated(&self, count: usize) -> PyResult<Vec<(Setting, Arc<Inner>)>> {
+    pub fn repeated(&self, count: usize) -> PyResult<Vec<(EpisodeSetting, Arc<Inner>)>> {
         let settings = self.found_settings(&self.found)?;
         let pair = |(task, number): (&Task, usize)| {
             let mut setting = settings[number].clone();
@@ -119,7 +119,7 @@ impl Episodes {
     }
 
     /// Returns representative buildings, whose spaces determine the spaces of all buildings.
-    pub fn representatives(&self) -> PyResult<Vec<Setting>> {
+    pub fn representatives(&self) -> PyResult<Vec<EpisodeSetting>> {
         let mut known = BTreeSet::new();
         let differs = |building: &&Arc<Inner>| match building.building_type() {
             None => true,
@@ -204,7 +204,7 @@ pub struct Cut {
 
 impl Cut {
     /// Returns a sampler that repeats a setting in each environment.
-    pub fn of_fixed(self, settings: Vec<Setting>) -> Box<dyn Sampler> {
+    pub fn of_fixed(self, settings: Vec<EpisodeSetting>) -> Box<dyn Sampler> {
         self.apply(Fixed(settings))
     }
 

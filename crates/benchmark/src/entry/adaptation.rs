@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::scores::{SeedScores, by_building, clusters};
 use crate::problem::Stage;
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Aggregate, Interval, aggregate_clusters, median};
 
 /// The effect of training on the test environments.
@@ -31,11 +31,11 @@ pub struct Point {
 
 impl Adaptation {
     /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
-    pub(super) fn of(stages: &[(Stage, Vec<Row>)], test: &[SeedScores], seed: u64) -> Option<Self> {
+    pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores], seed: u64) -> Option<Self> {
         let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
-        let untrained = by_building(&untrained?.1, Row::score);
+        let untrained = by_building(&untrained?.1, EpisodeResult::score);
         let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
-            Stage::Adapted(steps) => Some((*steps, by_building(rows, Row::score))),
+            Stage::Adapted(steps) => Some((*steps, by_building(rows, EpisodeResult::score))),
             _ => None,
         });
         let adapted: Vec<_> = adapted.collect();

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::entry_policy::EntryPolicy;
+use crate::Result;
 use crate::problem::{Problem, Stage};
-use crate::{Error, Result};
 use b2b_evaluate::BuiltIn;
 use b2b_evaluate::Episode;
 
@@ -34,11 +34,11 @@ impl Entry {
     /// Errors unless the protocol of the problem allows the entry.
     ///
     /// # Errors
-    /// [`Error::Problem`] with the violation.
+    /// [`Error::Problem`](b2b_evaluate::Error::Problem) with the violation.
     pub fn check(&self) -> Result<()> {
         self.problem.check()?;
         let protocol = &self.problem.protocol;
-        let violation = |why: String| Err(Error::Problem { name: self.problem.name.clone(), why });
+        let violation = |why: String| Err(self.problem.error(why).into());
         if let Some(steps) = self.training_steps.filter(|steps| *steps > protocol.training_steps) {
             let budget = protocol.training_steps;
             return violation(format!("{} was trained for {steps} steps; the budget is {budget}", self.name));

@@ -4,7 +4,7 @@ use b2b_building::Period;
 use serde::{Deserialize, Serialize};
 
 use super::scores::{Performance, by_building, clusters};
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Interval, aggregate_clusters};
 
 /// Scores by episode in a building, where a policy keeps its memory over consecutive episodes.
@@ -30,14 +30,14 @@ pub struct EpisodePoint {
 
 impl EpisodeCurve {
     /// Returns the curve over rows of consecutive run periods; `None` without such periods.
-    pub(super) fn of(rows: &[Row], periods: &[Period], seed: u64) -> Option<Self> {
+    pub(super) fn of(rows: &[EpisodeResult], periods: &[Period], seed: u64) -> Option<Self> {
         let (mut points, mut days_before) = (Vec::new(), 0);
         for period in periods {
             let performance = Performance::of(rows_in(rows, period), seed)?;
             points.push(EpisodePoint { period: period.to_string(), days_before, performance });
             days_before += period.days();
         }
-        let scores = |period: &Period| by_building(rows_in(rows, period), Row::resolved_score);
+        let scores = |period: &Period| by_building(rows_in(rows, period), EpisodeResult::resolved_score);
         let (first, last) = (scores(periods.first()?), scores(periods.last()?));
         let improvements: Vec<_> =
             first.iter().zip(&last).map(|(first, last)| first.improvement(last)).collect();
@@ -46,7 +46,10 @@ impl EpisodeCurve {
     }
 }
 
-fn rows_in<'a>(rows: &'a [Row], period: &Period) -> impl Iterator<Item = &'a Row> + Clone {
+fn rows_in<'a>(
+    rows: &'a [EpisodeResult],
+    period: &Period,
+) -> impl Iterator<Item = &'a EpisodeResult> + Clone {
     let period = period.to_string();
     rows.iter().filter(move |row| row.info.period == period)
 }

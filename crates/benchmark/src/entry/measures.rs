@@ -10,7 +10,7 @@ use super::scores::{
     Performance, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
 };
 use crate::problem::Stage;
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
 
 /// Seed of the bootstrap.
@@ -69,13 +69,13 @@ fn bounds() -> Vec<f64> {
 impl Measures {
     /// Returns the measures over the rows of every stage; `None` if the test stage has no score. `consecutive` are the run
     /// periods of [`Protocol::consecutive`](crate::problem::Protocol::consecutive).
-    pub fn of(stages: &[(Stage, Vec<Row>)], consecutive: &[Period]) -> Option<Self> {
+    pub fn of(stages: &[(Stage, Vec<EpisodeResult>)], consecutive: &[Period]) -> Option<Self> {
         let rows_of = |wanted: Stage| {
             stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())
         };
-        let clusters_of = |rows: &[Row]| clusters(&by_building(rows, Row::score));
+        let clusters_of = |rows: &[EpisodeResult]| clusters(&by_building(rows, EpisodeResult::score));
         let test_rows = rows_of(Stage::Test)?;
-        let test = by_building(test_rows, Row::score);
+        let test = by_building(test_rows, EpisodeResult::score);
         let test_clusters = clusters(&test);
         let train = rows_of(Stage::Train).map(clusters_of);
         let strata = strata(&test);
@@ -97,8 +97,8 @@ impl Measures {
 }
 
 impl Stratum {
-    fn of(key: StratumKey, rows: &[Row]) -> Option<Self> {
-        let own: Vec<&Row> = rows.iter().filter(|row| is_in(row, &key)).collect();
+    fn of(key: StratumKey, rows: &[EpisodeResult]) -> Option<Self> {
+        let own: Vec<&EpisodeResult> = rows.iter().filter(|row| is_in(row, &key)).collect();
         let performance = Performance::of(own.iter().copied(), SEED)?;
         let (building_type, task, period) = key;
         Some(Self { building_type, task, period, performance })
@@ -108,7 +108,7 @@ impl Stratum {
 /// Returns the interquartile mean of scores on the scale where random actions are at 0 and the baseline is at 1:
 /// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if no building of the rows was run
 /// under random actions.
-pub fn mean_from_random(rows: &[Row], random: &[Row]) -> Option<Interval> {
+pub fn mean_from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Option<Interval> {
     let scores = aggregate_clusters(&clusters(&from_random(rows, random)), SEED)?;
     Some(scores.interquartile_mean)
 }
@@ -128,7 +128,7 @@ mod tests {
     use b2b_evaluate::{Episode, EpisodeInfo, Scored};
 
     /// Rows of 11 small and 6 medium offices with two seeds each, whose scores are a function of building and seed.
-    fn rows(score: impl Fn(usize, u64) -> f64) -> Vec<Row> {
+    fn rows(score: impl Fn(usize, u64) -> f64) -> Vec<EpisodeResult> {
         let places = (0..17).flat_map(|number| [0, 1].map(|seed| (number, seed)));
         let row = |(number, seed): (usize, u64)| {
             let building_type = if number < 11 { "OfficeSmall" } else { "OfficeMedium" };
@@ -141,7 +141,7 @@ mod tests {
             };
             let score = Some(score(number, seed));
             let scored = Scored { score, resolved_score: score, ..Scored::default() };
-            Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(scored) }
+            EpisodeResult { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(scored) }
         };
         places.map(row).collect()
     }

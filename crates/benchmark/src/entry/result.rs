@@ -17,7 +17,7 @@ use super::measures::Measures;
 use crate::error::at;
 use crate::problem::{Problem, Stage, differences};
 use crate::{Error, Result};
-use b2b_evaluate::{Row, read_stages, write_stages};
+use b2b_evaluate::{EpisodeResult, read_stages, write_stages};
 
 /// The result file.
 const RESULT: &str = "result.json";
@@ -66,12 +66,11 @@ pub struct RunResult {
 
 impl RunResult {
     /// Returns the result of an entry whose stages have run.
-    pub(super) fn of(entry: &Entry, stages: &[(Stage, Vec<Row>)]) -> Result<Self> {
+    pub(super) fn of(entry: &Entry, stages: &[(Stage, Vec<EpisodeResult>)]) -> Result<Self> {
         let versions = Versions::current();
         let problem = &entry.problem;
-        let measures = Measures::of(stages, problem.protocol.consecutive()).ok_or_else(|| {
-            Error::Problem { name: problem.name.clone(), why: "no episode has a score".into() }
-        })?;
+        let measures = Measures::of(stages, problem.protocol.consecutive())
+            .ok_or_else(|| problem.error("no episode has a score".into()))?;
         Ok(Self {
             format: FORMAT,
             name: entry.name.clone(),
@@ -107,7 +106,12 @@ impl RunResult {
     }
 
     /// Writes the folder, `result.json` last, so that a folder with it is complete.
-    pub(super) fn write(&self, entry: &Entry, stages: &[(Stage, Vec<Row>)], folder: &Path) -> Result<()> {
+    pub(super) fn write(
+        &self,
+        entry: &Entry,
+        stages: &[(Stage, Vec<EpisodeResult>)],
+        folder: &Path,
+    ) -> Result<()> {
         entry.stages().into_iter().try_for_each(|stage| entry.policy_of(stage).check_files())?;
         let files: Vec<_> =
             entry.stages().into_iter().flat_map(|stage| entry.policy_of(stage).files()).collect();
@@ -147,7 +151,7 @@ impl RunResult {
 }
 
 /// Returns the bytes of the table.
-fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
+fn table(stages: &[(Stage, Vec<EpisodeResult>)], versions: &Versions) -> Result<Vec<u8>> {
     let named: Vec<_> = stages.iter().map(|(stage, rows)| (stage.to_string(), rows.clone())).collect();
     let mut bytes = Vec::new();
     write_stages(&mut bytes, &named, versions)
@@ -156,7 +160,7 @@ fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
 }
 
 /// The rows of each stage, in order.
-pub type Stages = Vec<(Stage, Vec<Row>)>;
+pub type Stages = Vec<(Stage, Vec<EpisodeResult>)>;
 
 /// Returns the result of a folder, and its rows by stage.
 ///

@@ -9,7 +9,7 @@ use crate::error::at;
 use crate::problem::{Stage, WrappedPolicy};
 use b2b_evaluate::Baselines;
 use b2b_evaluate::Results;
-use b2b_evaluate::{Evaluation, Folder, Progress, Row};
+use b2b_evaluate::{EpisodeResult, Evaluation, Folder, Progress};
 
 /// The outcome of a run.
 #[derive(Debug)]
@@ -17,7 +17,7 @@ pub enum RunOutcome {
     /// The result, and its rows by stage.
     Complete(Box<RunResult>, Stages),
     /// The lost or unscored episodes; there is no result without them.
-    Incomplete(Vec<Row>),
+    Incomplete(Vec<EpisodeResult>),
 }
 
 impl Entry {
@@ -66,7 +66,7 @@ impl Entry {
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
         progress: &dyn Progress,
-    ) -> Result<Vec<Row>> {
+    ) -> Result<Vec<EpisodeResult>> {
         let policy =
             WrappedPolicy::new(self.policy_of(stage).policy(), &self.problem, self.problem.side(stage));
         let episodes = self.episodes(stage);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use b2b_evaluate::any_number;
 use b2b_evaluate::statistics::{Aggregate, Cluster, aggregate_clusters};
-use b2b_evaluate::{Row, relative_energy};
+use b2b_evaluate::{EpisodeResult, relative_energy};
 
 /// Building type, task and run period.
 pub(super) type StratumKey = (String, String, String);
@@ -46,13 +46,16 @@ pub struct Performance {
 
 impl Performance {
     /// Returns the performance in some rows; `None` if none has a score.
-    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a Row> + Clone, seed: u64) -> Option<Self> {
-        let aggregate = |score: fn(&Row) -> Option<f64>| {
+    pub(super) fn of<'a>(
+        rows: impl IntoIterator<Item = &'a EpisodeResult> + Clone,
+        seed: u64,
+    ) -> Option<Self> {
+        let aggregate = |score: fn(&EpisodeResult) -> Option<f64>| {
             aggregate_clusters(&clusters(&by_building(rows.clone(), score)), seed)
         };
         Some(Self {
-            scores: aggregate(Row::score)?,
-            resolved: aggregate(Row::resolved_score)?,
+            scores: aggregate(EpisodeResult::score)?,
+            resolved: aggregate(EpisodeResult::resolved_score)?,
             rms_deviation_k: mean_deviation(rows.clone()),
             relative_energy: relative_energy(rows),
         })
@@ -60,8 +63,8 @@ impl Performance {
 }
 
 /// Returns the mean over the rows that were not lost, K.
-fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a Row>) -> f64 {
-    let metrics = rows.into_iter().filter_map(Row::metrics);
+fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> f64 {
+    let metrics = rows.into_iter().filter_map(EpisodeResult::metrics);
     let values: Vec<f64> = metrics.map(|metrics| metrics.rms_deviation).collect();
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
@@ -82,7 +85,7 @@ impl SeedScores {
     }
 
     /// Returns whether a row has the same building, task and run period.
-    fn has(&self, row: &Row) -> bool {
+    fn has(&self, row: &EpisodeResult) -> bool {
         self.building == row.info.building && self.task == row.info.task && self.period == row.info.period
     }
 
@@ -109,8 +112,8 @@ impl SeedScores {
 
 /// Groups the scores of rows by building, task and run period, in the order of the rows.
 pub(super) fn by_building<'a>(
-    rows: impl IntoIterator<Item = &'a Row>,
-    score: fn(&Row) -> Option<f64>,
+    rows: impl IntoIterator<Item = &'a EpisodeResult>,
+    score: fn(&EpisodeResult) -> Option<f64>,
 ) -> Vec<SeedScores> {
     let mut groups: Vec<SeedScores> = Vec::new();
     for row in rows {
@@ -133,22 +136,22 @@ pub(super) fn by_building<'a>(
 /// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the
 /// penalty from random actions, divided by the baseline's decrease. Scores and resolved scores give the same. Leaves
 /// out buildings that were not run under random actions, or where random actions are as good as the baseline.
-pub(super) fn from_random(rows: &[Row], random: &[Row]) -> Vec<SeedScores> {
-    let random = by_building(random, Row::score);
+pub(super) fn from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Vec<SeedScores> {
+    let random = by_building(random, EpisodeResult::score);
     let scaled = |group: SeedScores| {
         let highest = random.iter().find(|other| other.is_of(&group))?.mean();
         let scale = |score: &f64| (highest - score) / (highest - 1.0);
         let seeds = group.seeds.iter().map(scale).collect();
         (highest > 1.0).then_some(SeedScores { seeds, ..group })
     };
-    by_building(rows, Row::score).into_iter().filter_map(scaled).collect()
+    by_building(rows, EpisodeResult::score).into_iter().filter_map(scaled).collect()
 }
 
 /// Returns the scores of every building, means over seeds.
-pub(super) fn building_scores(rows: &[Row]) -> Vec<Score> {
-    let resolved = by_building(rows, Row::resolved_score);
+pub(super) fn building_scores(rows: &[EpisodeResult]) -> Vec<Score> {
+    let resolved = by_building(rows, EpisodeResult::resolved_score);
     let score = |group: &SeedScores| {
-        let own: Vec<&Row> = rows.iter().filter(|row| group.has(row)).collect();
+        let own: Vec<&EpisodeResult> = rows.iter().filter(|row| group.has(row)).collect();
         let same = |other: &&SeedScores| own.first().is_some_and(|row| other.has(row));
         Some(Score {
             building: group.building.clone(),
@@ -160,11 +163,11 @@ pub(super) fn building_scores(rows: &[Row]) -> Vec<Score> {
             relative_energy: relative_energy(own.iter().copied()),
         })
     };
-    by_building(rows, Row::score).iter().filter_map(score).collect()
+    by_building(rows, EpisodeResult::score).iter().filter_map(score).collect()
 }
 
 /// Returns whether a row belongs to a stratum.
-pub(super) fn is_in(row: &Row, (building_type, task, period): &StratumKey) -> bool {
+pub(super) fn is_in(row: &EpisodeResult, (building_type, task, period): &StratumKey) -> bool {
     row.info.building_type == *building_type && row.info.task == *task && row.info.period == *period
 }
 

@@ -172,7 +172,7 @@ fn profile_beyond(mut scores: Vec<f64>, color: &str) -> Option<Value> {
 /// Returns the rows of the test stage; none of a result's rows is lost.
 fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
     let rows = stages.iter().filter(|(stage, _)| *stage == Stage::Test).flat_map(|(_, rows)| rows);
-    rows.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+    rows.filter_map(|row| Some((&row.info, row.scored()?))).collect()
 }
 
 /// Returns the entries with the episodes of the test stage.

@@ -11,8 +11,8 @@ use crate::entry::{
 };
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::RESOLUTION;
-use b2b_evaluate::Row;
 use b2b_evaluate::statistics::{Aggregate, score_text};
 
 /// A result with its rows by stage.
@@ -129,7 +129,7 @@ fn remark(result: &RunResult) -> String {
 
 /// Returns the test episodes under random actions, from a result of the random policy or a result that measures
 /// adaptation.
-fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [Row] {
+fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [EpisodeResult] {
     let random = BuiltIn::random().to_string();
     let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
         Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,

@@ -1,36 +1,11 @@
-//! The benchmark's problems as data: training side, test side and protocol.
+//! The benchmark's problems, and the spaces of policies and batches on them.
 //!
-//! 1. A [`Problem`] has two [`Side`]s, training and test, each with buildings, tasks and actuators, and a [`Protocol`].
-//!    The named ones are JSON files under `data/problems`; a user's own file has the same format.
-//! 2. [`Problem::check`] rejects a problem that cannot measure generalization, such as one that trains on test buildings.
-//! 3. [`Changes`] derive another problem, for example with other run periods; its [`Problem::hash`] differs.
-//! 4. [`WrappedPolicy`] gives a policy the observation and action spaces of the training or test side, and
-//!    [`TrainingForm`] gives a batch of environments the spaces of the training side.
+//! [`WrappedPolicy`] gives a policy the observation and action spaces of the training or test side, and [`TrainingForm`]
+//! gives a batch of environments the spaces of the training side.
 
-mod as_text;
-mod buildings;
-mod changes;
-mod check;
-mod definition;
-mod list;
-mod protocol;
-mod restriction;
-mod shipped;
-mod side;
-mod stage;
 mod training;
 mod wrapper;
 
-pub use buildings::{Buildings, Subset};
-pub use changes::Changes;
-pub(crate) use changes::differences;
-pub use definition::{Family, Problem};
-pub use protocol::{Attributes, Memory, Protocol};
-pub use restriction::{Fallback, RestrictedAction, Restriction};
-pub use side::{Side, Size};
-pub use stage::Stage;
+pub use b2b_evaluate::problem::*;
 pub use training::TrainingForm;
 pub use wrapper::WrappedPolicy;
-
-#[cfg(test)]
-mod tests;

@@ -6,11 +6,9 @@ use b2b_building::morphology::COMMON;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::{BuildingName, Control, Placement};
 use b2b_env::{ActionSpace, Spaces, attribute_name, attributes};
+use b2b_evaluate::problem::{Attributes, Problem, RestrictedAction, Restriction};
+use b2b_evaluate::{Error, Result};
 use b2b_workers::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
-
-use super::definition::Problem;
-use super::protocol::Attributes;
-use super::restriction::{RestrictedAction, Restriction};
 
 /// The observations and actions of a problem's training side, in the form in which a policy is tested on the problem:
 /// padded, with the building's attributes if they are given, and without the withheld actuators.
@@ -28,12 +26,8 @@ impl TrainingForm {
     /// order.
     ///
     /// # Errors
-    /// [`crate::Error::Problem`] if the problem's restriction does not apply to one of them.
-    pub fn new(
-        problem: &Problem,
-        buildings: &[Arc<Spaces>],
-        arrangement: Arrangement,
-    ) -> crate::Result<Self> {
+    /// [`Error::Problem`] if the problem's restriction does not apply to one of them.
+    pub fn new(problem: &Problem, buildings: &[Arc<Spaces>], arrangement: Arrangement) -> Result<Self> {
         let restriction = problem.train.restriction;
         let (mut actions, observations) = Padded::fitting(buildings, arrangement).widths;
         if let Some(restriction) = restriction {
@@ -41,7 +35,7 @@ impl TrainingForm {
                 let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);
                 Ok(restriction.apply(spaces, &parameters)?.kept().len())
             };
-            let kept = buildings.iter().map(kept).collect::<crate::Result<Vec<usize>>>()?;
+            let kept = buildings.iter().map(kept).collect::<Result<Vec<usize>>>()?;
             actions = kept.into_iter().max().unwrap_or(0);
         }
         let observations = match arrangement {
@@ -53,7 +47,7 @@ impl TrainingForm {
     }
 
     /// Returns the attributes of a building, from the dataset if it has an id.
-    fn attributes(&self, spaces: &Spaces) -> crate::Result<Vec<f64>> {
+    fn attributes(&self, spaces: &Spaces) -> Result<Vec<f64>> {
         if !self.attributes {
             return Ok(Vec::new());
         }
@@ -70,7 +64,7 @@ impl Form for TrainingForm {
     }
 
     fn episode(&mut self, spaces: &Arc<Spaces>) -> b2b_env::Result<Box<dyn EpisodeForm>> {
-        let wrong = |error: crate::Error| b2b_env::Error::Template {
+        let wrong = |error: Error| b2b_env::Error::Template {
             name: spaces.building.name.clone(),
             why: error.to_string(),
         };

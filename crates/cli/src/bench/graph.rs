@@ -13,7 +13,7 @@ use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::random::Random;
 use b2b_learn::rollout::{Rollout, Scene, Widths};
-use b2b_learn::train::{Policy, TrainConfig};
+use b2b_learn::train::{PolicyConfig, TrainConfig};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
@@ -143,9 +143,9 @@ impl MeasuredLearner {
         let (observation, action) = pilot.widths();
         let widths = Widths { observation, action, parts: 1 };
         let ppo = match &config.agent.policy {
-            Policy::Flat => Ppo::new(widths, ppo, 0)?,
-            Policy::Recurrent(policy) => Ppo::recurrent(policy, widths, ppo, 0)?,
-            Policy::Graph(policy) => {
+            PolicyConfig::Flat => Ppo::new(widths, ppo, 0)?,
+            PolicyConfig::Recurrent(policy) => Ppo::recurrent(policy, widths, ppo, 0)?,
+            PolicyConfig::Graph(policy) => {
                 Ppo::of_graphs(&policy.network(interface), widths, ppo, policy.normalize, 0)?
             }
         };

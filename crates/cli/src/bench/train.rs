@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, BuildingName, Catalog, Split};
-use b2b_learn::train::{Design, Policy, RecurrentPolicy, TrainConfig, TrainingLoop, UpdateTimes};
+use b2b_learn::train::{Design, PolicyConfig, RecurrentPolicy, TrainConfig, TrainingLoop, UpdateTimes};
 use cpu_time::ProcessTime;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -137,7 +137,8 @@ fn costs(
     config.budget.environments = arguments.environments as usize;
     if let Some(width) = arguments.recurrent {
         let width = usize::from(width);
-        config.agent.policy = Policy::Recurrent(RecurrentPolicy { width, ..RecurrentPolicy::default() });
+        config.agent.policy =
+            PolicyConfig::Recurrent(RecurrentPolicy { width, ..RecurrentPolicy::default() });
     }
     let mut turns = Vec::new();
     for design in Design::ALL {

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::{Env, Environment, Task};
-use b2b_workers::{Fixed, Setting, VecEnv, Workers};
+use b2b_workers::{EpisodeSetting, Fixed, VecEnv, Workers};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
@@ -151,7 +151,7 @@ fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
 }
 
 /// Returns the wall-clock times of resets from a template, ms, and the template's memory, MB.
-fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
+fn resets(prepared: &Prepared, setting: &EpisodeSetting, count: u32) -> Result<(Vec<f64>, f64)> {
     let workers = Workers::new(prepared.worker_options())?;
     let mut episode = workers.episode(setting)?;
     let process = *workers.template_processes().first().context("the template is gone")?;
@@ -178,7 +178,7 @@ struct Rates {
 impl Rates {
     fn measure(
         prepared: &Prepared,
-        setting: Setting,
+        setting: EpisodeSetting,
         building: &BuildingName,
         arguments: &Arguments,
     ) -> Result<Self> {

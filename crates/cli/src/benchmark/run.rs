@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, EpisodePoint, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_evaluate::statistics::{Aggregate, score_text};
-use b2b_evaluate::{Baselines, Row};
+use b2b_evaluate::{Baselines, EpisodeResult};
 
 use super::selection::Selection;
 use crate::arguments::jobs::Jobs;
@@ -138,8 +138,8 @@ impl Arguments {
     }
 }
 
-fn lost(rows: &[Row]) -> String {
-    let line = |row: &Row| {
+fn lost(rows: &[EpisodeResult]) -> String {
+    let line = |row: &EpisodeResult| {
         let why = row.outcome.as_ref().map_or_else(ToString::to_string, |_| "undefined score".to_owned());
         format!("failed: {}: {why}", row.info)
     };

@@ -8,7 +8,7 @@ use b2b_building::{Controls, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
 use b2b_env::{Env, EpisodeConfig, Spaces, Task};
-use b2b_workers::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
+use b2b_workers::{Autoreset, EpisodeSetting, Source, VecEnvOptions, WorkerOptions};
 
 use crate::arguments::location::Location;
 use crate::program::{self, weather};
@@ -104,7 +104,7 @@ impl Prepared {
     }
 
     /// Returns the setting of an episode in this building.
-    pub fn setting(&self, episode: EpisodeConfig) -> Setting {
-        Setting::new(Source::Prepared(Box::new((*self.building).clone())), episode)
+    pub fn setting(&self, episode: EpisodeConfig) -> EpisodeSetting {
+        EpisodeSetting::new(Source::Prepared(Box::new((*self.building).clone())), episode)
     }
 }

@@ -1,6 +1,6 @@
 //! The progress bar of a training run.
 
-use b2b_learn::train::{Monitor, Row};
+use b2b_learn::train::{Monitor, ProgressRow};
 use indicatif::ProgressBar;
 
 use crate::terminal::progress::{spinner, training};
@@ -46,7 +46,7 @@ impl Monitor for Bar {
         self.replace(spinner(format!("{steps} steps: evaluating the agent"), self.quiet));
     }
 
-    fn update(&mut self, row: &Row) {
+    fn update(&mut self, row: &ProgressRow) {
         if !std::mem::replace(&mut self.is_counting, true) {
             let bar = training(self.steps, row.steps.min(self.steps), self.quiet);
             self.replace(bar);
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn a_bar_ends_at_its_length_and_an_evaluation_has_no_time_left() {
         let mut bar = Bar::new(60_000, true);
-        let row = |steps| Row { steps, values: vec![("steps_per_s", 1000.0)] };
+        let row = |steps| ProgressRow { steps, values: vec![("steps_per_s", 1000.0)] };
         bar.update(&row(30_000));
         assert_eq!((bar.bar.position(), bar.bar.length()), (30_000, Some(60_000)));
         bar.evaluating(62_208);

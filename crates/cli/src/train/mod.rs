@@ -11,7 +11,7 @@ use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Placement};
 use b2b_env::Task;
 use b2b_evaluate::statistics::beats_baseline;
-use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, TrainConfig};
+use b2b_learn::train::{Measures, PAGE, RunOptions, RunSummary, SUMMARY, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -287,8 +287,8 @@ fn set<T: Clone>(option: &mut T, given: &Option<T>) {
 }
 
 /// Formats the result of a run.
-fn text(summary: &Summary) -> String {
-    let Summary { steps, steps_per_s, out, .. } = summary;
+fn text(summary: &RunSummary) -> String {
+    let RunSummary { steps, steps_per_s, out, .. } = summary;
     format!(
         "{} on {}, {}: {steps} steps at {steps_per_s:.0}/s, seed {}\n\n\
          {}agent    {}\n\

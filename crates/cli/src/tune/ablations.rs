@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use b2b_climate::TwoWeeks;
 use b2b_dataset::BuildingId;
-use b2b_evaluate::{Ablation, BuiltIn, Row};
+use b2b_evaluate::{Ablation, BuiltIn, EpisodeResult};
 use serde::Serialize;
 
 use super::two_weeks::two_weeks;
@@ -70,10 +70,15 @@ pub fn ablations(arguments: &Arguments) -> Result<()> {
 
 impl Effect {
     /// Returns `None` if a row has no metrics of operation.
-    fn of(id: BuildingId, ablation: Ablation, whole: &[Row], rows: &[Row]) -> Option<Self> {
-        let of_building = |rows: &[Row]| -> Option<Vec<[f64; 3]>> {
+    fn of(
+        id: BuildingId,
+        ablation: Ablation,
+        whole: &[EpisodeResult],
+        rows: &[EpisodeResult],
+    ) -> Option<Self> {
+        let of_building = |rows: &[EpisodeResult]| -> Option<Vec<[f64; 3]>> {
             let own = rows.iter().filter(|row| row.info.building == id.to_string());
-            let of_row = |row: &Row| {
+            let of_row = |row: &EpisodeResult| {
                 let metrics = row.metrics()?;
                 Some([metrics.ener_tot?, metrics.cost_tot?, metrics.tdis_tot?])
             };

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use b2b_building::Class;
-use b2b_control::tune::{self, Plan, TrainingBuildings};
+use b2b_control::tune::{self, TrainingBuildings, TuningPlan};
 use b2b_control::{Measured, Objective, ReactiveParameters, Tuned};
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::EnergyScale;
@@ -74,7 +74,7 @@ fn difference(catalog: &Catalog, class: Class, objective: Objective) -> Result<O
 fn measure(catalog: &Catalog, tuned: &Tuned) -> Result<Measured> {
     let ids = |names: &[String]| names.iter().map(|id| id.parse()).collect::<Result<Vec<BuildingId>, _>>();
     let buildings = TrainingBuildings { search: ids(&tuned.buildings)?, validation: ids(&tuned.validation)? };
-    let mut plan = Plan::comfort(tuned.class, &buildings, &tuned.periods, tuned.seed);
+    let mut plan = TuningPlan::comfort(tuned.class, &buildings, &tuned.periods, tuned.seed);
     if let Some(energy_scale) = tuned.energy_scale {
         plan = plan.energy(&ReactiveParameters::default(), energy_scale);
     }

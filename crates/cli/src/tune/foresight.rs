@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use b2b_building::Period;
 use b2b_climate::TwoWeeks;
-use b2b_control::foresight::{Plan, Planned, SearchOptions, plan};
+use b2b_control::foresight::{Planned, SchedulePlan, ScheduleSearchOptions, plan};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::statistics::median;
-use b2b_workers::{Setting, Source, Workers};
+use b2b_workers::{EpisodeSetting, Source, Workers};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
@@ -48,13 +48,13 @@ pub struct Arguments {
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
     /// Hours of a block of the day
-    #[arg(long, default_value_t = SearchOptions::default().block_hours, value_name = "N")]
+    #[arg(long, default_value_t = ScheduleSearchOptions::default().block_hours, value_name = "N")]
     block_hours: u32,
     /// Rounds of a search
-    #[arg(long, default_value_t = SearchOptions::default().rounds, value_name = "N")]
+    #[arg(long, default_value_t = ScheduleSearchOptions::default().rounds, value_name = "N")]
     rounds: usize,
     /// Mirrored pairs of episodes in a round
-    #[arg(long, default_value_t = SearchOptions::default().pairs, value_name = "N")]
+    #[arg(long, default_value_t = ScheduleSearchOptions::default().pairs, value_name = "N")]
     pairs: usize,
     /// Random seed of the search
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -90,7 +90,7 @@ pub fn foresight(arguments: &Arguments) -> Result<()> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let bar = counter(0, "episodes", arguments.json);
     let search = |item: &Item| arguments.search(&catalog, item, &bar);
-    let plans: Vec<Plan> =
+    let plans: Vec<SchedulePlan> =
         arguments.jobs.thread_pool()?.install(|| items.par_iter().map(search).collect::<Result<_>>())?;
     bar.finish_and_clear();
     write(&arguments.out.join(ALL), &plans)?;
@@ -113,13 +113,13 @@ impl Arguments {
         self.task.clone().unwrap_or_else(task::usual)
     }
 
-    fn options(&self) -> SearchOptions {
+    fn options(&self) -> ScheduleSearchOptions {
         let Self { block_hours, rounds, pairs, seed, .. } = *self;
-        SearchOptions { block_hours, rounds, pairs, seed }
+        ScheduleSearchOptions { block_hours, rounds, pairs, seed }
     }
 
     /// Returns the plan of an item, from its file if it is there.
-    fn search(&self, catalog: &Catalog, item: &Item, bar: &ProgressBar) -> Result<Plan> {
+    fn search(&self, catalog: &Catalog, item: &Item, bar: &ProgressBar) -> Result<SchedulePlan> {
         interrupt::check()?;
         let Item { building, period } = item;
         let (task, options) = (self.task(), self.options());
@@ -130,10 +130,10 @@ impl Arguments {
         let period = period.in_weather(&weather)?;
         let config = EpisodeConfig { weather, period, steps_per_hour: self.steps_per_hour, task };
         let workers = Workers::new(worker_options(catalog.library().path()))?;
-        let mut episode = workers.episode(&Setting::new(Source::from(found), config))?;
+        let mut episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
         let spaces = b2b_env::Environment::spaces(&episode);
         if path.exists() {
-            let plan = Plan::read(&path)?;
+            let plan = SchedulePlan::read(&path)?;
             ensure!(
                 plan.options == options && plan.planned == Planned::of(spaces)?,
                 "{} is a schedule of another search or episode; choose another folder",
@@ -150,7 +150,7 @@ impl Arguments {
         Ok(plan)
     }
 
-    fn text(&self, items: &[Item], plans: &[Plan]) -> String {
+    fn text(&self, items: &[Item], plans: &[SchedulePlan]) -> String {
         let mut table = Table::new([
             "building",
             "period",
@@ -185,7 +185,7 @@ impl Arguments {
 }
 
 /// Returns the shifts that save, the largest first.
-fn saved_by(plan: &Plan) -> String {
+fn saved_by(plan: &SchedulePlan) -> String {
     let mut all: Vec<(&String, f64)> =
         plan.savings.iter().map(|(shift, share)| (shift, 100.0 * share)).collect();
     all.sort_by(|(_, a), (_, b)| b.total_cmp(a));
@@ -193,7 +193,7 @@ fn saved_by(plan: &Plan) -> String {
     saving.map(|(shift, percent)| format!("{shift} {percent:.1}")).collect::<Vec<_>>().join(", ")
 }
 
-fn write(path: &Path, plans: &[Plan]) -> Result<()> {
+fn write(path: &Path, plans: &[SchedulePlan]) -> Result<()> {
     OutputFolder::write_file(path, |file| {
         for plan in plans {
             serde_json::to_writer(&mut *file, plan)?;

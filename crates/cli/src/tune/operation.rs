@@ -8,7 +8,7 @@ use b2b_control::tune::TrainingBuildings;
 use b2b_dataset::BuildingId;
 use b2b_env::{CostScale, OPERATION_WEIGHT};
 use b2b_evaluate::operation_reward::{Balance, Operation, Ranked, WEIGHTS, balances, cost_scales, rank};
-use b2b_evaluate::{BuiltIn, Evaluation, Policy, Row};
+use b2b_evaluate::{BuiltIn, EpisodeResult, Evaluation, Policy};
 use serde_json::json;
 
 use super::two_weeks::two_weeks;
@@ -65,13 +65,14 @@ pub fn operation(arguments: &Arguments) -> Result<()> {
         serde_json::to_writer_pretty(&mut *file, &scales)?;
         Ok(writeln!(file)?)
     })?;
-    let is_representative = |row: &&Row| representatives.iter().any(|id| row.info.building == id.to_string());
+    let is_representative =
+        |row: &&EpisodeResult| representatives.iter().any(|id| row.info.building == id.to_string());
     let mut all = vec![("guideline36", guideline.iter().filter(is_representative).cloned().collect())];
     for name in OTHERS {
         all.push((name, run(&representatives, name.parse()?)?));
     }
     let operations: Vec<Operation<'_>> =
-        all.iter().map(|(policy, rows): &(&str, Vec<Row>)| Operation { policy, rows }).collect();
+        all.iter().map(|(policy, rows): &(&str, Vec<EpisodeResult>)| Operation { policy, rows }).collect();
     let ranked = rank(&operations, &scales);
     let summary = json!({
         "weight": OPERATION_WEIGHT, "cost_scales": scales, "balances": balances,
@@ -96,7 +97,12 @@ impl Arguments {
     }
 
     /// Returns the episodes of a controller.
-    fn run(&self, evaluation: &Evaluation<'_>, ids: &[BuildingId], policy: BuiltIn) -> Result<Vec<Row>> {
+    fn run(
+        &self,
+        evaluation: &Evaluation<'_>,
+        ids: &[BuildingId],
+        policy: BuiltIn,
+    ) -> Result<Vec<EpisodeResult>> {
         two_weeks(evaluation, ids, &policy, &self.out.join(policy.name()), self.json)
     }
 }

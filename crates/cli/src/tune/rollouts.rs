@@ -1,7 +1,7 @@
 //! Tuning episodes in worker processes.
 
 use b2b_building::RunPeriod;
-use b2b_control::tune::{Building, Cells, Outcome, Plan, Rollouts, TrainingBuildings};
+use b2b_control::tune::{CellOutcome, Cells, PlanBuilding, Rollouts, TrainingBuildings, TuningPlan};
 use b2b_control::{ReactiveParameters, Result};
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::Task;
@@ -29,24 +29,28 @@ impl<'a> TrainingRollouts<'a> {
         catalog: &'a Catalog,
         buildings: &'a TrainingBuildings,
         periods: &'a [RunPeriod],
-        plan: &Plan,
+        plan: &TuningPlan,
     ) -> Self {
         let constant_targets = plan.constant_targets;
         Self { catalog, buildings, periods, constant_targets, search: None, validation: None }
     }
 
     /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
-    pub fn simulate(&mut self, parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
-        let tasks = Plan::tasks()?;
+    pub fn simulate(
+        &mut self,
+        parameters: &ReactiveParameters,
+        building: PlanBuilding,
+    ) -> Result<Vec<CellOutcome>> {
+        let tasks = TuningPlan::tasks()?;
         // The search uses setpoints by occupancy, preceded by constant ones if the plan requires them.
         let searched = if self.constant_targets { &tasks[..] } else { &tasks[tasks.len() - 1..] };
         let TrainingBuildings { search, validation } = self.buildings;
         let (kept, ids, tasks, index, range) = match building {
-            Building::Search(index) => {
+            PlanBuilding::Search(index) => {
                 (&mut self.search, search, searched, index, searched.len() - 1..searched.len())
             }
-            Building::Constant(index) => (&mut self.search, search, searched, index, 0..1),
-            Building::Validation(index) => {
+            PlanBuilding::Constant(index) => (&mut self.search, search, searched, index, 0..1),
+            PlanBuilding::Validation(index) => {
                 (&mut self.validation, validation, &tasks[..], index, 0..tasks.len())
             }
         };
@@ -55,20 +59,20 @@ impl<'a> TrainingRollouts<'a> {
             none => none.insert(rollouts(self.catalog, ids, self.periods, tasks)?),
         };
         let episodes = ready.run(parameters, index, range)?;
-        Ok(episodes.chunks(self.periods.len()).map(Outcome::of).collect())
+        Ok(episodes.chunks(self.periods.len()).map(CellOutcome::of).collect())
     }
 
     /// Returns the outcomes of all buildings.
     pub fn cells(&mut self, parameters: &ReactiveParameters) -> Result<Cells> {
         let (search, validation) = (self.buildings.search.len(), self.buildings.validation.len());
         let constant = if self.constant_targets { search } else { 0 };
-        let mut all = |count: usize, building: fn(usize) -> Building| -> Result<Vec<Vec<Outcome>>> {
+        let mut all = |count: usize, building: fn(usize) -> PlanBuilding| -> Result<Vec<Vec<CellOutcome>>> {
             (0..count).map(|index| self.simulate(parameters, building(index))).collect()
         };
         Ok(Cells {
-            search: all(search, Building::Search)?.concat(),
-            constant: all(constant, Building::Constant)?.concat(),
-            validation: all(validation, Building::Validation)?,
+            search: all(search, PlanBuilding::Search)?.concat(),
+            constant: all(constant, PlanBuilding::Constant)?.concat(),
+            validation: all(validation, PlanBuilding::Validation)?,
         })
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use anyhow::{Context, Result};
 use b2b_building::{Class, RunPeriod};
-use b2b_control::tune::{self, Plan, TrainingBuildings};
+use b2b_control::tune::{self, TrainingBuildings, TuningPlan};
 use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
 use indicatif::ProgressBar;
@@ -119,7 +119,7 @@ impl Arguments {
     ) -> Result<(Tuned, Option<Tuned>)> {
         let (search, validation) = (self.buildings as usize, self.validation as usize);
         let buildings = TrainingBuildings::draw(class, search, validation, self.seed)?;
-        let plan = Plan::comfort(class, &buildings, &self.periods, self.seed);
+        let plan = TuningPlan::comfort(class, &buildings, &self.periods, self.seed);
         let mut rollouts = TrainingRollouts::new(catalog, &buildings, &self.periods, &plan);
         let comfort = self.tune_one(&plan, &mut rollouts, folder, bar)?;
         if !self.objectives.contains(&Objective::Energy) {
@@ -132,7 +132,7 @@ impl Arguments {
 
     fn tune_one(
         &self,
-        plan: &Plan,
+        plan: &TuningPlan,
         rollouts: &mut TrainingRollouts,
         folder: &Path,
         bar: &ProgressBar,

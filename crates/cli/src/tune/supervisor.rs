@@ -8,10 +8,10 @@ use anyhow::{Context, Result};
 use b2b_base::spread::spread;
 use b2b_building::{BuildingType, Period};
 use b2b_climate::TwoWeeks;
-use b2b_control::linear_supervisor::{Rule, SearchOptions, Site, Tuned, run, tune};
+use b2b_control::linear_supervisor::{Rule, TriedEpisode, TunedWeights, WeightSearchOptions, run, tune};
 use b2b_dataset::{BuildingId, BuildingName, Catalog, Placement, Split};
 use b2b_env::{EpisodeConfig, Task};
-use b2b_workers::{Setting, Source, Workers};
+use b2b_workers::{EpisodeSetting, Source, Workers};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -46,13 +46,13 @@ pub struct Arguments {
     #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
     task: Option<Task>,
     /// Rounds of a search
-    #[arg(long, default_value_t = SearchOptions::default().rounds, value_name = "N")]
+    #[arg(long, default_value_t = WeightSearchOptions::default().rounds, value_name = "N")]
     rounds: usize,
     /// Episodes of a round, each in another building or period
-    #[arg(long, default_value_t = SearchOptions::default().episodes, value_name = "N")]
+    #[arg(long, default_value_t = WeightSearchOptions::default().episodes, value_name = "N")]
     episodes: usize,
     /// Mirrored pairs of an episode
-    #[arg(long, default_value_t = SearchOptions::default().pairs, value_name = "N")]
+    #[arg(long, default_value_t = WeightSearchOptions::default().pairs, value_name = "N")]
     pairs: usize,
     /// Random seed of the search
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -76,7 +76,7 @@ const STEPS_PER_HOUR: u32 = 12;
 pub fn supervisor(arguments: &Arguments) -> Result<()> {
     let _lock = output_folder::lock(&arguments.out)?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
-    let mut all: BTreeMap<String, Tuned> = BTreeMap::new();
+    let mut all: BTreeMap<String, TunedWeights> = BTreeMap::new();
     for building_type in &arguments.types {
         let tuned = arguments.search(&catalog, *building_type)?;
         if let Some(last) = tuned.rounds.last() {
@@ -92,9 +92,9 @@ pub fn supervisor(arguments: &Arguments) -> Result<()> {
 
 impl Arguments {
     /// Searches the rule of a type.
-    fn search(&self, catalog: &Catalog, building_type: BuildingType) -> Result<Tuned> {
+    fn search(&self, catalog: &Catalog, building_type: BuildingType) -> Result<TunedWeights> {
         let (ids, periods, task) = (self.ids(building_type), self.periods(), self.task());
-        let options = SearchOptions {
+        let options = WeightSearchOptions {
             rounds: self.rounds,
             episodes: self.episodes,
             pairs: self.pairs,
@@ -121,7 +121,7 @@ impl Arguments {
                 site
             };
             pool.install(|| {
-                all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<Site>>>()
+                all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<TriedEpisode>>>()
             })
         };
         let tuned = tune(options, days, Some((&path, &head)), &mut tries);
@@ -138,14 +138,14 @@ impl Arguments {
         period: Period,
         task: &Task,
         tried: &[Vec<Rule>],
-    ) -> Result<Site> {
+    ) -> Result<TriedEpisode> {
         interrupt::check()?;
         let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Download::new(true))?;
         let weather = found.weather.clone();
         let period = period.in_weather(&weather)?;
         let config = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: task.clone() };
         let workers = Workers::new(worker_options(catalog.library().path()))?;
-        let mut episode = workers.episode(&Setting::new(Source::from(found), config))?;
+        let mut episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
         run(&mut episode, tried).with_context(|| format!("{id}, {period}"))
     }
 
@@ -166,7 +166,7 @@ impl Arguments {
         self.task.clone().unwrap_or_else(task::usual)
     }
 
-    fn text(&self, all: &BTreeMap<String, Tuned>) -> String {
+    fn text(&self, all: &BTreeMap<String, TunedWeights>) -> String {
         let mut rounds = Table::new(["type", "round", "cost (%)", "discomfort (K·h per zone and day)"]);
         let mut weights = Table::new(["type", "shift", "constant", "cold", "heating", "cooling"]);
         for (name, tuned) in all {

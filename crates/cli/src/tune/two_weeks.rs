@@ -7,7 +7,7 @@ use b2b_building::Period;
 use b2b_climate::TwoWeeks;
 use b2b_dataset::{BuildingId, BuildingName};
 use b2b_env::{Band, Task};
-use b2b_evaluate::{Baselines, Episode, Evaluation, Folder, Policy, Results, Row, Subject};
+use b2b_evaluate::{Baselines, Episode, EpisodeResult, Evaluation, Folder, Policy, Results, Subject};
 
 use crate::scoring::evaluation::{Bars, fetch_weather};
 
@@ -19,7 +19,7 @@ pub fn two_weeks(
     policy: &dyn Policy,
     folder: &Path,
     quiet: bool,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<EpisodeResult>> {
     let episode = |id: &BuildingId, period: TwoWeeks| Episode {
         subject: Subject::at_home(BuildingName::Id(*id)),
         task: Task::operate(Band::Own),

@@ -6,7 +6,7 @@ use b2b_workers::Episode;
 use serde_json::Value;
 
 use super::plan::SHIPPED;
-use super::{Foresight, NAME, Plan, Planned, Schedule, SearchOptions};
+use super::{Foresight, NAME, Planned, Schedule, SchedulePlan, ScheduleSearchOptions};
 use crate::kind::{self, AnyController, Case};
 use crate::parameter_set::{from_json, to_json};
 use crate::{Error, Result};
@@ -40,7 +40,7 @@ impl kind::Kind for Kind {
     }
 
     fn read(&self, path: &Path) -> Result<Value> {
-        Ok(to_json(&Plan::read(path)?.schedule))
+        Ok(to_json(&SchedulePlan::read(path)?.schedule))
     }
 
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
@@ -60,10 +60,10 @@ impl kind::Kind for Kind {
         if !case.values.is_null() {
             return self.make(case).map(Some);
         }
-        let schedule = match Plan::shipped(&Planned::of(case.spaces)?) {
+        let schedule = match SchedulePlan::shipped(&Planned::of(case.spaces)?) {
             Some(plan) => plan.schedule,
             None => {
-                let options = SearchOptions { seed: case.seed, ..SearchOptions::default() };
+                let options = ScheduleSearchOptions { seed: case.seed, ..ScheduleSearchOptions::default() };
                 let (steps, episodes) = (case.spaces.episode_steps(), options.episodes(case.spaces)?);
                 let (mut done, mut told) = (0, 0);
                 let mut progress = || {

@@ -23,12 +23,12 @@ use crate::guideline36::{Guideline36, Guideline36Parameters};
 use crate::{Error, Result};
 pub(crate) use kind::Kind;
 pub(crate) use outcome::Days;
-pub use outcome::{Day, Outcome};
-pub use plan::{Plan, Planned, Total};
+pub use outcome::{DayUse, EpisodeUse};
+pub use plan::{EpisodeTotal, Planned, SchedulePlan};
 pub use schedule::Schedule;
 use schedule::Varied;
 use search::{Effort, search};
-use trials::{Record, Trials};
+use trials::{TrialRecord, Trials};
 
 /// Name of the kind.
 const NAME: &str = "foresight";
@@ -80,7 +80,7 @@ impl Controller for Foresight {
 /// How a schedule is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SearchOptions {
+pub struct ScheduleSearchOptions {
     /// Length of a block of the day, h; a divisor of 24.
     pub block_hours: u32,
     /// Number of rounds. Each runs 4 episodes, and 2 for every pair.
@@ -91,13 +91,13 @@ pub struct SearchOptions {
     pub seed: u64,
 }
 
-impl Default for SearchOptions {
+impl Default for ScheduleSearchOptions {
     fn default() -> Self {
         Self { block_hours: 4, rounds: 8, pairs: 5, seed: 0 }
     }
 }
 
-impl SearchOptions {
+impl ScheduleSearchOptions {
     /// Returns the number of episodes that a search in a building runs.
     ///
     /// # Errors
@@ -128,17 +128,17 @@ impl SearchOptions {
 /// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].
 pub fn plan(
     episode: &mut Episode,
-    options: &SearchOptions,
+    options: &ScheduleSearchOptions,
     record: Option<&Path>,
     done: &mut dyn FnMut(),
-) -> Result<Plan> {
+) -> Result<SchedulePlan> {
     let spaces = std::sync::Arc::clone(b2b_env::Environment::spaces(episode));
     let task = &spaces.episode.task;
     if !task.is_operation() || task.energy_weight <= 0.0 {
         return Err(Error::NotOperation { name: NAME, task: task.to_string() });
     }
     let (planned, varied) = (Planned::of(&spaces)?, options.varied(&spaces)?);
-    let record = record.map(|path| Record::open(path, &(&planned, options))).transpose()?;
+    let record = record.map(|path| TrialRecord::open(path, &(&planned, options))).transpose()?;
     let mut trials = Trials::new(episode, record, done);
     let (mut episodes, blocks) = (0, Schedule::blocks(options.block_hours));
     let mut run = |points: &[search::Point]| {
@@ -152,12 +152,12 @@ pub fn plan(
     let bounds = Schedule::bounds(&varied, options.block_hours);
     let days = spaces.episode.period.days() as usize;
     let found = search(&bounds, days, &parts, options.effort(), &mut run)?;
-    Ok(Plan {
+    Ok(SchedulePlan {
         planned,
         options: *options,
         episodes,
-        guideline: Total::of(&found.baseline, &spaces),
-        result: Total::of(&found.outcome, &spaces),
+        guideline: EpisodeTotal::of(&found.baseline, &spaces),
+        result: EpisodeTotal::of(&found.outcome, &spaces),
         savings: varied.iter().map(|varied| varied.name.to_owned()).zip(found.shares).collect(),
         schedule: Schedule::of_point(&varied, options.block_hours, &found.point),
     })

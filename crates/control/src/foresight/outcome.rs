@@ -5,21 +5,21 @@ use serde::{Deserialize, Serialize};
 
 /// Use and discomfort of an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct EpisodeUse {
     /// The days, in order.
-    pub days: Vec<Day>,
+    pub days: Vec<DayUse>,
 }
 
 /// Use and discomfort of a day.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Day {
+pub struct DayUse {
     /// Amount of the task's resource, usually cost, in mean steps of the building's class.
     pub used: f64,
     /// Deviation outside the band integrated over time, K·h per zone.
     pub discomfort: f64,
 }
 
-impl Outcome {
+impl EpisodeUse {
     /// Returns the amount of the resource, in mean steps of the building's class.
     pub fn used(&self) -> f64 {
         self.days.iter().map(|day| day.used).sum()
@@ -37,7 +37,7 @@ pub(crate) struct Days {
     steps_per_day: usize,
     steps: usize,
     /// Comfort penalties in place of discomfort.
-    days: Vec<Day>,
+    days: Vec<DayUse>,
 }
 
 impl Days {
@@ -46,19 +46,19 @@ impl Days {
     }
 
     /// Returns the outcome. The episode's discomfort is divided among the days as its comfort penalty is.
-    pub(crate) fn outcome(mut self, metrics: &Metrics) -> Outcome {
+    pub(crate) fn outcome(mut self, metrics: &Metrics) -> EpisodeUse {
         let penalty: f64 = self.days.iter().map(|day| day.discomfort).sum();
         let discomfort = metrics.zone_discomfort().unwrap_or(0.0);
         let scale = if penalty > 0.0 { discomfort / penalty } else { 0.0 };
         self.days.iter_mut().for_each(|day| day.discomfort *= scale);
-        Outcome { days: self.days }
+        EpisodeUse { days: self.days }
     }
 }
 
 impl Observer for Days {
     fn step(&mut self, step: &Step<'_>) -> b2b_env::Result<()> {
         if self.steps.is_multiple_of(self.steps_per_day) {
-            self.days.push(Day::default());
+            self.days.push(DayUse::default());
         }
         self.steps += 1;
         if let Some(day) = self.days.last_mut() {

@@ -7,8 +7,8 @@ use b2b_building::RunPeriod;
 use b2b_env::{Inputs, Spaces};
 use serde::{Deserialize, Serialize};
 
-use super::SearchOptions;
-use super::outcome::Outcome;
+use super::ScheduleSearchOptions;
+use super::outcome::EpisodeUse;
 use super::schedule::Schedule;
 use crate::guideline36::REVISION;
 use crate::parameter_set::read;
@@ -38,7 +38,7 @@ pub struct Planned {
 /// What an episode came to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Total {
+pub struct EpisodeTotal {
     /// Amount of the task's resource, usually cost, per m².
     pub used: f64,
     /// Discomfort, K·h per zone.
@@ -48,17 +48,17 @@ pub struct Total {
 /// A schedule with its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
+pub struct SchedulePlan {
     /// The episode.
     pub planned: Planned,
     /// How it was searched.
-    pub options: SearchOptions,
+    pub options: ScheduleSearchOptions,
     /// Episodes that it ran.
     pub episodes: usize,
     /// Guideline 36 without supervision.
-    pub guideline: Total,
+    pub guideline: EpisodeTotal,
     /// The plan.
-    pub result: Total,
+    pub result: EpisodeTotal,
     /// What each shift saves: the score without it less the score, as a share of the guideline's cost.
     pub savings: BTreeMap<String, f64>,
     /// The schedule.
@@ -83,15 +83,15 @@ impl Planned {
     }
 }
 
-impl Total {
+impl EpisodeTotal {
     /// Returns an outcome in the unit of the task's resource.
-    pub(super) fn of(outcome: &Outcome, spaces: &Spaces) -> Self {
+    pub(super) fn of(outcome: &EpisodeUse, spaces: &Spaces) -> Self {
         let unit = spaces.energy_scale() / spaces.episode.task.energy_weight;
         Self { used: outcome.used() * unit, discomfort: outcome.discomfort() }
     }
 }
 
-impl Plan {
+impl SchedulePlan {
     /// Reads a plan from a JSON file.
     ///
     /// # Errors
@@ -132,14 +132,14 @@ mod tests {
 
     #[test]
     fn every_shipped_plan_saves_at_no_more_discomfort() {
-        for plan in Plan::all_shipped() {
+        for plan in SchedulePlan::all_shipped() {
             let Planned { building, period, .. } = &plan.planned;
             plan.schedule.check().unwrap();
             assert_eq!(plan.schedule.days.len(), period.days() as usize, "{building} {period}");
             assert_eq!(plan.planned.guideline36, REVISION, "{building} {period}: search again");
             assert!(plan.result.used <= plan.guideline.used, "{building} {period}");
             assert!(plan.result.discomfort <= plan.guideline.discomfort + 0.1 * f64::from(period.days()));
-            assert_eq!(Plan::shipped(&plan.planned).as_ref(), Some(&plan), "one plan per episode");
+            assert_eq!(SchedulePlan::shipped(&plan.planned).as_ref(), Some(&plan), "one plan per episode");
         }
     }
 }

@@ -9,7 +9,7 @@
 use b2b_base::random::{standard_normal, stream};
 use rand_chacha::ChaCha8Rng;
 
-use super::outcome::{Day, Outcome};
+use super::outcome::{DayUse, EpisodeUse};
 use super::response::{Pair, slopes};
 use crate::Result;
 
@@ -42,7 +42,7 @@ const RESOLUTION: f64 = 2e-4;
 pub(super) type Point = Vec<Vec<f64>>;
 
 /// Runs an episode under each point, and returns the outcomes.
-pub(super) type Run<'a> = dyn FnMut(&[Point]) -> Result<Vec<Outcome>> + 'a;
+pub(super) type Run<'a> = dyn FnMut(&[Point]) -> Result<Vec<EpisodeUse>> + 'a;
 
 /// How to search.
 #[derive(Clone, Copy, Debug)]
@@ -66,15 +66,15 @@ impl Effort {
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) point: Point,
-    pub(super) outcome: Outcome,
+    pub(super) outcome: EpisodeUse,
     /// The guideline itself.
-    pub(super) baseline: Outcome,
+    pub(super) baseline: EpisodeUse,
     /// Score without each part, less the score.
     pub(super) shares: Vec<f64>,
 }
 
 /// A search in progress.
-struct Search<'a> {
+struct ScheduleSearch<'a> {
     bounds: &'a [[f64; 2]],
     random: ChaCha8Rng,
     spread: f64,
@@ -82,38 +82,38 @@ struct Search<'a> {
     /// The best value of each day.
     center: Point,
     /// The episode at the center, if it has run.
-    at_center: Option<Outcome>,
+    at_center: Option<EpisodeUse>,
     /// Length of the steps of each day.
     lengths: Vec<f64>,
     /// Mirrored pairs of the last rounds by day, without prices.
     tried: Vec<Vec<Tried>>,
-    baseline: Outcome,
+    baseline: EpisodeUse,
     best: Best,
 }
 
 /// A mirrored pair of a day.
 struct Tried {
     difference: Vec<f64>,
-    outcomes: [Day; 2],
+    outcomes: [DayUse; 2],
 }
 
 /// The best whole episode.
 struct Best {
     point: Point,
-    outcome: Outcome,
+    outcome: EpisodeUse,
     score: f64,
 }
 
 /// Returns the cost of an episode relative to the baseline's, with every K·h beyond the baseline's discomfort at the price of
 /// the score at comfort, but without its allowance.
-pub(super) fn score(outcome: &Outcome, baseline: &Outcome) -> f64 {
+pub(super) fn score(outcome: &EpisodeUse, baseline: &EpisodeUse) -> f64 {
     let days = baseline.days.len() as f64;
     let excess = (outcome.discomfort() - baseline.discomfort()).max(0.0);
     outcome.used() / baseline.used() + SCORE_PRICE * excess / days
 }
 
 /// Returns whether an episode has no more discomfort than the baseline.
-fn holds(outcome: &Outcome, baseline: &Outcome) -> bool {
+fn holds(outcome: &EpisodeUse, baseline: &EpisodeUse) -> bool {
     outcome.discomfort() <= baseline.discomfort() + SAME_DISCOMFORT
 }
 
@@ -136,7 +136,7 @@ pub(super) fn search(
         let shares = vec![0.0; parts.len()];
         return Ok(Found { point: zero, outcome: baseline.clone(), baseline, shares });
     }
-    let mut search = Search {
+    let mut search = ScheduleSearch {
         bounds,
         random: stream("foresight", effort.seed, 0),
         spread: FIRST_SPREAD,
@@ -156,11 +156,11 @@ pub(super) fn search(
     search.without(parts, run)
 }
 
-fn one(run: &mut Run<'_>, point: &Point) -> Result<Outcome> {
+fn one(run: &mut Run<'_>, point: &Point) -> Result<EpisodeUse> {
     Ok(run(std::slice::from_ref(point))?.remove(0))
 }
 
-impl Search<'_> {
+impl ScheduleSearch<'_> {
     /// Tries pairs and steps, and moves each day to its best.
     fn round(&mut self, pairs: usize, run: &mut Run<'_>) -> Result<()> {
         let center = match self.at_center.take() {
@@ -191,7 +191,7 @@ impl Search<'_> {
     }
 
     /// Runs points and keeps the best episode.
-    fn run(&mut self, points: &[Point], run: &mut Run<'_>) -> Result<Vec<Outcome>> {
+    fn run(&mut self, points: &[Point], run: &mut Run<'_>) -> Result<Vec<EpisodeUse>> {
         let outcomes = run(points)?;
         for (point, outcome) in points.iter().zip(&outcomes) {
             self.best.keep(point, outcome, &self.baseline);
@@ -213,7 +213,7 @@ impl Search<'_> {
     }
 
     /// Sets the lowest price at which the best outcomes of the days have no more discomfort than the baseline.
-    fn set_price(&mut self, outcomes: &[Outcome]) {
+    fn set_price(&mut self, outcomes: &[EpisodeUse]) {
         let [mut low, mut high] = PRICES.map(f64::ln);
         for _ in 0..BISECTIONS {
             self.price = f64::midpoint(low, high).exp();
@@ -228,7 +228,7 @@ impl Search<'_> {
     }
 
     /// Remembers the pairs of this round and of the last.
-    fn learn(&mut self, points: &[Point], outcomes: &[Outcome], pairs: usize) {
+    fn learn(&mut self, points: &[Point], outcomes: &[EpisodeUse], pairs: usize) {
         for (day, tried) in self.tried.iter_mut().enumerate() {
             let old = tried.len().saturating_sub(pairs);
             tried.drain(..old);
@@ -242,7 +242,7 @@ impl Search<'_> {
     }
 
     /// Returns the objective of a day, in days of the guideline's cost.
-    fn objective(&self, day: Day) -> f64 {
+    fn objective(&self, day: DayUse) -> f64 {
         let mean = self.baseline.used() / self.baseline.days.len() as f64;
         day.used / mean + self.price * day.discomfort
     }
@@ -274,7 +274,7 @@ impl Search<'_> {
     }
 
     /// Returns the number of the best outcome of a day; the first, unless another is better.
-    fn best_of(&self, day: usize, outcomes: &[Outcome]) -> usize {
+    fn best_of(&self, day: usize, outcomes: &[EpisodeUse]) -> usize {
         let mut best = (0, self.objective(outcomes[0].days[day]) - RESOLUTION);
         for (number, outcome) in outcomes.iter().enumerate().skip(1) {
             let objective = self.objective(outcome.days[day]);
@@ -318,7 +318,7 @@ impl Search<'_> {
 
 impl Best {
     /// Keeps an episode if it is better, at no more discomfort than the baseline.
-    fn keep(&mut self, point: &Point, outcome: &Outcome, baseline: &Outcome) {
+    fn keep(&mut self, point: &Point, outcome: &EpisodeUse, baseline: &EpisodeUse) {
         let score = score(outcome, baseline);
         if score < self.score && holds(outcome, baseline) {
             *self = Self { point: point.clone(), outcome: outcome.clone(), score };
@@ -335,12 +335,12 @@ mod tests {
 
     /// A cost with its lowest value at 0.6 and -0.3, flat in the last value, and discomfort from a value of 0.2 of the third on,
     /// which saves cost.
-    fn toy(points: &[Point]) -> Result<Vec<Outcome>> {
-        let day = |day: &Vec<f64>| Day {
+    fn toy(points: &[Point]) -> Result<Vec<EpisodeUse>> {
+        let day = |day: &Vec<f64>| DayUse {
             used: 10.0 + 4.0 * (day[0] - 0.6).powi(2) + 4.0 * (day[1] + 0.3).powi(2) - 2.0 * day[2],
             discomfort: 1.0 + 3.0 * (day[2] - 0.2).max(0.0),
         };
-        Ok(points.iter().map(|point| Outcome { days: point.iter().map(day).collect() }).collect())
+        Ok(points.iter().map(|point| EpisodeUse { days: point.iter().map(day).collect() }).collect())
     }
 
     fn parts() -> Vec<Vec<usize>> {
@@ -378,7 +378,8 @@ mod tests {
 
     #[test]
     fn nothing_is_better_than_a_baseline_that_uses_nothing() {
-        let mut free = |points: &[Point]| Ok(vec![Outcome { days: vec![Day::default(); 2] }; points.len()]);
+        let mut free =
+            |points: &[Point]| Ok(vec![EpisodeUse { days: vec![DayUse::default(); 2] }; points.len()]);
         let found = search(&BOUNDS, 2, &parts(), EFFORT, &mut free).unwrap();
         assert_eq!((found.point, found.shares), (vec![vec![0.0; 4]; 2], vec![0.0; 4]));
     }

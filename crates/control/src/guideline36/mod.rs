@@ -36,10 +36,10 @@ use b2b_env::{Controller, Decisions, Spaces};
 
 pub(crate) use kind::Kind;
 pub use modes::Mode;
-pub use parameters::{AirLoopParameters, Guideline36Parameters, UnitaryParameters};
+pub use parameters::{Guideline36AirLoopParameters, Guideline36Parameters, Guideline36UnitaryParameters};
 pub use points::{NextBand, Setpoints, SiteInput, ZoneInput};
 pub use supervision::{Shift, SupervisoryPoint};
-pub use trim_respond::TrimRespond as Guideline36Reset;
+pub use trim_respond::Guideline36Reset;
 pub use zone::LoopGains;
 pub use zone::demand::DemandLevel;
 

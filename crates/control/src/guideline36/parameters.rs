@@ -5,7 +5,7 @@ use std::path::Path;
 use b2b_building::parameter::Field;
 use serde::{Deserialize, Serialize};
 
-use super::trim_respond::TrimRespond;
+use super::trim_respond::Guideline36Reset;
 use super::zone::{LoopGains, ZoneRules};
 use crate::Result;
 use crate::parameter_set::{self, parameter};
@@ -22,15 +22,15 @@ pub struct Guideline36Parameters {
     /// Level of demand limiting, 0 to 3. 5.3.2.6.
     pub demand_level: f64,
     /// Parameters of units of a single zone.
-    pub unitary: UnitaryParameters,
+    pub unitary: Guideline36UnitaryParameters,
     /// Parameters of central air loops.
-    pub air_loop: AirLoopParameters,
+    pub air_loop: Guideline36AirLoopParameters,
 }
 
 /// Parameters of units of a single zone (5.18, 5.22).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct UnitaryParameters {
+pub struct Guideline36UnitaryParameters {
     /// Gains of the zone loops.
     pub gains: LoopGains,
     /// Distance above the heating setpoint at which the heating loop aims, K; 0 to 1.
@@ -54,7 +54,7 @@ pub struct UnitaryParameters {
 /// Parameters of central air loops (5.6, 5.16).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct AirLoopParameters {
+pub struct Guideline36AirLoopParameters {
     /// Gains of the zone loops.
     pub gains: LoopGains,
     /// Distance above the heating setpoint at which the heating loop aims, K; 0 to 1.
@@ -74,7 +74,7 @@ pub struct AirLoopParameters {
     /// Temperature rise across the fan at its design flow, K; 0 to 5.
     pub fan_rise: f64,
     /// Reset of the supply air temperature by requests.
-    pub trim_respond: TrimRespond,
+    pub trim_respond: Guideline36Reset,
 }
 
 impl Default for Guideline36Parameters {
@@ -83,13 +83,13 @@ impl Default for Guideline36Parameters {
             optimum_start: 3.0,
             setback: 1.0,
             demand_level: 0.0,
-            unitary: UnitaryParameters::default(),
-            air_loop: AirLoopParameters::default(),
+            unitary: Guideline36UnitaryParameters::default(),
+            air_loop: Guideline36AirLoopParameters::default(),
         }
     }
 }
 
-impl Default for UnitaryParameters {
+impl Default for Guideline36UnitaryParameters {
     fn default() -> Self {
         Self {
             gains: LoopGains::UNIT,
@@ -104,7 +104,7 @@ impl Default for UnitaryParameters {
     }
 }
 
-impl Default for AirLoopParameters {
+impl Default for Guideline36AirLoopParameters {
     fn default() -> Self {
         Self {
             gains: LoopGains::TERMINAL,
@@ -116,7 +116,7 @@ impl Default for AirLoopParameters {
             max_supply_temperature: 18.0,
             supply_temperature_reset: 1.0,
             fan_rise: 1.0,
-            trim_respond: TrimRespond::default(),
+            trim_respond: Guideline36Reset::default(),
         }
     }
 }
@@ -176,7 +176,8 @@ impl Guideline36Parameters {
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for the first that is not.
     pub fn check(&self) -> Result<()> {
-        let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
+        let Guideline36AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } =
+            self.air_loop;
         parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Parameters of a reset. A response moves the setpoint down, a trim up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct TrimRespond {
+pub struct Guideline36Reset {
     /// Time from the start of the device to the first change (Td), h; 0 to 24.
     pub delay: f64,
     /// Ignored requests (I); 0 to 100. The guideline's 2 is for air handlers of tens of zones: with five, it would
@@ -25,7 +25,7 @@ pub struct TrimRespond {
 /// Time steps of the guideline in an hour: 2 min each.
 const PER_HOUR: f64 = 30.0;
 
-impl Default for TrimRespond {
+impl Default for Guideline36Reset {
     /// The guideline's reset of the supply air temperature: 10 min, 0.1, 0.2 and 0.6 K every 2 min, with no request
     /// ignored.
     fn default() -> Self {
@@ -42,7 +42,7 @@ impl Default for TrimRespond {
 /// A setpoint under trim and respond.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reset {
-    rule: TrimRespond,
+    rule: Guideline36Reset,
     /// Lowest and highest setpoint; the highest is the initial one.
     bounds: [f64; 2],
     setpoint: f64,
@@ -51,7 +51,7 @@ pub(super) struct Reset {
 }
 
 impl Reset {
-    pub(super) fn new(rule: TrimRespond, bounds: [f64; 2]) -> Self {
+    pub(super) fn new(rule: Guideline36Reset, bounds: [f64; 2]) -> Self {
         Self { rule, bounds, setpoint: bounds[1], running: 0.0 }
     }
 
@@ -87,7 +87,7 @@ mod tests {
     const STEP: f64 = 1.0 / 12.0;
 
     fn after(requests: &[f64]) -> f64 {
-        let rule = TrimRespond { ignored_requests: 2.0, ..TrimRespond::default() };
+        let rule = Guideline36Reset { ignored_requests: 2.0, ..Guideline36Reset::default() };
         let mut reset = Reset::new(rule, [12.0, 18.0]);
         requests.iter().fold(f64::NAN, |_, &requests| reset.step(true, requests, STEP))
     }
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_setpoint_is_the_initial_one_while_the_device_is_off() {
-        let mut reset = Reset::new(TrimRespond::default(), [12.0, 18.0]);
+        let mut reset = Reset::new(Guideline36Reset::default(), [12.0, 18.0]);
         for _ in 0..20 {
             reset.step(true, 9.0, STEP);
         }

@@ -20,7 +20,7 @@ use crate::guideline36::{Guideline36, Guideline36Parameters, Shift, SupervisoryP
 use crate::parameter_set::read;
 use crate::{Error, Result};
 pub(crate) use kind::Kind;
-pub use search::{Round, SearchOptions, Site, Tries, Tuned, run, tune};
+pub use search::{Round, TriedEpisode, Tries, TunedWeights, WeightSearchOptions, run, tune};
 
 /// Outdoor temperature from which on it is not cold, °C, and the difference that counts as 1.
 const COLD: [f64; 2] = [10.0, 20.0];

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::surface::{Surface, lowest};
 use super::{Rule, Weights};
-use crate::foresight::{Days, Outcome};
+use crate::foresight::{Days, EpisodeUse};
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::kind::KindDescription;
 use crate::parameter_set::to_json;
@@ -47,7 +47,7 @@ const PER_UNIT: f64 = 1000.0;
 /// How weights are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SearchOptions {
+pub struct WeightSearchOptions {
     /// Number of rounds.
     pub rounds: usize,
     /// Episodes of a round, each in another building or period.
@@ -58,7 +58,7 @@ pub struct SearchOptions {
     pub seed: u64,
 }
 
-impl Default for SearchOptions {
+impl Default for WeightSearchOptions {
     fn default() -> Self {
         Self { rounds: 4, episodes: 8, pairs: 2, seed: 0 }
     }
@@ -66,11 +66,11 @@ impl Default for SearchOptions {
 
 /// An episode under the guideline and under rules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Site {
+pub struct TriedEpisode {
     /// Names of the shifts that the building has.
     pub shifts: Vec<String>,
     /// The outcome under the guideline, and then of every list of rules.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<EpisodeUse>,
 }
 
 /// The result of a round.
@@ -86,9 +86,9 @@ pub struct Round {
 
 /// The result of a search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tuned {
+pub struct TunedWeights {
     /// How it was searched.
-    pub options: SearchOptions,
+    pub options: WeightSearchOptions,
     /// The rounds. The last one's rule is the result.
     pub rounds: Vec<Round>,
 }
@@ -97,7 +97,7 @@ pub struct Tuned {
 ///
 /// # Errors
 /// The errors of [`Episode`].
-pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<Site> {
+pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<TriedEpisode> {
     let spaces = std::sync::Arc::clone(b2b_env::Environment::spaces(episode));
     let guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
     let mut shifts: Vec<String> = Vec::new();
@@ -117,11 +117,11 @@ pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<Site> {
     };
     let nothing = [Rule::default()];
     let all = std::iter::once(&nothing[..]).chain(tried.iter().map(Vec::as_slice));
-    Ok(Site { shifts, outcomes: all.map(&mut simulate).collect::<Result<_>>()? })
+    Ok(TriedEpisode { shifts, outcomes: all.map(&mut simulate).collect::<Result<_>>()? })
 }
 
 /// Runs the episodes of a round: its number, and for each episode the lists of rules by day.
-pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Result<Vec<Site>, E> + 'a;
+pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Result<Vec<TriedEpisode>, E> + 'a;
 
 /// Searches a rule for episodes of a number of days. With a record, a file and what the search depends on, an interrupted search
 /// resumes.
@@ -129,22 +129,22 @@ pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Resu
 /// # Errors
 /// [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of `tries`.
 pub fn tune<E: From<Error>>(
-    options: SearchOptions,
+    options: WeightSearchOptions,
     days: usize,
     record: Option<(&Path, &serde_json::Value)>,
     tries: &mut Tries<'_, E>,
-) -> std::result::Result<Tuned, E> {
+) -> std::result::Result<TunedWeights, E> {
     // More rounds continue a search.
-    let depends_on = SearchOptions { rounds: 0, ..options };
+    let depends_on = WeightSearchOptions { rounds: 0, ..options };
     let opened = record.map(|(path, head)| RecordFile::open(path, &(head, depends_on))).transpose()?;
     let (mut file, lines) = opened.map_or((None, Vec::new()), |(file, lines)| (Some(file), lines));
     let mut known = lines.into_iter();
-    let mut search = Search::new(options, days);
+    let mut search = WeightSearch::new(options, days);
     let mut rounds = Vec::new();
     for round in 0..options.rounds {
         let draws: Vec<Vec<Draws>> = (0..options.episodes).map(|_| search.draws()).collect();
         let rules = |days: &Draws| days.iter().map(|day| rule(day)).collect::<Vec<Rule>>();
-        let sites: Vec<Site> = match (known.next(), &mut file) {
+        let sites: Vec<TriedEpisode> = match (known.next(), &mut file) {
             (Some(line), Some(file)) => {
                 serde_json::from_str(&line).map_err(|error| file.other(error.to_string()))?
             }
@@ -160,7 +160,7 @@ pub fn tune<E: From<Error>>(
         draws.iter().zip(&sites).for_each(|(draws, site)| search.learn(draws, site));
         rounds.push(search.improve());
     }
-    Ok(Tuned { options, rounds })
+    Ok(TunedWeights { options, rounds })
 }
 
 /// The weights of all shifts on each day.
@@ -190,8 +190,8 @@ struct Sample {
 }
 
 /// A search in progress.
-struct Search {
-    options: SearchOptions,
+struct WeightSearch {
+    options: WeightSearchOptions,
     days: usize,
     random: ChaCha8Rng,
     spread: f64,
@@ -199,8 +199,8 @@ struct Search {
     samples: Vec<Sample>,
 }
 
-impl Search {
-    fn new(options: SearchOptions, days: usize) -> Self {
+impl WeightSearch {
+    fn new(options: WeightSearchOptions, days: usize) -> Self {
         let random = stream("linear supervisor", options.seed, 0);
         let center = vec![0.0; shifts().len() * Weights::COUNT];
         Self { options, days, random, spread: FIRST_SPREAD, center, samples: Vec::new() }
@@ -225,7 +225,7 @@ impl Search {
     }
 
     /// Compares the days of an episode with the guideline's. Weights of shifts that the building does not have count as 0.
-    fn learn(&mut self, draws: &[Draws], site: &Site) {
+    fn learn(&mut self, draws: &[Draws], site: &TriedEpisode) {
         let [guideline, tried @ ..] = &site.outcomes[..] else { return };
         let mean = guideline.used() / guideline.days.len() as f64;
         if mean <= 0.0 {
@@ -294,13 +294,13 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::foresight::Day;
+    use crate::foresight::DayUse;
 
     /// A day of a building in which warmer supply air saves up to a share of 0.5 and an earlier start costs and comforts.
-    fn day(rule: Option<&Rule>) -> Day {
+    fn day(rule: Option<&Rule>) -> DayUse {
         let own = |name: &str| rule.and_then(|rule| rule.0.get(name)).copied().unwrap_or_default().constant;
         let (supply, start) = (own("supply air temperature shift"), own("earlier start"));
-        Day {
+        DayUse {
             used: (supply * supply - supply + 0.2 * start).exp(),
             discomfort: 1.0 + 0.4 * supply - 0.4 * start,
         }
@@ -313,9 +313,9 @@ mod tests {
             calls += 1;
             let site = |tried: &Vec<Vec<Rule>>| {
                 let outcome =
-                    |rules: &Vec<Rule>| Outcome { days: rules.iter().map(|own| day(Some(own))).collect() };
-                let guideline = Outcome { days: vec![day(None); 14] };
-                Site {
+                    |rules: &Vec<Rule>| EpisodeUse { days: rules.iter().map(|own| day(Some(own))).collect() };
+                let guideline = EpisodeUse { days: vec![day(None); 14] };
+                TriedEpisode {
                     shifts: ["supply air temperature shift", "earlier start"].map(str::to_owned).into(),
                     outcomes: std::iter::once(guideline).chain(tried.iter().map(outcome)).collect(),
                 }
@@ -325,7 +325,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("search.jsonl");
         let head = serde_json::json!("a building");
-        let options = SearchOptions { rounds: 4, episodes: 6, ..SearchOptions::default() };
+        let options = WeightSearchOptions { rounds: 4, episodes: 6, ..WeightSearchOptions::default() };
         let found = tune(options, 14, Some((&path, &head)), &mut tries).unwrap();
         let Round { rule, cost, discomfort } = &found.rounds[3];
         // Lowest x² - x + 0.2 y with x <= y: at x = y = 0.4, or a little less where moves must pay.
@@ -336,7 +336,7 @@ mod tests {
         }
         assert!(discomfort.abs() < 0.02 && (-0.16..-0.1).contains(cost), "{cost} {discomfort}");
         assert!(rule.0.keys().all(|name| name != "minimum flow shift"), "{rule:?}");
-        let fewer = SearchOptions { rounds: 3, ..options };
+        let fewer = WeightSearchOptions { rounds: 3, ..options };
         let continued = tune(fewer, 14, Some((&path, &head)), &mut tries).unwrap();
         assert_eq!(continued.rounds, found.rounds[..3]);
         assert_eq!(calls, 4);

@@ -1,7 +1,7 @@
 //! Tuning of the reactive controllers: one set of parameters for a class of buildings and an objective, optimized on
 //! training buildings.
 //!
-//! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a [`Plan`].
+//! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a [`TuningPlan`].
 //! 2. [`Rollouts`] keeps their templates ready for episodes of three days in winter and three in summer.
 //! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by the
 //!    loss of the defaults, so buildings have equal weight; the score is the 75th percentile over the buildings (the
@@ -27,12 +27,12 @@ mod space;
 
 use std::path::Path;
 
-pub use outcome::{Outcome, travel_limit};
-pub use plan::{Plan, TrainingBuildings};
+pub use outcome::{CellOutcome, travel_limit};
+pub use plan::{TrainingBuildings, TuningPlan};
 use race::Best;
-use record::{Evaluation, Record};
+use record::{EvaluationRecord, ParameterEvaluation};
 pub use rollouts::Rollouts;
-use search::Search;
+use search::ParameterSearch;
 use selection::select;
 pub use selection::{Cells, measured};
 
@@ -49,7 +49,7 @@ const MAX_FINALISTS: usize = 12;
 
 /// A building of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Building {
+pub enum PlanBuilding {
     /// A building of the search, by its index.
     Search(usize),
     /// A building of the search with constant targets, by its index.
@@ -67,14 +67,14 @@ pub enum Building {
 /// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan; [`Error::Io`](crate::Error::Io);
 /// errors of `simulate`.
 pub fn tune(
-    plan: &Plan,
+    plan: &TuningPlan,
     evaluations: usize,
     file: &Path,
     command: &str,
-    mut simulate: impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+    mut simulate: impl FnMut(&ReactiveParameters, PlanBuilding) -> Result<Vec<CellOutcome>>,
     done: impl FnMut(usize),
 ) -> Result<Tuned> {
-    let mut record = Record::open(file, plan)?;
+    let mut record = EvaluationRecord::open(file, plan)?;
     let evaluations = search(plan, evaluations.max(1), &mut record, &mut simulate, done)?;
     let sets = validate(plan, evaluations, &mut record, &mut simulate)?;
     let cells: Vec<Cells> = sets.iter().map(|(_, cells)| cells.clone()).collect();
@@ -97,13 +97,13 @@ pub fn tune(
 
 /// Fills the record up to a number of evaluations, or until the search stalls. Returns the number of evaluations.
 fn search(
-    plan: &Plan,
+    plan: &TuningPlan,
     evaluations: usize,
-    record: &mut Record,
-    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+    record: &mut EvaluationRecord,
+    simulate: &mut impl FnMut(&ReactiveParameters, PlanBuilding) -> Result<Vec<CellOutcome>>,
     mut done: impl FnMut(usize),
 ) -> Result<usize> {
-    let mut search = Search::new(plan.axes(), plan.seed)?;
+    let mut search = ParameterSearch::new(plan.axes(), plan.seed)?;
     let mut best: Option<Best> = None;
     let mut scores = Vec::new();
     for number in 0..evaluations {
@@ -140,7 +140,7 @@ fn search(
 
 /// Returns whether the best score, given after each evaluation, has stopped falling. On central air loops, where few
 /// sets are within the limits, the search continues until a set beats the defaults, whose score is 1.
-fn has_stalled(plan: &Plan, scores: &[f64]) -> bool {
+fn has_stalled(plan: &TuningPlan, scores: &[f64]) -> bool {
     let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
     else {
         return false;
@@ -152,22 +152,22 @@ fn has_stalled(plan: &Plan, scores: &[f64]) -> bool {
 
 /// Simulates the buildings of the search one after another, until the set is dropped.
 fn race(
-    plan: &Plan,
-    record: &Record,
+    plan: &TuningPlan,
+    record: &EvaluationRecord,
     best: Option<&Best>,
     values: Vec<f64>,
-    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
-) -> Result<Evaluation> {
+    simulate: &mut impl FnMut(&ReactiveParameters, PlanBuilding) -> Result<Vec<CellOutcome>>,
+) -> Result<ParameterEvaluation> {
     let parameters = space::parameters(plan.axes(), &values);
-    let is_out = |evaluation: &Evaluation| match (best, record.evaluations.first()) {
+    let is_out = |evaluation: &ParameterEvaluation| match (best, record.evaluations.first()) {
         (Some(best), Some(defaults)) => best.is_beyond(&evaluation.losses(plan, defaults)),
         _ => false,
     };
-    let mut evaluation = Evaluation { values, outcomes: Vec::new(), constant: Vec::new() };
+    let mut evaluation = ParameterEvaluation { values, outcomes: Vec::new(), constant: Vec::new() };
     for building in 0..plan.buildings.len() {
-        evaluation.outcomes.extend(simulate(&parameters, Building::Search(building))?);
+        evaluation.outcomes.extend(simulate(&parameters, PlanBuilding::Search(building))?);
         if plan.constant_targets && !is_out(&evaluation) {
-            evaluation.constant.extend(simulate(&parameters, Building::Constant(building))?);
+            evaluation.constant.extend(simulate(&parameters, PlanBuilding::Constant(building))?);
         }
         if is_out(&evaluation) {
             break;
@@ -179,18 +179,18 @@ fn race(
 /// Returns the cells of the defaults and of the best sets of the search, a few at a time until one is eligible. Sets
 /// without a validation in the record are validated.
 fn validate(
-    plan: &Plan,
+    plan: &TuningPlan,
     evaluations: usize,
-    record: &mut Record,
-    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+    record: &mut EvaluationRecord,
+    simulate: &mut impl FnMut(&ReactiveParameters, PlanBuilding) -> Result<Vec<CellOutcome>>,
 ) -> Result<Vec<(Vec<f64>, Cells)>> {
     let ranked = ranked(plan, &record.evaluations[..evaluations]);
     let mut cells = |number: usize| -> Result<(Vec<f64>, Cells)> {
-        let Evaluation { values, outcomes: search, constant } = record.evaluations[number].clone();
+        let ParameterEvaluation { values, outcomes: search, constant } = record.evaluations[number].clone();
         let parameters = space::parameters(plan.axes(), &values);
         let validation = record.validation(&values, || {
             (0..plan.validation.len())
-                .map(|building| simulate(&parameters, Building::Validation(building)))
+                .map(|building| simulate(&parameters, PlanBuilding::Validation(building)))
                 .collect()
         })?;
         Ok((values, Cells { search, constant, validation }))
@@ -208,7 +208,7 @@ fn validate(
 }
 
 /// Returns the numbers of the complete evaluations within the limits of the search, best first, without the defaults.
-fn ranked(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
+fn ranked(plan: &TuningPlan, evaluations: &[ParameterEvaluation]) -> Vec<usize> {
     let defaults = &evaluations[0];
     let mut ranked: Vec<(f64, usize)> = Vec::new();
     for (number, evaluation) in evaluations.iter().enumerate().skip(1) {

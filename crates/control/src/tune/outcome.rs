@@ -4,11 +4,11 @@ use b2b_env::{Metrics, Term};
 use serde::{Deserialize, Serialize};
 
 use super::limits::Limits;
-use super::plan::Plan;
+use super::plan::TuningPlan;
 
 /// The outcome in a cell: sums over the episodes of a building under one setpoint mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct CellOutcome {
     /// Temperature penalty, summed over the episodes, K².
     pub temperature_penalty: f64,
     /// HVAC energy, Wh/m².
@@ -28,7 +28,7 @@ pub fn travel_limit(reference: f64) -> f64 {
     reference.max(Limits::UNITARY.travel)
 }
 
-impl Outcome {
+impl CellOutcome {
     /// Sums up the metrics of some episodes.
     pub fn of(episodes: &[Metrics]) -> Self {
         episodes.iter().fold(Self::default(), |sum, metrics| Self {
@@ -40,39 +40,52 @@ impl Outcome {
     }
 
     /// Returns the loss per step: the negated return of the objective's task.
-    pub(super) fn loss(&self, plan: &Plan) -> f64 {
+    pub(super) fn loss(&self, plan: &TuningPlan) -> f64 {
         let energy = plan.objective.energy_weight() / plan.energy_scale.unwrap_or(1.0) * self.energy;
         (self.temperature_penalty + energy) / self.steps.max(1) as f64
     }
 }
 
 /// Returns the loss of each cell relative to the defaults' loss, after adding the resolution of a sensor to both.
-pub(super) fn resolved_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
+pub(super) fn resolved_losses(
+    plan: &TuningPlan,
+    defaults: &[CellOutcome],
+    outcomes: &[CellOutcome],
+) -> Vec<f64> {
     let floor = RESOLUTION * RESOLUTION;
-    let relative = |(outcome, default): (&Outcome, &Outcome)| {
+    let relative = |(outcome, default): (&CellOutcome, &CellOutcome)| {
         (outcome.loss(plan) + floor) / (default.loss(plan) + floor)
     };
     outcomes.iter().zip(defaults).map(relative).collect()
 }
 
 /// Returns the loss of each cell relative to the defaults' loss.
-pub(super) fn relative_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
-    let relative = |(outcome, default): (&Outcome, &Outcome)| {
+pub(super) fn relative_losses(
+    plan: &TuningPlan,
+    defaults: &[CellOutcome],
+    outcomes: &[CellOutcome],
+) -> Vec<f64> {
+    let relative = |(outcome, default): (&CellOutcome, &CellOutcome)| {
         outcome.loss(plan) / default.loss(plan).max(f64::MIN_POSITIVE)
     };
     outcomes.iter().zip(defaults).map(relative).collect()
 }
 
 /// Returns the actuator travel relative to the limit in the worst of the given cells.
-pub(super) fn worst_travel(limits: Limits, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-    let relative = |(outcome, default): (&Outcome, &Outcome)| {
+pub(super) fn worst_travel(limits: Limits, defaults: &[CellOutcome], outcomes: &[CellOutcome]) -> f64 {
+    let relative = |(outcome, default): (&CellOutcome, &CellOutcome)| {
         outcome.daily_travel / default.daily_travel.max(limits.travel)
     };
     outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
 }
 
 /// Returns the resolved loss relative to the limit in the worst of the given cells.
-pub(super) fn worst_loss(limits: Limits, plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+pub(super) fn worst_loss(
+    limits: Limits,
+    plan: &TuningPlan,
+    defaults: &[CellOutcome],
+    outcomes: &[CellOutcome],
+) -> f64 {
     resolved_losses(plan, defaults, outcomes).into_iter().fold(0.0, f64::max) / (1.0 + limits.increase)
 }
 
@@ -100,8 +113,9 @@ mod tests {
 
     #[test]
     fn travel_is_limited_on_the_worst_building_unless_the_defaults_travel_more() {
-        let outcomes =
-            |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
+        let outcomes = |travel: [f64; 2]| {
+            travel.map(|daily_travel| CellOutcome { daily_travel, ..CellOutcome::default() })
+        };
         let defaults = outcomes([1.0, 8.0]);
         let worst = |travel| worst_travel(Limits::UNITARY, &defaults, &outcomes(travel));
         assert_eq!([worst([5.0, 8.0]), worst([4.0, 4.0]), worst([10.0, 0.0])], [1.0, 0.8, 2.0]);
@@ -112,7 +126,11 @@ mod tests {
     #[test]
     fn a_loss_below_sensor_resolution_is_within_the_limits() {
         let cells = |losses: [f64; 2]| {
-            losses.map(|temperature_penalty| Outcome { temperature_penalty, steps: 1, ..Outcome::default() })
+            losses.map(|temperature_penalty| CellOutcome {
+                temperature_penalty,
+                steps: 1,
+                ..CellOutcome::default()
+            })
         };
         let defaults = cells([0.003, 1.0]);
         let worst = |losses| worst_loss(Limits::UNITARY, &plan(0), &defaults, &cells(losses));

@@ -16,7 +16,7 @@ const REVISION: u32 = 2;
 
 /// The plan of a tuning run: class, objective, parameters and episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Plan {
+pub struct TuningPlan {
     /// Class to tune for.
     pub class: Class,
     /// Objective.
@@ -53,7 +53,7 @@ pub struct TrainingBuildings {
     pub validation: Vec<BuildingId>,
 }
 
-impl Plan {
+impl TuningPlan {
     /// Setpoint modes of the validation. The search uses the last.
     pub const VALIDATION_SETPOINTS: [&str; 2] = ["constant", "occupancy"];
 

@@ -5,27 +5,27 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::{Outcome, relative_losses, resolved_losses, worst_loss, worst_travel};
-use super::plan::Plan;
+use super::outcome::{CellOutcome, relative_losses, resolved_losses, worst_loss, worst_travel};
+use super::plan::TuningPlan;
 use crate::Result;
 use crate::search::record_file::RecordFile;
 
 /// A set of parameters and its outcomes on the buildings of the search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Evaluation {
+pub(super) struct ParameterEvaluation {
     /// Values of the searched parameters.
     pub(super) values: Vec<f64>,
     /// Outcome of each building, or only of the first ones if the set was dropped.
-    pub(super) outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<CellOutcome>,
     /// The same with constant targets; empty unless the plan requires them.
-    pub(super) constant: Vec<Outcome>,
+    pub(super) constant: Vec<CellOutcome>,
 }
 
-impl Evaluation {
+impl ParameterEvaluation {
     /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of
     /// the defaults. The loss is limited only under constant targets.
-    pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
+    pub(super) fn worst_to_limit(&self, plan: &TuningPlan, defaults: &Self) -> f64 {
         let limits = plan.search_limits();
         let travel = worst_travel(limits, &defaults.outcomes, &self.outcomes);
         let constant = worst_travel(limits, &defaults.constant, &self.constant);
@@ -34,7 +34,7 @@ impl Evaluation {
 
     /// Returns the relative loss of each building: the loss by occupancy, times the resolved loss under constant
     /// targets if simulated, times the square of the excess over the limits on the worst building.
-    pub(super) fn losses(&self, plan: &Plan, defaults: &Self) -> Vec<f64> {
+    pub(super) fn losses(&self, plan: &TuningPlan, defaults: &Self) -> Vec<f64> {
         let factor = self.worst_to_limit(plan, defaults).max(1.0).powi(2);
         let constant = resolved_losses(plan, &defaults.constant, &self.constant);
         let occupancy = relative_losses(plan, &defaults.outcomes, &self.outcomes);
@@ -53,27 +53,27 @@ pub(super) struct Validation {
     /// Values of the searched parameters.
     pub(super) values: Vec<f64>,
     /// Outcomes of each building, one per setpoint mode.
-    pub(super) outcomes: Vec<Vec<Outcome>>,
+    pub(super) outcomes: Vec<Vec<CellOutcome>>,
 }
 
 /// A line of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Line {
-    Evaluation(Evaluation),
+    Evaluation(ParameterEvaluation),
     Validation(Validation),
 }
 
 /// The evaluations of a plan, appended to a file.
-pub(super) struct Record {
+pub(super) struct EvaluationRecord {
     file: RecordFile,
-    pub(super) evaluations: Vec<Evaluation>,
+    pub(super) evaluations: Vec<ParameterEvaluation>,
     validations: Vec<Validation>,
 }
 
-impl Record {
+impl EvaluationRecord {
     /// Opens the file of a plan, or creates it. An incomplete last line is dropped.
-    pub(super) fn open(path: &Path, plan: &Plan) -> Result<Self> {
+    pub(super) fn open(path: &Path, plan: &TuningPlan) -> Result<Self> {
         let (file, lines) = RecordFile::open(path, plan)?;
         let mut record = Self { file, evaluations: Vec::new(), validations: Vec::new() };
         lines.iter().try_for_each(|line| record.read(plan, line))?;
@@ -81,7 +81,7 @@ impl Record {
     }
 
     /// Appends an evaluation.
-    pub(super) fn push(&mut self, evaluation: Evaluation) -> Result<()> {
+    pub(super) fn push(&mut self, evaluation: ParameterEvaluation) -> Result<()> {
         let line = self.append(Line::Evaluation(evaluation))?;
         self.keep(line);
         Ok(())
@@ -91,8 +91,8 @@ impl Record {
     pub(super) fn validation(
         &mut self,
         values: &[f64],
-        make: impl FnOnce() -> Result<Vec<Vec<Outcome>>>,
-    ) -> Result<Vec<Vec<Outcome>>> {
+        make: impl FnOnce() -> Result<Vec<Vec<CellOutcome>>>,
+    ) -> Result<Vec<Vec<CellOutcome>>> {
         if let Some(known) = self.validations.iter().find(|known| known.values == values) {
             return Ok(known.outcomes.clone());
         }
@@ -115,7 +115,7 @@ impl Record {
         }
     }
 
-    fn read(&mut self, plan: &Plan, text: &str) -> Result<()> {
+    fn read(&mut self, plan: &TuningPlan, text: &str) -> Result<()> {
         let line: Line = serde_json::from_str(text).map_err(|error| self.file.other(error.to_string()))?;
         let (found, expected) = match &line {
             Line::Evaluation(evaluation) => (evaluation.outcomes.len(), 1..=plan.buildings.len()),

@@ -7,7 +7,7 @@ use b2b_building::RunPeriod;
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_energyplus::install::Progress;
 use b2b_env::{Environment, EpisodeConfig, Metrics, Task};
-use b2b_workers::{Episode, Setting, Source, WorkerOptions, Workers, recv};
+use b2b_workers::{Episode, EpisodeSetting, Source, WorkerOptions, Workers, recv};
 
 use crate::{Error, Reactive, ReactiveParameters, Result};
 
@@ -18,7 +18,7 @@ const STEPS_PER_HOUR: u32 = 12;
 pub struct Rollouts {
     workers: Workers,
     /// Settings of each building, one per task and period.
-    settings: Vec<Vec<Setting>>,
+    settings: Vec<Vec<EpisodeSetting>>,
     /// Number of periods.
     periods: usize,
 }
@@ -27,7 +27,7 @@ impl Rollouts {
     /// Prepares buildings of the dataset for some periods and tasks.
     ///
     /// # Errors
-    /// [`Error::Building`] when a model cannot be generated, [`Error::Env`] when it cannot be prepared.
+    /// [`Error::PlanBuilding`] when a model cannot be generated, [`Error::Env`] when it cannot be prepared.
     pub fn new(
         options: WorkerOptions,
         catalog: &Catalog,
@@ -45,7 +45,7 @@ impl Rollouts {
             let setting = |task: &Task, period: RunPeriod| {
                 let (weather, task) = (weather.clone(), task.clone());
                 let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task };
-                Setting { source: Arc::clone(&source), episode }
+                EpisodeSetting { source: Arc::clone(&source), episode }
             };
             let of_task = |task| periods.iter().map(move |period| (task, *period));
             let episodes = tasks.iter().flat_map(of_task);
@@ -54,7 +54,8 @@ impl Rollouts {
         let workers = Workers::new(options)?;
         // The first episode of a building sizes it for all.
         for episode in 0..periods.len() * tasks.len() {
-            let ones: Vec<Setting> = settings.iter().map(|settings| settings[episode].clone()).collect();
+            let ones: Vec<EpisodeSetting> =
+                settings.iter().map(|settings| settings[episode].clone()).collect();
             workers.prepare_all(&ones)?;
         }
         Ok(Self { workers, settings, periods: periods.len() })

@@ -17,7 +17,7 @@ const SPREAD: f64 = 0.15;
 const CHANGED: f64 = 1.5;
 
 /// A search over a few parameters.
-pub(super) struct Search {
+pub(super) struct ParameterSearch {
     axes: &'static [Axis],
     optimizers: Vec<TpeOptimizer>,
     seed: u64,
@@ -25,7 +25,7 @@ pub(super) struct Search {
     told: usize,
 }
 
-impl Search {
+impl ParameterSearch {
     pub(super) fn new(axes: &'static [Axis], seed: u64) -> Result<Self> {
         let optimizer = |axis: &Axis| {
             let [low, high] = axis.range();

@@ -1,34 +1,34 @@
 //! The choice among the best sets of a search, by buildings that the search did not use.
 
-use super::outcome::{Outcome, relative_losses, worst_loss, worst_travel};
-use super::plan::Plan;
+use super::outcome::{CellOutcome, relative_losses, worst_loss, worst_travel};
+use super::plan::TuningPlan;
 use crate::Measured;
 
 /// The outcomes of a set of parameters: on the buildings of the search under `occupancy`, under `constant` if the plan
-/// requires it, and on the validation buildings under each of [`Plan::VALIDATION_SETPOINTS`].
+/// requires it, and on the validation buildings under each of [`TuningPlan::VALIDATION_SETPOINTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     /// Outcomes on the buildings of the search.
-    pub search: Vec<Outcome>,
-    /// Outcomes on the same buildings with constant targets; empty unless [`Plan::constant_targets`].
-    pub constant: Vec<Outcome>,
+    pub search: Vec<CellOutcome>,
+    /// Outcomes on the same buildings with constant targets; empty unless [`TuningPlan::constant_targets`].
+    pub constant: Vec<CellOutcome>,
     /// Outcomes on the buildings of the validation, each with one per setpoint mode.
-    pub validation: Vec<Vec<Outcome>>,
+    pub validation: Vec<Vec<CellOutcome>>,
 }
 
 impl Cells {
-    fn all(&self) -> Vec<Outcome> {
+    fn all(&self) -> Vec<CellOutcome> {
         self.search.iter().chain(&self.constant).chain(self.validation.iter().flatten()).copied().collect()
     }
 
     /// The cells with setpoints by occupancy.
-    fn by_occupancy(&self) -> Vec<Outcome> {
+    fn by_occupancy(&self) -> Vec<CellOutcome> {
         let last = self.validation.iter().filter_map(|outcomes| outcomes.last());
         self.search.iter().chain(last).copied().collect()
     }
 
     /// Returns whether a set is eligible: actuators hunt in no cell, and in none is it clearly worse than the defaults.
-    pub(super) fn is_eligible(&self, plan: &Plan, defaults: &Self) -> bool {
+    pub(super) fn is_eligible(&self, plan: &TuningPlan, defaults: &Self) -> bool {
         let (defaults, cells) = (defaults.all(), self.all());
         let limits = plan.limits();
         worst_travel(limits, &defaults, &cells) <= 1.0 && worst_loss(limits, plan, &defaults, &cells) <= 1.0
@@ -37,7 +37,7 @@ impl Cells {
 
 /// Returns the number of the set with the least median relative loss over all cells among the eligible ones. The first
 /// set is the defaults, which are always eligible.
-pub(super) fn select(plan: &Plan, sets: &[Cells]) -> usize {
+pub(super) fn select(plan: &TuningPlan, sets: &[Cells]) -> usize {
     let defaults = sets[0].all();
     let score = |set: &Cells| median(relative_losses(plan, &defaults, &set.all()));
     let eligible = sets.iter().enumerate().filter(|(_, set)| set.is_eligible(plan, &sets[0]));
@@ -46,19 +46,19 @@ pub(super) fn select(plan: &Plan, sets: &[Cells]) -> usize {
 }
 
 /// Compares a set of parameters with the defaults over all cells.
-pub fn measured(plan: &Plan, defaults: &Cells, chosen: &Cells) -> Measured {
+pub fn measured(plan: &TuningPlan, defaults: &Cells, chosen: &Cells) -> Measured {
     let (default_cells, cells) = (defaults.all(), chosen.all());
     let relative = relative_losses(plan, &default_cells, &cells);
-    let mean = |outcomes: &[Outcome], value: fn(&Outcome, &Plan) -> f64| {
+    let mean = |outcomes: &[CellOutcome], value: fn(&CellOutcome, &TuningPlan) -> f64| {
         outcomes.iter().map(|outcome| value(outcome, plan)).sum::<f64>() / outcomes.len().max(1) as f64
     };
     let travel =
-        |outcomes: &[Outcome]| outcomes.iter().map(|outcome| outcome.daily_travel).fold(0.0, f64::max);
+        |outcomes: &[CellOutcome]| outcomes.iter().map(|outcome| outcome.daily_travel).fold(0.0, f64::max);
     Measured {
         worst_relative_loss: relative.iter().copied().fold(0.0, f64::max),
         relative_loss: median(relative),
-        default_loss: mean(&default_cells, Outcome::loss),
-        loss: mean(&cells, Outcome::loss),
+        default_loss: mean(&default_cells, CellOutcome::loss),
+        loss: mean(&cells, CellOutcome::loss),
         default_daily_travel: travel(&default_cells),
         daily_travel: travel(&cells),
         energy: mean(&chosen.by_occupancy(), |outcome, _| outcome.energy / outcome.steps.max(1) as f64),
@@ -79,7 +79,7 @@ mod tests {
     /// A set with these losses per step in the cells of two search and one validation building.
     fn cells(losses: [f64; 4], daily_travel: f64) -> Cells {
         let outcome =
-            |temperature_penalty| Outcome { temperature_penalty, steps: 1, energy: 2.0, daily_travel };
+            |temperature_penalty| CellOutcome { temperature_penalty, steps: 1, energy: 2.0, daily_travel };
         let [a, b, c, d] = losses.map(outcome);
         Cells { search: vec![a, b], constant: Vec::new(), validation: vec![vec![c, d]] }
     }

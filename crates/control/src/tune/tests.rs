@@ -9,33 +9,35 @@ use super::*;
 use crate::Objective;
 
 /// Three buildings for the search, two for the validation.
-pub(super) fn plan(seed: u64) -> Plan {
+pub(super) fn plan(seed: u64) -> TuningPlan {
     let class = Class::new(BuildingType::OfficeSmall, Some("5B"));
     let buildings = TrainingBuildings::draw(class, 3, 2, seed).unwrap();
-    Plan::comfort(class, &buildings, &["01-08..01-08".parse().unwrap()], seed)
+    TuningPlan::comfort(class, &buildings, &["01-08..01-08".parse().unwrap()], seed)
 }
 
-fn outcome(temperature_penalty: f64) -> Outcome {
-    Outcome { temperature_penalty, steps: 1, energy: 3.0, daily_travel: 1.0 }
+fn outcome(temperature_penalty: f64) -> CellOutcome {
+    CellOutcome { temperature_penalty, steps: 1, energy: 3.0, daily_travel: 1.0 }
 }
 
 /// The optimum is at a heating lift of 15 K and a minimum flow of 0.3.
-fn synthetic(parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
+fn synthetic(parameters: &ReactiveParameters, building: PlanBuilding) -> Result<Vec<CellOutcome>> {
     let off = (parameters.unitary.heating_lift - 15.0) / 10.0;
     let flow = parameters.unitary.min_flow - 0.3;
     let loss = |weight: f64| weight * (0.01 + off * off + flow * flow);
     Ok(match building {
-        Building::Search(index) | Building::Constant(index) => vec![outcome(loss([1.0, 5.0, 100.0][index]))],
-        Building::Validation(_) => vec![outcome(loss(2.0)), outcome(loss(3.0))],
+        PlanBuilding::Search(index) | PlanBuilding::Constant(index) => {
+            vec![outcome(loss([1.0, 5.0, 100.0][index]))]
+        }
+        PlanBuilding::Validation(_) => vec![outcome(loss(2.0)), outcome(loss(3.0))],
     })
 }
 
 /// Returns the number of outcomes of a building.
-fn episodes(building: Building) -> usize {
-    if matches!(building, Building::Validation(_)) { 2 } else { 1 }
+fn episodes(building: PlanBuilding) -> usize {
+    if matches!(building, PlanBuilding::Validation(_)) { 2 } else { 1 }
 }
 
-fn run(plan: &Plan, evaluations: usize, file: &Path) -> (Tuned, usize) {
+fn run(plan: &TuningPlan, evaluations: usize, file: &Path) -> (Tuned, usize) {
     let count = Cell::new(0);
     let counted = |parameters: &ReactiveParameters, building| {
         count.set(count.get() + 1);
@@ -64,7 +66,7 @@ fn a_stalled_search_ends_but_on_air_loops_only_after_it_beats_the_defaults() {
     let folder = tempfile::tempdir().unwrap();
     // Every set but the defaults has this loss.
     let evaluations = |constant_targets: bool, of_others: f64| {
-        let plan = Plan { constant_targets, ..plan(0) };
+        let plan = TuningPlan { constant_targets, ..plan(0) };
         let simulate = |parameters: &ReactiveParameters, building| {
             let is_default = *parameters == ReactiveParameters::default();
             Ok(vec![outcome(if is_default { 1.0 } else { of_others }); episodes(building)])
@@ -102,7 +104,7 @@ fn evaluations_of_another_plan_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("evaluations");
     run(&plan(1), 2, &file);
-    let said = |plan: &Plan| tune(plan, 2, &file, "", synthetic, |_| ()).unwrap_err().to_string();
+    let said = |plan: &TuningPlan| tune(plan, 2, &file, "", synthetic, |_| ()).unwrap_err().to_string();
     let other = said(&plan(2));
     assert!(other.contains("another tuning run") && other.contains("\"seed\":1"), "{other}");
     let energy = said(&plan(1).energy(&ReactiveParameters::default(), 3.0));
@@ -133,12 +135,12 @@ fn tuning_uses_training_buildings_of_the_class_and_others_for_validation() {
 #[test]
 fn parameters_under_which_actuators_hunt_are_not_chosen() {
     let folder = tempfile::tempdir().unwrap();
-    let chosen = |hunting: Option<Building>| {
+    let chosen = |hunting: Option<PlanBuilding>| {
         // The loss falls with the heating lift, but above 12 K the actuators of one building hunt.
         let simulate = |parameters: &ReactiveParameters, building| {
             let lift = parameters.unitary.heating_lift;
             let daily_travel = if lift > 12.0 && hunting == Some(building) { 9.0 } else { 1.0 };
-            let one = Outcome { daily_travel, ..outcome(30.0 - lift) };
+            let one = CellOutcome { daily_travel, ..outcome(30.0 - lift) };
             Ok(vec![one; episodes(building)])
         };
         let file = folder.path().join(format!("{hunting:?}"));
@@ -146,7 +148,7 @@ fn parameters_under_which_actuators_hunt_are_not_chosen() {
     };
     let steady = chosen(None);
     assert!(steady.parameters.unitary.heating_lift > 15.0);
-    for building in [Building::Search(2), Building::Validation(1)] {
+    for building in [PlanBuilding::Search(2), PlanBuilding::Validation(1)] {
         let hunting = chosen(Some(building));
         assert!(hunting.parameters.unitary.heating_lift <= 12.0 && hunting.measured.daily_travel == 1.0);
     }
@@ -158,15 +160,15 @@ fn a_set_that_does_not_hold_constant_targets_is_not_chosen_on_air_loops() {
     let chosen = |building_type: BuildingType| {
         let class = Class::new(building_type, Some("5B"));
         let buildings = TrainingBuildings::draw(class, 3, 2, 0).unwrap();
-        let plan = Plan::comfort(class, &buildings, &["01-08..01-08".parse().unwrap()], 0);
+        let plan = TuningPlan::comfort(class, &buildings, &["01-08..01-08".parse().unwrap()], 0);
         // The loss by occupancy falls with the gain; above 1.5, constant targets are no longer held.
         let simulate = |parameters: &ReactiveParameters, building| {
             let gain = parameters.air_loop.gains.proportional.max(parameters.unitary.gains.proportional);
             let (constant, occupancy) = (outcome(if gain > 1.5 { 0.5 } else { 0.1 }), outcome(5.0 - gain));
             Ok(match building {
-                Building::Search(_) => vec![occupancy],
-                Building::Constant(_) => vec![constant],
-                Building::Validation(_) => vec![constant, occupancy],
+                PlanBuilding::Search(_) => vec![occupancy],
+                PlanBuilding::Constant(_) => vec![constant],
+                PlanBuilding::Validation(_) => vec![constant, occupancy],
             })
         };
         let file = folder.path().join(building_type.to_string());
@@ -189,7 +191,7 @@ fn the_energy_objective_weighs_energy_and_starts_from_the_comfort_set() {
     // Energy grows with the flow.
     let simulate = |parameters: &ReactiveParameters, building| {
         let off = (parameters.unitary.heating_lift - 15.0) / 10.0;
-        let one = Outcome { energy: 0.5 + parameters.unitary.min_flow, ..outcome(off * off) };
+        let one = CellOutcome { energy: 0.5 + parameters.unitary.min_flow, ..outcome(off * off) };
         Ok(vec![one; episodes(building)])
     };
     let tuned = tune(&plan, 40, &folder.path().join("file"), "", simulate, |_| ()).unwrap();

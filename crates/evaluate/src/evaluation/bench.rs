@@ -8,7 +8,7 @@ use b2b_building::{Controls, PreparedBuilding};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Inputs;
-use b2b_workers::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
+use b2b_workers::{EpisodeSetting, RolloutMemory, Source, WorkerOptions, Workers};
 
 use super::episode::Episode;
 use super::parallel::Evaluation;
@@ -136,14 +136,14 @@ impl Bench {
     }
 
     /// An episode of the building.
-    pub(super) fn setting(&self, episode: &Episode) -> Result<Setting> {
+    pub(super) fn setting(&self, episode: &Episode) -> Result<EpisodeSetting> {
         let episode = b2b_env::EpisodeConfig {
             weather: self.located.weather.clone(),
             period: episode.period.in_weather(&self.located.weather).map_err(b2b_env::Error::building)?,
             steps_per_hour: episode.steps_per_hour,
             task: episode.task.clone(),
         };
-        Ok(Setting { source: Arc::clone(&self.source), episode })
+        Ok(EpisodeSetting { source: Arc::clone(&self.source), episode })
     }
 }
 

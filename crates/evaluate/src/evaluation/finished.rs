@@ -1,12 +1,12 @@
-//! The record of an episode.
+//! An episode that ended, and its file.
 
 use b2b_env::{EpisodeMetrics, Inputs, Metrics, Spaces};
 use serde::{Deserialize, Serialize};
 
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
-use super::row::deviations::Deviations;
-use super::row::hours::Hours;
+use super::result::deviations::Deviations;
+use super::result::hours::Hours;
 use super::step_rewards::StepRewards;
 use crate::return_terms::ReturnTerms;
 
@@ -21,11 +21,13 @@ pub struct Lost {
     pub reason: String,
 }
 
-/// An episode that ran to its end, as it is kept on disk.
+/// An episode that ran to its end: its file in the folder of an evaluation. A type of its own beside
+/// [`EpisodeResult`](super::EpisodeResult), because distributions and hourly values, which only reports read, would fill
+/// the memory of an evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
     /// The episode and its metrics.
-    pub record: Record,
+    pub record: EpisodeRecord,
     /// Sums from which the return follows for every weight.
     pub terms: ReturnTerms,
     /// Distribution of deviations from target.
@@ -36,9 +38,9 @@ pub struct Finished {
     pub hours: Hours,
 }
 
-/// The episode and its metrics.
+/// The part of an episode's file that is one object without nesting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct EpisodeRecord {
     /// The episode.
     #[serde(flatten)]
     pub info: EpisodeInfo,
@@ -63,7 +65,7 @@ impl Finished {
     ) -> Self {
         let (zones, trajectory_hash) = (controlled_zones(spaces), recording.trajectory.hash());
         Self {
-            record: Record { info, metrics: metrics.into(), inputs, trajectory_hash },
+            record: EpisodeRecord { info, metrics: metrics.into(), inputs, trajectory_hash },
             terms: metrics.into(),
             deviations: Deviations::of(recording, &zones),
             step_rewards: StepRewards::of(&recording.trajectory),

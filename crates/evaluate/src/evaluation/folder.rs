@@ -10,7 +10,7 @@ use b2b_base::folder_lock::FolderLock;
 use b2b_control::Versions;
 use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::episode::Episode;
 use super::finished::Finished;
@@ -35,17 +35,7 @@ struct Definition {
     machine: String,
     policy: String,
     policy_identity: String,
-    episodes: Vec<EpisodeDefinition>,
-}
-
-#[derive(Serialize)]
-struct EpisodeDefinition {
-    building: String,
-    task: String,
-    task_hash: String,
-    period: String,
-    seed: u64,
-    steps_per_hour: u32,
+    episodes: Vec<Value>,
 }
 
 const DEFINITION: &str = "evaluation.json";
@@ -196,14 +186,14 @@ pub fn read_kept(folder: &Path, number: usize) -> Option<Finished> {
 impl Definition {
     fn of(policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
         let definition = |episode: &Episode| {
-            Ok(EpisodeDefinition {
-                building: episode.subject.identity()?,
-                task: episode.task.to_string(),
-                task_hash: episode.task.hash(),
-                period: episode.period.to_string(),
-                seed: episode.seed,
-                steps_per_hour: episode.steps_per_hour,
-            })
+            Ok(json!({
+                "building": episode.subject.identity()?,
+                "task": episode.task.to_string(),
+                "task_hash": episode.task.hash(),
+                "period": episode.period.to_string(),
+                "seed": episode.seed,
+                "steps_per_hour": episode.steps_per_hour,
+            }))
         };
         Ok(Self {
             versions: Versions::current(),

@@ -9,7 +9,8 @@ use super::episode::Episode;
 use crate::SiteInfo;
 use crate::policy::Policy;
 
-/// The identity of an episode in results: building, task, run period, policy and seed.
+/// The description of an episode in results: building, task, run period, policy and seed. A type of its own beside
+/// [`Episode`], because it contains only text and numbers: results are read where the files of a user's model are not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
     /// Name of the building.

@@ -12,18 +12,18 @@ use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
 use super::recording::{Recorded, Recording};
-use crate::policy::{self, EpisodeContext, Interface};
+use crate::policy::{self, EpisodeContext, PolicyInterface};
 use crate::{Error, Result};
 
 /// The controller of a sequence, which keeps its memory from one episode to the next; `None` before the first, and for a
 /// policy that does not keep its memory.
-pub(super) type Memory = Option<Box<dyn Controller>>;
+pub(super) type SequenceController = Option<Box<dyn Controller>>;
 
 /// Runs an episode.
 pub(super) fn run(
     bench: &mut Bench,
     (number, episode): (usize, &Episode),
-    memory: &mut Memory,
+    memory: &mut SequenceController,
     work: &Work<'_>,
 ) -> Result<Finished> {
     let mut environment = bench.workers.episode(&bench.setting(episode)?)?;
@@ -32,7 +32,7 @@ pub(super) fn run(
         subject: &bench.located.subject,
         site: &bench.located.site,
         spaces: &spaces,
-        interface: &Interface::of(&spaces),
+        interface: &PolicyInterface::of(&spaces),
         seed: episode.seed,
         episode: &mut environment,
     };

@@ -10,7 +10,7 @@ use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
 use super::recording::Recorded;
 use super::rollout;
-use super::rollout::Memory;
+use super::rollout::SequenceController;
 use crate::panics::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
@@ -110,7 +110,7 @@ impl Evaluation<'_> {
         &self,
         group: &Group<'_>,
         bench: &mut Option<Bench>,
-        memory: &mut Memory,
+        memory: &mut SequenceController,
         episode: (usize, &Episode),
         work: &Work<'_>,
     ) -> Result<Outcome> {
@@ -146,6 +146,7 @@ fn ends_evaluation(error: &Error) -> bool {
             | Error::ObservationShape { .. }
             | Error::ActionShape { .. }
             | Error::InvalidPolicy { .. }
+            | Error::Problem { .. }
             | Error::Policy(_)
     )
 }

@@ -7,7 +7,7 @@ use b2b_control::Controller;
 use b2b_env::{RoleObservation, Spaces};
 use serde::{Deserialize, Serialize};
 
-use super::interface::{EpisodeContext, Interface, Policy};
+use super::interface::{EpisodeContext, Policy, PolicyInterface};
 use crate::Result;
 
 /// How observations of houses with different numbers of zones are brought to one width.
@@ -52,7 +52,7 @@ impl FromStr for HouseForm {
 
 /// The form of the observations of one building.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Form {
+pub enum PolicyForm {
     /// Unchanged, followed by zeros.
     Raw {
         /// Number of zeros.
@@ -62,7 +62,7 @@ pub enum Form {
     Roles(RoleObservation),
 }
 
-impl Form {
+impl PolicyForm {
     /// Returns the form with this width for a policy; `default` if the width is unknown or no form has it. In a house,
     /// one width means the form by roles, and any greater width means padding with zeros.
     pub fn of_width(spaces: &Spaces, width: Option<usize>, default: Self) -> Self {
@@ -105,11 +105,12 @@ impl Form {
 /// Makes the controller of a policy for the whole building, with observations in the form that the policy expects.
 pub fn controller(policy: &dyn Policy, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
     let spaces = context.spaces;
-    let form = Form::of_width(spaces, policy.observation_width(), Form::Raw { padding: 0 });
-    if form == (Form::Raw { padding: 0 }) {
+    let form = PolicyForm::of_width(spaces, policy.observation_width(), PolicyForm::Raw { padding: 0 });
+    if form == (PolicyForm::Raw { padding: 0 }) {
         return policy.controller(context);
     }
-    let interface = Interface { observation: form.names(spaces), action: context.interface.action.clone() };
+    let interface =
+        PolicyInterface { observation: form.names(spaces), action: context.interface.action.clone() };
     let row = vec![0.0; interface.observation.len()];
     let inner = policy.controller(EpisodeContext { interface: &interface, ..context })?;
     Ok(Box::new(FormedController { inner, form, row }))
@@ -118,7 +119,7 @@ pub fn controller(policy: &dyn Policy, context: EpisodeContext<'_>) -> Result<Bo
 /// A controller behind a form.
 struct FormedController {
     inner: Box<dyn Controller>,
-    form: Form,
+    form: PolicyForm,
     row: Vec<f64>,
 }
 

@@ -30,7 +30,7 @@ pub trait Policy: Sync {
         Controls::Actuators
     }
 
-    /// Returns whether the policy observes and controls the whole building, regardless of its [`Interface`].
+    /// Returns whether the policy observes and controls the whole building, regardless of its [`PolicyInterface`].
     fn ignores_interface(&self) -> bool {
         false
     }
@@ -84,7 +84,7 @@ pub struct EpisodeContext<'a> {
     /// Spaces of the environment.
     pub spaces: &'a Arc<Spaces>,
     /// The part of the spaces that the policy observes and controls.
-    pub interface: &'a Interface,
+    pub interface: &'a PolicyInterface,
     /// Seed of the episode.
     pub seed: u64,
     /// The episode before its reset: a planner resets it and tries actions on copies of it.
@@ -93,14 +93,14 @@ pub struct EpisodeContext<'a> {
 
 /// What a policy observes and controls: all of an environment's spaces, or a problem's selection from them.
 #[derive(Clone, Debug)]
-pub struct Interface {
+pub struct PolicyInterface {
     /// Names of the values in an observation.
     pub observation: Vec<String>,
     /// Space of the actions.
     pub action: ActionSpace,
 }
 
-impl Interface {
+impl PolicyInterface {
     /// Returns the interface to all of an environment's spaces.
     pub fn of(spaces: &Spaces) -> Self {
         let observation = spaces.observation.slots().iter().map(|slot| slot.name.clone()).collect();

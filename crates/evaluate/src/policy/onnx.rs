@@ -12,7 +12,7 @@ use rten_tensor::prelude::*;
 use rten_tensor::{NdTensorView, Tensor};
 
 use super::action_scale::ActionScale;
-use super::interface::{EpisodeContext, Interface, Policy};
+use super::interface::{EpisodeContext, Policy, PolicyInterface};
 use super::limited::{self, LIMIT, Limited};
 use super::onnx_format;
 use super::onnx_state::OnnxState;
@@ -61,7 +61,7 @@ impl OnnxPolicy {
         }
     }
 
-    fn check_observation(&self, spaces: &Spaces, interface: &Interface) -> Result<()> {
+    fn check_observation(&self, spaces: &Spaces, interface: &PolicyInterface) -> Result<()> {
         let slots = &interface.observation;
         match self.input_width() {
             Some(given) if given != slots.len() => Err(Error::ObservationShape {
@@ -76,7 +76,12 @@ impl OnnxPolicy {
     }
 
     /// Runs the model once and checks the width of its output.
-    fn check_action(&self, inference: &mut Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
+    fn check_action(
+        &self,
+        inference: &mut Inference,
+        spaces: &Spaces,
+        interface: &PolicyInterface,
+    ) -> Result<()> {
         let output = inference.run(&vec![0.0; interface.observation.len()]);
         let given = output.map_err(|why| Error::InvalidPolicy { path: self.path.clone(), why })?.len();
         if given == interface.action.len() {

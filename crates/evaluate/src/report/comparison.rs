@@ -8,7 +8,7 @@ use super::chart::{Chart, hover_name};
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
 use super::trade_off::trade_offs;
-use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy, relative_resource};
+use crate::evaluation::{EpisodeInfo, EpisodeResult, Scored, relative_energy, relative_resource};
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::score_text;
 use crate::summary::OperationComfort;
@@ -20,12 +20,12 @@ pub struct Compared {
     /// Name of the policy on the page.
     pub name: String,
     /// Its episodes.
-    pub rows: Vec<Row>,
+    pub rows: Vec<EpisodeResult>,
 }
 
 impl Compared {
     fn ran(&self) -> Vec<(&EpisodeInfo, &Scored)> {
-        self.rows.iter().filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+        self.rows.iter().filter_map(|row| Some((&row.info, row.scored()?))).collect()
     }
 
     fn mean(&self, value: impl Fn(&Scored) -> f64) -> f64 {
@@ -74,11 +74,13 @@ fn check_same(all: &[Compared]) -> Result<()> {
             let why = format!("{} was lost", hover_name(&row.info).replace("<br>", ", "));
             return Err(Error::OtherEpisodes { name: compared.name.clone(), why });
         }
-        let key = |row: &Row| {
+        let key = |row: &EpisodeResult| {
             let EpisodeInfo { building, place, task_hash, period, steps_per_hour, seed, .. } = &row.info;
             (building.clone(), place.clone(), task_hash.clone(), period.clone(), *steps_per_hour, *seed)
         };
-        let differs = |(ours, theirs): (&Row, &Row)| (key(ours) != key(theirs)).then(|| theirs.info.clone());
+        let differs = |(ours, theirs): (&EpisodeResult, &EpisodeResult)| {
+            (key(ours) != key(theirs)).then(|| theirs.info.clone())
+        };
         let why = match first.rows.iter().zip(&compared.rows).find_map(differs) {
             Some(info) => {
                 format!("{} is not an episode of {}", hover_name(&info).replace("<br>", ", "), first.name)
@@ -197,7 +199,10 @@ mod tests {
                 seed: 0,
                 steps_per_hour: 12,
             };
-            Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(Scored::default()) }
+            EpisodeResult {
+                info: EpisodeInfo::of(&episode, &BuiltIn::random()),
+                outcome: Ok(Scored::default()),
+            }
         };
         Compared { name: name.into(), rows: numbers.iter().map(row).collect() }
     }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::deviation_chart::StepDeviations;
 use super::evaluation_charts;
 use super::hourly_chart;
-use crate::evaluation::{Finished, Row};
+use crate::evaluation::{EpisodeResult, Finished};
 use crate::results::Results;
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::{Aggregate, score_text};
@@ -45,7 +45,7 @@ pub fn write(
 }
 
 /// Returns the episodes with the highest scores; without scores, the largest deviations.
-fn worst(results: &Results) -> Vec<(usize, &Row)> {
+fn worst(results: &Results) -> Vec<(usize, &EpisodeResult)> {
     let rows = results.rows.iter().enumerate();
     let mut ran: Vec<_> = rows.filter_map(|(number, row)| Some((number, row, row.metrics()?))).collect();
     ran.sort_by(|(_, a, a_metrics), (_, b, b_metrics)| {

@@ -10,7 +10,7 @@ use super::chart::{
 use super::deviation_chart::{StepDeviations, step_deviations};
 use super::series::Series;
 use super::trade_off::trade_offs;
-use crate::evaluation::{EpisodeInfo, Row};
+use crate::evaluation::{EpisodeInfo, EpisodeResult};
 use crate::results::Results;
 use crate::summary::type_label;
 
@@ -23,8 +23,8 @@ struct EpisodeRun<'a> {
 }
 
 impl<'a> EpisodeRun<'a> {
-    fn of(row: &'a Row) -> Option<Self> {
-        let scored = row.outcome.as_ref().ok()?;
+    fn of(row: &'a EpisodeResult) -> Option<Self> {
+        let scored = row.scored()?;
         Some(Self { info: &row.info, metrics: &scored.metrics, score: scored.score })
     }
 }
@@ -180,7 +180,7 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
 fn by_type(results: &Results, types: &[String]) -> Vec<Chart> {
     let episodes = |name: &String| {
         let own = results.rows.iter().filter(|row| row.info.building_type == *name);
-        own.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+        own.filter_map(|row| Some((&row.info, row.scored()?))).collect()
     };
     let series: Vec<_> =
         types.iter().map(|name| Series { name: type_label(name), episodes: episodes(name) }).collect();

@@ -1,6 +1,6 @@
 //! The paper's claims about dynamics adaptation.
 
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{mean, median, quantile, score_text};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
@@ -40,7 +40,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
 }
 
 /// Judges whether an agent scores lower than another in the houses both are tested in.
-fn below(text: &str, agent: &[&Row], other: &[&Row]) -> Judged {
+fn below(text: &str, agent: &[&EpisodeResult], other: &[&EpisodeResult]) -> Judged {
     let claim = Claim {
         text: text.into(),
         quantity: "median ratio of scores in the same house",
@@ -64,7 +64,7 @@ fn below(text: &str, agent: &[&Row], other: &[&Row]) -> Judged {
 }
 
 /// Judges whether all agents keep the temperature near the target, by the worst agent.
-fn around_target(agents: &[&[&Row]]) -> Judged {
+fn around_target(agents: &[&[&EpisodeResult]]) -> Judged {
     let claim = Claim {
         text: "All agents control the temperature around the target".into(),
         quantity: "highest of the three median RMS deviations (K)",
@@ -73,7 +73,7 @@ fn around_target(agents: &[&[&Row]]) -> Judged {
         margin: 0.1,
         caveat: CAVEAT,
     };
-    let all: Vec<(Measured, &[&Row])> =
+    let all: Vec<(Measured, &[&EpisodeResult])> =
         agents.iter().filter_map(|rows| Some((measured(&lists(rows, deviation), median)?, *rows))).collect();
     if all.len() < agents.len() {
         return claim.judge(None, "");
@@ -85,7 +85,7 @@ fn around_target(agents: &[&[&Row]]) -> Judged {
 }
 
 /// Judges the tail of the RMS deviations over houses.
-fn tail(text: &str, side: Side, rows: &[&Row]) -> Judged {
+fn tail(text: &str, side: Side, rows: &[&EpisodeResult]) -> Judged {
     let claim = Claim {
         text: text.into(),
         quantity: "95th percentile of RMS deviations over their median",

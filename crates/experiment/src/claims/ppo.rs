@@ -1,6 +1,6 @@
 //! The paper's claims in its table of PPO agents, and in its text about the energy weight.
 
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{mean, median, score_text};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
@@ -82,7 +82,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
     judged
 }
 
-fn of_rows(rows: &Rows, all: &[&Row]) -> Judged {
+fn of_rows(rows: &Rows, all: &[&EpisodeResult]) -> Judged {
     let claim = Claim {
         text: format!("PPO {}", rows.text),
         quantity: "median score",
@@ -91,10 +91,10 @@ fn of_rows(rows: &Rows, all: &[&Row]) -> Judged {
         margin: 0.05,
         caveat: CAVEAT,
     };
-    let is_own = |row: &&&Row| {
+    let is_own = |row: &&&EpisodeResult| {
         row.info.building_type == rows.building_type && (rows.is_own)(&row.info.task, &row.info.period)
     };
-    let own: Vec<&Row> = all.iter().filter(is_own).copied().collect();
+    let own: Vec<&EpisodeResult> = all.iter().filter(is_own).copied().collect();
     let [score, resolved] =
         [log_score, log_resolved].map(|value| Some(measured(&lists(&own, value), median)?.exp()));
     let verdicts =
@@ -107,7 +107,7 @@ fn of_rows(rows: &Rows, all: &[&Row]) -> Judged {
 }
 
 /// Judges whether medians are on the published side of 1, row by row.
-fn same_side(all: &[&Row]) -> Judged {
+fn same_side(all: &[&EpisodeResult]) -> Judged {
     let claim = Claim {
         text: "Rows of the table in which PPO's median beats the baseline are those in which it does as published".into(),
         quantity: "share of rows on the published side",
@@ -121,7 +121,7 @@ fn same_side(all: &[&Row]) -> Judged {
     rows.dedup();
     let agrees = |place: &[&str; 3]| {
         let published = paper::score(place[0], place[1], place[2])?.median;
-        let own: Vec<&Row> = all.iter().filter(|row| self::place(row) == *place).copied().collect();
+        let own: Vec<&EpisodeResult> = all.iter().filter(|row| self::place(row) == *place).copied().collect();
         let here = median_of(&own, |scored| scored.score)?;
         Some(vec![f64::from((published < 1.0) == (here < 1.0))])
     };
@@ -130,12 +130,12 @@ fn same_side(all: &[&Row]) -> Judged {
     claim.judge(measured(&agreeing, mean), &remark)
 }
 
-fn place(row: &Row) -> [&str; 3] {
+fn place(row: &EpisodeResult) -> [&str; 3] {
     [&row.info.building_type, &row.info.task, &row.info.period]
 }
 
 /// Judges whether no agent with a weight on energy is degenerate.
-fn no_degenerate_policy(all: &[&Row]) -> Judged {
+fn no_degenerate_policy(all: &[&EpisodeResult]) -> Judged {
     let claim = Claim {
         text: "An energy weight of 0.5 yields no degenerate policy in any building, winter or summer".into(),
         quantity: "share of degenerate policies",
@@ -144,7 +144,8 @@ fn no_degenerate_policy(all: &[&Row]) -> Judged {
         margin: 0.0,
         caveat: CAVEAT,
     };
-    let own: Vec<&Row> = all.iter().filter(|row| !WITHOUT_ENERGY(&row.info.task)).copied().collect();
+    let own: Vec<&EpisodeResult> =
+        all.iter().filter(|row| !WITHOUT_ENERGY(&row.info.task)).copied().collect();
     let degenerate = lists(&own, |scored| {
         let is_off = scored.relative_energy()? < OFF_ENERGY && scored.metrics.rms_deviation > OFF_DEVIATION;
         Some(f64::from(is_off))

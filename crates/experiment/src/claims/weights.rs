@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use b2b_env::Task;
 use b2b_evaluate::statistics::{median, score_text};
-use b2b_evaluate::{Row, Scored};
+use b2b_evaluate::{EpisodeResult, Scored};
 
 use super::claim::{Claim, Judged, Side};
 use super::interval::{Measured, measured};
@@ -35,7 +35,7 @@ fn claim(text: &str, quantity: &'static str, bound: f64, margin: f64) -> Claim {
     Claim { text: text.into(), quantity, side: Side::Below, bound, margin, caveat: CAVEAT }
 }
 
-fn less_energy(text: &str, rows: &[&Row]) -> Judged {
+fn less_energy(text: &str, rows: &[&EpisodeResult]) -> Judged {
     let claim = claim(text, "energy at weight 5 over that at 0", 1.0, 0.05);
     let (mut fell, mut steps) = (0, 0);
     for values in series(rows, energy).values() {
@@ -50,7 +50,7 @@ fn less_energy(text: &str, rows: &[&Row]) -> Judged {
     claim.judge(measured(&ratios, median), &format!("energy falls at {fell} of {steps} steps of the weight"))
 }
 
-fn little_shift(rows: &[&Row]) -> Judged {
+fn little_shift(rows: &[&EpisodeResult]) -> Judged {
     let claim = claim(
         "In medium offices the deviation from target does not shift much with the weight",
         "RMS deviation at weight 5 less that at 0 (K)",
@@ -65,14 +65,14 @@ fn little_shift(rows: &[&Row]) -> Judged {
     claim.judge(measured(&shifts, median), "")
 }
 
-fn degenerate(rows: &[&Row]) -> Judged {
+fn degenerate(rows: &[&EpisodeResult]) -> Judged {
     let claim = claim(
         "In small offices a high weight gives a degenerate policy, which turns HVAC off",
         "energy at weight 5 over the reactive controllers'",
         OFF_ENERGY,
         0.05,
     );
-    let high: Vec<&Row> = rows.iter().filter(|row| weight(row) == Some(HIGH)).copied().collect();
+    let high: Vec<&EpisodeResult> = rows.iter().filter(|row| weight(row) == Some(HIGH)).copied().collect();
     let remark = median_of(&high, deviation)
         .map(|deviation| format!("median RMS deviation {} K", score_text(deviation)));
     let relative: Option<Measured> = measured(&lists(&high, Scored::relative_energy), median);
@@ -81,7 +81,7 @@ fn degenerate(rows: &[&Row]) -> Judged {
 
 /// Returns the change of a value with the weight, one list per building and kind of targets.
 fn changes(
-    rows: &[&Row],
+    rows: &[&EpisodeResult],
     value: fn(&Scored) -> Option<f64>,
     change: impl Fn(&[(f64, f64)]) -> Option<f64>,
 ) -> Vec<Vec<f64>> {
@@ -96,10 +96,13 @@ fn changes(
 type Series = Vec<(f64, f64)>;
 
 /// Returns the values of each building and kind of targets.
-fn series<'a>(rows: &[&'a Row], value: fn(&Scored) -> Option<f64>) -> BTreeMap<(&'a str, &'a str), Series> {
+fn series<'a>(
+    rows: &[&'a EpisodeResult],
+    value: fn(&Scored) -> Option<f64>,
+) -> BTreeMap<(&'a str, &'a str), Series> {
     let mut all: BTreeMap<(&str, &str), Series> = BTreeMap::new();
     for row in rows {
-        let value = row.outcome.as_ref().ok().and_then(value);
+        let value = row.scored().and_then(value);
         if let (Some(weight), Some(value)) = (weight(row), value) {
             let setpoints = row.info.task.split('+').next().unwrap_or_default();
             all.entry((&row.info.building, setpoints)).or_default().push((weight, value));
@@ -109,6 +112,6 @@ fn series<'a>(rows: &[&'a Row], value: fn(&Scored) -> Option<f64>) -> BTreeMap<(
     all
 }
 
-fn weight(row: &Row) -> Option<f64> {
+fn weight(row: &EpisodeResult) -> Option<f64> {
     Some(row.info.task.parse::<Task>().ok()?.energy_weight)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_evaluate::{Deviations, Row, read_kept};
+use b2b_evaluate::{Deviations, EpisodeResult, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -30,7 +30,7 @@ pub struct JobResult {
     /// bits. Empty without an evaluation.
     pub machine: String,
     /// Evaluated episodes of the agent: of the last agent if the job evaluates two.
-    pub rows: Vec<Row>,
+    pub rows: Vec<EpisodeResult>,
     /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<Option<Deviations>>,
@@ -59,7 +59,7 @@ pub struct Evaluated {
     /// See [`JobResult::machine`].
     pub machine: String,
     /// Evaluated episodes.
-    pub rows: Vec<Row>,
+    pub rows: Vec<EpisodeResult>,
     /// See [`JobResult::deviations`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<Option<Deviations>>,
@@ -120,7 +120,7 @@ impl JobResult {
     }
 
     /// Returns the policies of the job with their episodes and distributions of deviations.
-    pub fn policies(&self) -> impl Iterator<Item = (String, &[Row], &[Option<Deviations>])> {
+    pub fn policies(&self) -> impl Iterator<Item = (String, &[EpisodeResult], &[Option<Deviations>])> {
         let best =
             self.best.as_ref().map(|best| (best_of(&self.agent), &best.rows[..], &best.deviations[..]));
         [(self.agent.clone(), &self.rows[..], &self.deviations[..])].into_iter().chain(best)
@@ -139,7 +139,7 @@ impl Evaluated {
 }
 
 /// Reads the episodes of an evaluation.
-pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+pub fn read_rows(folder: &Path) -> Result<Vec<EpisodeResult>> {
     b2b_evaluate::read_rows(folder).map_err(|error| at(folder)(std::io::Error::other(error)))
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use b2b_evaluate::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
 use b2b_evaluate::statistics::{mean, median, score_text};
-use b2b_evaluate::{EpisodeInfo, Row, Scored};
+use b2b_evaluate::{EpisodeInfo, EpisodeResult, Scored};
 use serde_json::json;
 
 use super::content::{Content, SCORES};
@@ -17,7 +17,7 @@ use crate::results::Results;
 struct Tested<'a> {
     name: &'a str,
     group: Group,
-    rows: Vec<&'a Row>,
+    rows: Vec<&'a EpisodeResult>,
     trainings: usize,
     median: f64,
     error: Option<f64>,
@@ -51,7 +51,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
 impl<'a> Tested<'a> {
     /// Returns `None` without a score.
     fn of(results: &'a Results, policy: &'a Policy<'a>) -> Option<Self> {
-        let rows: Vec<&Row> = results.of(&policy.name).map(|(_, row)| row).collect();
+        let rows: Vec<&EpisodeResult> = results.of(&policy.name).map(|(_, row)| row).collect();
         let group = Group::of(rows.iter().copied())?;
         let mut of_jobs = Vec::new();
         let mut by_building: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -92,8 +92,8 @@ impl<'a> Tested<'a> {
     }
 
     fn series(&self) -> Series<'a> {
-        let ran = |row: &&'a Row| -> Option<(&'a EpisodeInfo, &'a Scored)> {
-            Some((&row.info, row.outcome.as_ref().ok()?))
+        let ran = |row: &&'a EpisodeResult| -> Option<(&'a EpisodeInfo, &'a Scored)> {
+            Some((&row.info, row.scored()?))
         };
         Series { name: self.name, episodes: self.rows.iter().filter_map(ran).collect() }
     }

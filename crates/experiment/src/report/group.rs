@@ -1,6 +1,6 @@
 //! Scores of a group of episodes.
 
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{beats_baseline, median, score_text};
 
 /// Scores of a group of episodes without lost ones.
@@ -12,7 +12,7 @@ pub(super) struct Group {
 
 impl Group {
     /// Returns `None` without a score.
-    pub(super) fn of<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<Self> {
+    pub(super) fn of<'a>(rows: impl Iterator<Item = &'a EpisodeResult>) -> Option<Self> {
         let (mut scores, mut resolved): (Vec<f64>, Vec<f64>) =
             rows.filter_map(|row| Some((row.score()?, row.resolved_score()?))).unzip();
         scores.sort_by(f64::total_cmp);

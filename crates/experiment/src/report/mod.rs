@@ -103,7 +103,7 @@ fn rewards(experiment: &Experiment, results: &Results) -> Content {
     let charts = experiment.tasks.iter().map(|task| {
         let episodes = |name: &str| {
             let own = results.of(name).filter(|(_, row)| row.info.task == *task);
-            own.filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect::<Vec<_>>()
+            own.filter_map(|(_, row)| Some((&row.info, row.scored()?))).collect::<Vec<_>>()
         };
         let series: Vec<_> =
             names.iter().map(|name| Series { name: &name[..], episodes: episodes(name) }).collect();

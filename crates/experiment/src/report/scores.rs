@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
 use b2b_evaluate::statistics::{Cluster, aggregate_clusters, beats_baseline};
-use b2b_evaluate::{Row, Scored};
+use b2b_evaluate::{EpisodeResult, Scored};
 use serde_json::{Value, json};
 
 use super::content::{Content, SCORES};
@@ -70,8 +70,8 @@ fn cells(
     won: &mut [[usize; 2]],
 ) -> Vec<String> {
     let [building_type, task, period] = place;
-    let of = |policy: &Policy<'_>| -> Vec<&Row> {
-        let is_own = |row: &&Row| {
+    let of = |policy: &Policy<'_>| -> Vec<&EpisodeResult> {
+        let is_own = |row: &&EpisodeResult| {
             let info = &row.info;
             info.building_type == building_type && info.task == task && info.period == period
         };
@@ -101,10 +101,11 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
     let mut rows = Vec::new();
     for task in &experiment.tasks {
         for policy in policies {
-            let own: Vec<&Row> =
+            let own: Vec<&EpisodeResult> =
                 results.of(&policy.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
             let aggregate = |score| aggregate_clusters(&strata(&own, score), 0);
-            let (Some(scores), Some(resolved)) = (aggregate(Row::score), aggregate(Row::resolved_score))
+            let (Some(scores), Some(resolved)) =
+                (aggregate(EpisodeResult::score), aggregate(EpisodeResult::resolved_score))
             else {
                 continue;
             };
@@ -134,7 +135,7 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
 }
 
 /// Returns the scores by type, for each building and period one per seed.
-fn strata(rows: &[&Row], score: fn(&Row) -> Option<f64>) -> Vec<Vec<Cluster>> {
+fn strata(rows: &[&EpisodeResult], score: fn(&EpisodeResult) -> Option<f64>) -> Vec<Vec<Cluster>> {
     let mut strata: BTreeMap<&str, BTreeMap<(&str, &str), Cluster>> = BTreeMap::new();
     for row in rows {
         let info = &row.info;

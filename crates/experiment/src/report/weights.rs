@@ -1,7 +1,7 @@
 //! Comfort and energy by the weight of energy.
 
 use b2b_env::{Resource, Task};
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::report::{Chart, StepDeviations, color, step_deviations};
 use serde_json::{Value, json};
 
@@ -159,7 +159,8 @@ fn distributions(
     let mut all = Vec::new();
     for task in experiment.tasks.iter().filter(|task| setpoints(task) == wanted) {
         for (number, name) in controllers(experiment, results).iter().enumerate() {
-            let is_own = |row: &Row| row.info.building_type == building_type && row.info.task == *task;
+            let is_own =
+                |row: &EpisodeResult| row.info.building_type == building_type && row.info.task == *task;
             let mut own = StepDeviations::empty(format!("w_E = {}", weight(task)?), name.clone(), number);
             results.deviations(name, is_own).for_each(|episode| own.add(episode));
             all.push(own);
@@ -202,7 +203,7 @@ fn points(
             .filter(|(_, row)| row.info.building_type == building_type && row.info.task == *task);
         let values: Vec<[f64; 3]> = own
             .filter_map(|(_, row)| {
-                let scored = row.outcome.as_ref().ok()?;
+                let scored = row.scored()?;
                 let energy = scored.metrics.energy() / 1000.0;
                 Some([scored.metrics.rms_deviation, energy, scored.relative_energy()?])
             })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use b2b_agent::Agent;
 use b2b_base::machine;
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 
 use super::arguments::evaluate;
 use super::runner::Runner;
@@ -33,7 +33,7 @@ struct Subject<'a> {
     episodes: &'a Episodes,
     agent_sha256: Option<&'a str>,
     machine: &'a str,
-    rows: &'a [Row],
+    rows: &'a [EpisodeResult],
 }
 
 /// A policy to evaluate again.
@@ -128,8 +128,8 @@ fn fault(
     let temporary = std::env::temp_dir();
     let again = b2b_base::scratch::folder_in(&temporary, "b2b-check-").map_err(at(&temporary))?;
     let buildings = spread(&episodes.buildings, buildings);
-    let is_own = |row: &&Row| buildings.contains(&row.info.building);
-    let there: Vec<Row> = subject.rows.iter().filter(is_own).cloned().collect();
+    let is_own = |row: &&EpisodeResult| buildings.contains(&row.info.building);
+    let there: Vec<EpisodeResult> = subject.rows.iter().filter(is_own).cloned().collect();
     let episodes = Episodes { buildings, ..(*episodes).clone() };
     let arguments = evaluate(&episodes, &policy, EVALUATION);
     if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
@@ -164,7 +164,7 @@ fn spread(all: &[String], limit: Option<NonZeroUsize>) -> Vec<String> {
 }
 
 /// Returns the first difference between the episodes of results and their reruns.
-fn difference(there: &[Row], here: &[Row], bits: bool) -> Option<String> {
+fn difference(there: &[EpisodeResult], here: &[EpisodeResult], bits: bool) -> Option<String> {
     if there.len() != here.len() {
         return Some(format!("{} episodes in the results, {} now", there.len(), here.len()));
     }

@@ -11,8 +11,8 @@ use b2b_workers::{SharedMemory, VecEnv};
 
 use super::blocks::Block;
 use super::building::GraphBuilding;
-use super::order::{Order, Purpose, stream};
-use super::progress::{Phase, Progress};
+use super::order::{FragmentOrder, Purpose, stream};
+use super::progress::{EnvironmentProgress, FragmentPhase};
 use super::runner::LEARNER;
 use crate::collector::{Collector, count_lost};
 use crate::comfort_weights::ComfortWeights;
@@ -52,7 +52,7 @@ pub struct FragmentCollector {
     blocks: (usize, usize),
     /// Rollouts collected so far.
     pub(super) rollouts: u64,
-    pub(super) progress: Vec<Progress>,
+    pub(super) progress: Vec<EnvironmentProgress>,
     /// Episodes that ended.
     pub(super) ended: u64,
     pub(super) lost: u64,
@@ -92,7 +92,7 @@ impl FragmentCollector {
                 }
             });
             let attributes = attributes(interface.observation, spaces)?;
-            progress.push(Progress::new(scale(spaces)? as f32, building, attributes));
+            progress.push(EnvironmentProgress::new(scale(spaces)? as f32, building, attributes));
         }
         Ok(Self {
             memory: environments.workers().memory(),
@@ -194,7 +194,7 @@ impl FragmentCollector {
 
     /// Makes room for an actor and for blocks of a number of steps, and writes the actor.
     pub(super) fn share(&mut self, actor: &Actor, steps: usize) -> Result<()> {
-        let numbers = Order::numbers(actor);
+        let numbers = FragmentOrder::numbers(actor);
         if self.parameters.1 < numbers.len() {
             self.parameters = (self.environments.workers().reserve_memory(numbers.len())?, numbers.len());
         }
@@ -242,7 +242,7 @@ impl FragmentCollector {
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
         let spaces = spaces_of(&self.environments, environment)?;
         let progress = &mut self.progress[environment];
-        if progress.phase != Phase::Ready || progress.done >= steps {
+        if progress.phase != FragmentPhase::Ready || progress.done >= steps {
             return Ok(());
         }
         if purpose == Purpose::Explore && self.state > 0 {
@@ -250,7 +250,7 @@ impl FragmentCollector {
         }
         self.memory.write(block.state(), &progress.state);
         let comfort_weight = progress.comfort_weight(&self.comfort_weights, spaces)?;
-        let order = Order {
+        let order = FragmentOrder {
             interface: self.interface,
             plan: progress.building.as_ref().map(|building| building.plan.clone()),
             attributes: progress.attributes.clone(),
@@ -271,7 +271,7 @@ impl FragmentCollector {
             travel_cost: self.travel_cost / progress.scale,
         };
         self.environments.send_fragment(environment, LEARNER, &order, order.steps * self.hold)?;
-        progress.phase = Phase::Running;
+        progress.phase = FragmentPhase::Running;
         progress.fragments += 1;
         Ok(())
     }
@@ -281,14 +281,14 @@ impl FragmentCollector {
         if let Some(why) = self.environments.lost(environment).map(str::to_owned) {
             return self.lose(environment, why);
         }
-        if self.progress[environment].phase == Phase::Starting {
+        if self.progress[environment].phase == FragmentPhase::Starting {
             return self.begin_episode(environment);
         }
         self.take_steps(environment, purpose);
         if self.environments.truncated()[environment] {
             self.end_episode(environment)?;
         } else {
-            self.progress[environment].phase = Phase::Ready;
+            self.progress[environment].phase = FragmentPhase::Ready;
         }
         Ok(())
     }
@@ -323,7 +323,7 @@ impl FragmentCollector {
 
     fn restart(&mut self, environment: usize) -> Result<()> {
         self.environments.reset_one(environment)?;
-        self.progress[environment].phase = Phase::Starting;
+        self.progress[environment].phase = FragmentPhase::Starting;
         Ok(())
     }
 
@@ -337,7 +337,7 @@ impl FragmentCollector {
             self.widths.check(&spaces.building.name, building.widths(), true)?;
         }
         progress.comfort = None;
-        progress.phase = Phase::Ready;
+        progress.phase = FragmentPhase::Ready;
         progress.episodes += 1;
         progress.actions.clear();
         progress.begin_scene(environment);
@@ -350,7 +350,7 @@ impl FragmentCollector {
         self.lost += 1;
         let progress = &mut self.progress[environment];
         count_lost(&mut progress.lost_in_a_row, why)?;
-        if progress.phase == Phase::Starting {
+        if progress.phase == FragmentPhase::Starting {
             // It has been drawn, although it did not begin.
             progress.episodes += 1;
         }

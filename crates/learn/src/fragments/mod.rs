@@ -18,7 +18,7 @@ pub(crate) use building::GraphBuilding;
 pub(crate) use collector::spaces_of;
 pub use collector::{FragmentCollector, RewardScale};
 pub(crate) use order::stream;
-pub use order::{Order, Purpose};
+pub use order::{FragmentOrder, Purpose};
 pub use runner::RUNNERS;
 
 /// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called first in

@@ -25,7 +25,7 @@ pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
 
 /// A fragment that a worker runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Order {
+pub struct FragmentOrder {
     /// Observation and acting of the agent.
     pub interface: Interface,
     /// The building, for a graph network.
@@ -62,7 +62,7 @@ pub struct Order {
     pub travel_cost: f32,
 }
 
-impl Order {
+impl FragmentOrder {
     /// Returns the numbers of an actor that a worker needs.
     pub fn numbers(actor: &Actor) -> Vec<f32> {
         let mut numbers = actor.parameters.clone();

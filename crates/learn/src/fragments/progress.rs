@@ -11,8 +11,8 @@ use crate::rollout::{End, Scene};
 
 /// Progress of one environment in a collection.
 #[derive(Clone, Debug)]
-pub(super) struct Progress {
-    pub(super) phase: Phase,
+pub(super) struct EnvironmentProgress {
+    pub(super) phase: FragmentPhase,
     /// Steps of the rollout so far.
     pub(super) done: usize,
     /// This environment's fragments in the rollout.
@@ -40,7 +40,7 @@ pub(super) struct Progress {
     pub(super) first_state: Vec<f32>,
     /// Steps of the rollout before which the actor forgets.
     pub(super) starts: Vec<usize>,
-    /// Where the rollout began: see [`Progress::place`].
+    /// Where the rollout began: see [`EnvironmentProgress::place`].
     pub(super) began: (u64, usize),
     pub(super) lost_in_a_row: u32,
     /// Time spent on actions and on all steps of the rollout, s.
@@ -48,7 +48,7 @@ pub(super) struct Progress {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(super) enum FragmentPhase {
     /// Ready for a fragment.
     Ready,
     /// In a fragment.
@@ -57,12 +57,12 @@ pub(super) enum Phase {
     Starting,
 }
 
-impl Progress {
+impl EnvironmentProgress {
     pub(super) fn new(scale: f32, building: Option<GraphBuilding>, attributes: Vec<f64>) -> Self {
         Self {
             building,
             scenes: Vec::new(),
-            phase: Phase::Ready,
+            phase: FragmentPhase::Ready,
             done: 0,
             fragments: 0,
             scale,
@@ -130,8 +130,8 @@ impl Progress {
     /// so far.
     pub(super) fn place(&self) -> (u64, usize) {
         match self.phase {
-            Phase::Starting => (self.episodes + 1, 0),
-            Phase::Ready | Phase::Running => (self.episodes, self.actions.len()),
+            FragmentPhase::Starting => (self.episodes + 1, 0),
+            FragmentPhase::Ready | FragmentPhase::Running => (self.episodes, self.actions.len()),
         }
     }
 

@@ -6,7 +6,7 @@ use b2b_agent::network::Actor;
 use super::building::GraphBuilding;
 use super::collector::{FragmentCollector, spaces_of};
 use super::order::Purpose;
-use super::progress::{Phase, Progress};
+use super::progress::{EnvironmentProgress, FragmentPhase};
 use crate::error::Result;
 use crate::state::State;
 
@@ -19,7 +19,7 @@ impl FragmentCollector {
     pub fn state(&self) -> State {
         let mut state = State::default();
         // Between two episodes, an environment has the state of the next one.
-        let is_between = |progress: &Progress| progress.phase == Phase::Starting;
+        let is_between = |progress: &EnvironmentProgress| progress.phase == FragmentPhase::Starting;
         let episodes: Vec<u64> = self.progress.iter().map(|progress| progress.place().0).collect();
         state.put_u64("episodes", &episodes);
         state.put_u64("counts", &[self.rollouts, self.ended, self.lost]);
@@ -47,7 +47,11 @@ impl FragmentCollector {
             let scale = (self.scale)(spaces)? as f32;
             let attributes = attributes(self.interface.observation, spaces)?;
             let actions = state.values_f32(&actions_of(index))?;
-            let mut progress = Progress { episodes, actions, ..Progress::new(scale, building, attributes) };
+            let mut progress = EnvironmentProgress {
+                episodes,
+                actions,
+                ..EnvironmentProgress::new(scale, building, attributes)
+            };
             progress.state = vec![0.0; actor.shape.state()];
             if !progress.state.is_empty() && !progress.forgets(self.memory_episodes) {
                 state.read_f32(&state_of(index), &mut progress.state)?;
@@ -60,13 +64,13 @@ impl FragmentCollector {
     /// Replays the actions of all episodes in progress, in chunks.
     fn replay(&mut self, actor: &Actor) -> Result<()> {
         let width = self.widths.action;
-        let rows = |progress: &Progress| progress.actions.len() / width;
+        let rows = |progress: &EnvironmentProgress| progress.actions.len() / width;
         let longest = self.progress.iter().map(rows).max().unwrap_or(0);
         self.share(actor, REPLAYED)?;
         for first in (0..longest).step_by(REPLAYED) {
             self.begin_rollout();
             // An environment whose episode was lost has none left.
-            let left = |progress: &Progress| rows(progress).saturating_sub(first).min(REPLAYED);
+            let left = |progress: &EnvironmentProgress| rows(progress).saturating_sub(first).min(REPLAYED);
             let mut steps: Vec<usize> = self.progress.iter().map(left).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
                 let actions = &self.progress[index].actions[first * width..][..steps * width];

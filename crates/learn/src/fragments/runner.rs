@@ -7,7 +7,7 @@ use b2b_agent::{ControllerDescription, Pilot};
 use b2b_env::{Env, Reward};
 use b2b_workers::{ControllerRunner, ROLLOUT, RolloutOrder, Runner, RunnerError, Runners, SharedMemory};
 
-use super::order::{Order, Purpose};
+use super::order::{FragmentOrder, Purpose};
 use crate::credit::part_places;
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
@@ -27,8 +27,8 @@ fn make_rollout_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, Runne
 
 /// Makes the runner of an actor in its episode.
 fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
-    let order: Order = serde_json::from_slice(order)?;
-    let Order { interface, plan, attributes, shape, distribution, block, .. } = order;
+    let order: FragmentOrder = serde_json::from_slice(order)?;
+    let FragmentOrder { interface, plan, attributes, shape, distribution, block, .. } = order;
     let mut pilot = Pilot::without_model(interface, env.spaces(), plan.as_ref(), &attributes)?;
     pilot.observe(env.observation());
     let actor = Actor { parameters: vec![0.0; shape.parameters()], shape, distribution };
@@ -68,7 +68,7 @@ struct FragmentRunner {
 
 impl Runner for FragmentRunner {
     fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError> {
-        let order: Order = serde_json::from_slice(order)?;
+        let order: FragmentOrder = serde_json::from_slice(order)?;
         self.read_parameters(&order, memory);
         memory.read(order.block.state(), self.scratch.state_mut());
         let (seed, stream) = order.random;
@@ -99,7 +99,7 @@ impl Runner for FragmentRunner {
 }
 
 impl FragmentRunner {
-    fn read_parameters(&mut self, order: &Order, memory: &SharedMemory) {
+    fn read_parameters(&mut self, order: &FragmentOrder, memory: &SharedMemory) {
         if self.version.replace(order.version) == Some(order.version) {
             return;
         }
@@ -111,7 +111,7 @@ impl FragmentRunner {
     }
 
     /// Chooses the action of a step and records it with the observation.
-    fn choose(&mut self, order: &Order, step: usize, noise: &mut Noise, memory: &SharedMemory) {
+    fn choose(&mut self, order: &FragmentOrder, step: usize, noise: &mut Noise, memory: &SharedMemory) {
         let (observation, block) = (self.pilot.observed(), &order.block);
         match order.purpose {
             Purpose::Replay => memory.read(block.action(step), &mut self.action),
@@ -124,7 +124,7 @@ impl FragmentRunner {
     }
 
     /// Makes the steps for which the decision is held, and adds up their discounted rewards. Returns their number.
-    fn carry_out(&mut self, order: &Order, env: &mut Env) -> Result<usize, RunnerError> {
+    fn carry_out(&mut self, order: &FragmentOrder, env: &mut Env) -> Result<usize, RunnerError> {
         self.rewards.fill(0.0);
         let (mut steps, mut discount) = (0, 1.0);
         loop {
@@ -145,7 +145,7 @@ impl FragmentRunner {
 
     /// Adds the reward of a step: as a whole, or with a part for each controlled zone and one for energy, less the cost of
     /// travel.
-    fn add_reward(&mut self, order: &Order, reward: Reward, discount: f32, env: &Env) {
+    fn add_reward(&mut self, order: &FragmentOrder, reward: Reward, discount: f32, env: &Env) {
         let weight = f64::from(order.comfort_weight);
         match &mut self.step_rewards[..] {
             [whole] if order.comfort_weight == 1.0 => *whole = reward.total() as f32,

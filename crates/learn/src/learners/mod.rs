@@ -15,21 +15,22 @@ use crate::error::{Error, Result};
 use crate::learner::LearnerOptions;
 
 /// The built-in kinds of learners, the default first.
-const BUILT_IN: &[Kind] = &[Kind::of::<ppo::PpoConfig>("ppo"), Kind::of::<sac::SacConfig>("sac")];
+const BUILT_IN: &[LearnerKind] =
+    &[LearnerKind::of::<ppo::PpoConfig>("ppo"), LearnerKind::of::<sac::SacConfig>("sac")];
 
 /// Kinds that programs have added.
-static ADDED: RwLock<Vec<Kind>> = RwLock::new(Vec::new());
+static ADDED: RwLock<Vec<LearnerKind>> = RwLock::new(Vec::new());
 
 /// A kind of learner.
 #[derive(Clone, Copy)]
-pub struct Kind {
+pub struct LearnerKind {
     /// Name: the value of `algorithm` in a configuration, and the name of the table with its options.
     pub name: &'static str,
     read: fn(Table) -> std::result::Result<Arc<dyn LearnerOptions>, toml::de::Error>,
     write: fn(&'static str, &dyn LearnerOptions) -> String,
 }
 
-impl Kind {
+impl LearnerKind {
     /// Returns the kind of learner with these options, each of which has a default.
     pub const fn of<O: LearnerOptions + Serialize + DeserializeOwned>(name: &'static str) -> Self {
         Self { name, read: read::<O>, write: write::<O> }
@@ -67,20 +68,20 @@ fn write<O: LearnerOptions + Serialize>(name: &'static str, options: &dyn Learne
 }
 
 /// Returns all kinds of learners.
-pub fn kinds() -> Vec<Kind> {
+pub fn kinds() -> Vec<LearnerKind> {
     let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
     BUILT_IN.iter().chain(added.iter()).copied().collect()
 }
 
 /// Adds a kind of learner that configurations can then name. Called once per name, before a configuration with it is read.
-pub fn register(kind: Kind) {
+pub fn register(kind: LearnerKind) {
     ADDED.write().unwrap_or_else(PoisonError::into_inner).push(kind);
 }
 
 /// A configuration's learner: a kind and its options, to which it dereferences.
 #[derive(Clone)]
 pub struct LearnerChoice {
-    kind: Kind,
+    kind: LearnerKind,
     options: Arc<dyn LearnerOptions>,
 }
 
@@ -108,9 +109,9 @@ impl Default for LearnerChoice {
     }
 }
 
-impl From<Kind> for LearnerChoice {
+impl From<LearnerKind> for LearnerChoice {
     /// Returns a learner of this kind with default options.
-    fn from(kind: Kind) -> Self {
+    fn from(kind: LearnerKind) -> Self {
         kind.read(Table::new()).expect("every option of a learner has a default")
     }
 }

@@ -11,13 +11,13 @@ mod schedule;
 
 pub use adam::{Adam, clip_norm};
 pub(crate) use b2b_agent::network::graph::sized;
-pub use orthogonal::{Gains, orthogonal};
+pub use orthogonal::{InitialGains, orthogonal};
 pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
 pub use product::{Matrix, multiply};
 pub(crate) use recurrent::initialize as initialize_recurrent;
 pub use recurrent::{RecurrentPass, Sequences};
-pub use schedule::Schedule;
+pub use schedule::RateSchedule;
 
 #[cfg(test)]
 pub(crate) mod reference;

@@ -6,7 +6,7 @@ use crate::random::Random;
 
 /// Gains of the weights of a network.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
+pub struct InitialGains {
     /// Gain of the hidden layers. Stable-Baselines3 has √2.
     pub hidden: f32,
     /// Gain of the last layer. Stable-Baselines3 has 0.01 for actors and 1 for critics.
@@ -14,7 +14,7 @@ pub struct Gains {
 }
 
 /// Returns initial parameters: weights are orthogonal matrices times a gain, and biases are 0.
-pub fn orthogonal(shape: &Mlp, gains: Gains, random: &mut Random) -> Vec<f32> {
+pub fn orthogonal(shape: &Mlp, gains: InitialGains, random: &mut Random) -> Vec<f32> {
     let mut parameters = vec![0.0; shape.parameters()];
     let last = shape.widths.len() - 2;
     for (index, layer) in shape.layers().enumerate() {
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn weights_are_orthogonal_with_their_gain() {
         let shape = Mlp::new(6, &[40, 40], 3, Activation::Tanh);
-        let gains = Gains { hidden: 2.0, last: 0.5 };
+        let gains = InitialGains { hidden: 2.0, last: 0.5 };
         let parameters = orthogonal(&shape, gains, &mut Random::new(0, 0));
         for (layer, gain) in shape.layers().zip([2.0, 2.0, 0.5]) {
             let weights = &parameters[layer.weights.clone()];

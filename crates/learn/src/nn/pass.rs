@@ -123,13 +123,13 @@ mod tests {
 
     use super::*;
     use crate::nn::reference::{self, assert_gradients};
-    use crate::nn::{Gains, orthogonal};
+    use crate::nn::{InitialGains, orthogonal};
     use crate::random::Random;
 
     fn network(activation: Activation) -> (Mlp, Vec<f32>, Vec<f32>, Random) {
         let shape = Mlp::new(5, &[16, 12], 3, activation);
         let mut random = Random::new(4, 0);
-        let gains = Gains { hidden: 1.4, last: 1.0 };
+        let gains = InitialGains { hidden: 1.4, last: 1.0 };
         let mut parameters = orthogonal(&shape, gains, &mut random);
         parameters.iter_mut().for_each(|value| *value += 0.1 * random.normal() as f32);
         let mut inputs = vec![0.0; 7 * 5];

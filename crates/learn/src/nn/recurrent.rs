@@ -4,7 +4,7 @@ use b2b_agent::network::graph::sized;
 use b2b_agent::network::recurrent::{GATES, Recurrent, RecurrentPlaces, step};
 use b2b_agent::network::{Layer, Mlp};
 
-use super::orthogonal::{Gains, orthogonal, write_weights};
+use super::orthogonal::{InitialGains, orthogonal, write_weights};
 use super::pass::{Pass, add_parameter_gradients, forward};
 use super::product::{Matrix, multiply};
 use crate::random::Random;
@@ -237,7 +237,7 @@ impl Known<'_> {
 /// Ollivier 2018).
 pub fn initialize(network: &Recurrent, last: f32, memory: usize, random: &mut Random) -> Vec<f32> {
     let hidden = std::f32::consts::SQRT_2;
-    let of = |mlp: &Mlp, last, random: &mut Random| orthogonal(mlp, Gains { hidden, last }, random);
+    let of = |mlp: &Mlp, last, random: &mut Random| orthogonal(mlp, InitialGains { hidden, last }, random);
     let mut parameters = of(&network.encoder, 1.0, random);
     let (width, cell) = (network.state(), network.places().cell);
     parameters.resize(cell.biases.end, 0.0);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The schedule of a learning rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Schedule {
+pub enum RateSchedule {
     /// The same rate in all updates.
     #[default]
     Constant,
@@ -16,7 +16,7 @@ pub enum Schedule {
     },
 }
 
-impl Schedule {
+impl RateSchedule {
     /// Returns the factor of the learning rate after this number of updates.
     pub fn factor(self, done: u64) -> f64 {
         match self {
@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn a_linear_schedule_falls_to_0() {
-        let schedule = Schedule::Linear { updates: 10 };
+        let schedule = RateSchedule::Linear { updates: 10 };
         assert_eq!([0, 5, 10, 12].map(|done| schedule.factor(done)), [1.0, 0.5, 0.0, 0.0]);
-        assert_eq!(Schedule::Constant.factor(99), 1.0);
+        assert_eq!(RateSchedule::Constant.factor(99), 1.0);
     }
 }

@@ -10,12 +10,12 @@ use b2b_env::{ActionSpace, Spaces, unscale};
 
 use super::dataset::{CorpusEpisode, Dataset, EpisodeMetadata};
 use super::episodes::EpisodeFile;
-use crate::nn::{Adam, Gains, Pass, orthogonal};
+use crate::nn::{Adam, InitialGains, Pass, orthogonal};
 use crate::random::Random;
 use crate::{Error, Result};
 
 /// Gains of the initial weights.
-const GAINS: Gains = Gains { hidden: std::f32::consts::SQRT_2, last: 0.01 };
+const GAINS: InitialGains = InitialGains { hidden: std::f32::consts::SQRT_2, last: 0.01 };
 /// ε of Adam.
 const EPSILON: f32 = 1e-8;
 /// Log standard deviation for further training.

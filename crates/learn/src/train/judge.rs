@@ -56,7 +56,7 @@ pub(super) struct Rating {
 
 /// The scores of an agent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Scores {
+pub struct AgentScores {
     /// Means over its buildings.
     #[serde(flatten)]
     pub mean: Measures,
@@ -90,7 +90,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Returns the scores of an agent. It acts without exploration.
-    pub(super) fn judge(&self, agent: &Agent) -> Result<Scores> {
+    pub(super) fn judge(&self, agent: &Agent) -> Result<AgentScores> {
         let limits = self.travel_limits()?;
         let metrics = self.run(&self.numbered().collect::<Vec<_>>(), agent)?;
         let judged = self.episodes.iter().zip(limits).zip(&metrics);
@@ -100,7 +100,7 @@ impl<'a> Judge<'a> {
             period: episode.period.to_string(),
             measures: Measures::of(metrics, episode, baseline, *limit),
         });
-        Ok(Scores::of(scores.collect()))
+        Ok(AgentScores::of(scores.collect()))
     }
 
     /// Returns the limits of actuator travel. Runs the baselines once, because stored baselines do not include travel.
@@ -225,7 +225,7 @@ impl Rating {
     }
 }
 
-impl Scores {
+impl AgentScores {
     fn of(buildings: Vec<BuildingScores>) -> Self {
         let mean = |value: fn(&Measures) -> f64| {
             buildings.iter().map(|each| value(&each.measures)).sum::<f64>() / buildings.len().max(1) as f64

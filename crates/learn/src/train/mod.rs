@@ -20,16 +20,16 @@ mod sealed_state;
 mod side;
 mod summary;
 
-pub use crate::policy::{GraphPolicy, Policy, RecurrentPolicy};
+pub use crate::policy::{GraphPolicy, PolicyConfig, RecurrentPolicy};
 pub use checkpoint::CHECKPOINT;
 pub use config::{
     AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, RewardConfig, Tasks,
     TrainConfig, TrainingSet,
 };
-pub use judge::{BuildingScores, Measures, Scores};
+pub use judge::{AgentScores, BuildingScores, Measures};
 pub use lock::LAST;
 pub use measure::{Design, TrainingLoop, UpdateTimes};
 pub use monitor::Monitor;
-pub use progress::{PAGE, Row, TABLE, read_column};
+pub use progress::{PAGE, ProgressRow, TABLE, read_column};
 pub use run::{RunOptions, train};
-pub use summary::{SUMMARY, Summary};
+pub use summary::{RunSummary, SUMMARY};

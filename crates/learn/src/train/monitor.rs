@@ -1,6 +1,6 @@
 //! Reports on a run in progress.
 
-use super::progress::Row;
+use super::progress::ProgressRow;
 
 /// Watches a run.
 pub trait Monitor {
@@ -11,7 +11,7 @@ pub trait Monitor {
     fn evaluating(&mut self, _steps: u64) {}
 
     /// An update was made.
-    fn update(&mut self, _row: &Row) {}
+    fn update(&mut self, _row: &ProgressRow) {}
 
     /// Something was not saved, or went wrong without ending the run.
     fn warn(&mut self, _text: &str) {}

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Attributes, Buildings, Subset};
+use b2b_evaluate::problem::{Attributes, Buildings, Problem, Subset};
 
 use super::side::TrainingSide;
 use crate::error::{Error, Result};
@@ -38,12 +37,6 @@ pub(super) fn training_side(name: &str) -> Result<TrainingSide> {
         is_by_role: protocol.observation.is_roles(),
         check_building: Box::new(move |id| Ok(problem.check_training_building(id)?)),
     })
-}
-
-impl From<b2b_benchmark::Error> for Error {
-    fn from(error: b2b_benchmark::Error) -> Self {
-        b2b_evaluate::Error::from(error).into()
-    }
 }
 
 #[cfg(test)]

@@ -17,11 +17,11 @@ use super::calibration::calibrate;
 use super::checkpoint::Checkpoint;
 use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
 use super::environments::{Environments, Evaluated, days, learner};
-use super::judge::{BuildingScores, Judge, Measures, Rating, Scores};
+use super::judge::{AgentScores, BuildingScores, Judge, Measures, Rating};
 use super::lock::{self, LAST};
 use super::monitor::Monitor;
-use super::progress::{ProgressFiles, Row, curve};
-use super::summary::Summary;
+use super::progress::{ProgressFiles, ProgressRow, curve};
+use super::summary::RunSummary;
 use crate::collector::Collector as _;
 use crate::comfort_weights::ComfortWeights;
 use crate::error::{Error, Result, at};
@@ -54,7 +54,7 @@ pub struct RunOptions<'a> {
 /// # Errors
 /// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
 /// kept; [`Error::Interrupted`] after a checkpoint; errors from environments and evaluations.
-pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
+pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<RunSummary> {
     config.check()?;
     let _lock = lock::acquire(&options.out, lock::PATIENCE, options.interrupted)?;
     begin_folder(config, &options.out)?;
@@ -250,7 +250,7 @@ impl<'a> Run<'a> {
     }
 
     /// Collects a rollout and learns from it.
-    fn update(&mut self, rollout: &mut Rollout) -> Result<Row> {
+    fn update(&mut self, rollout: &mut Rollout) -> Result<ProgressRow> {
         let began = Instant::now();
         self.collector.collect(&self.learner.actor(), self.config.learner.steps_per_rollout(), rollout)?;
         let collected = began.elapsed().as_secs_f64();
@@ -274,7 +274,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the row of an update without its evaluation.
-    fn row(&self, counts: [f64; 8], learned: Vec<(&'static str, f64)>) -> Row {
+    fn row(&self, counts: [f64; 8], learned: Vec<(&'static str, f64)>) -> ProgressRow {
         let names = [
             "seconds",
             "steps_per_s",
@@ -285,11 +285,11 @@ impl<'a> Run<'a> {
             "travel_cost",
             "comfort_weight",
         ];
-        Row { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
+        ProgressRow { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
     }
 
     /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
-    fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) {
+    fn evaluate(&mut self, judge: &Judge<'_>, row: &mut ProgressRow) {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
         self.monitor.evaluating(self.steps);
         let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
@@ -319,7 +319,7 @@ impl<'a> Run<'a> {
     }
 
     /// Lets the multipliers of discomfort follow an evaluation.
-    fn hold_comfort(&mut self, scores: &Scores) {
+    fn hold_comfort(&mut self, scores: &AgentScores) {
         let rate = self.config.rewards.comfort_rate;
         if rate > 0.0 {
             for (number, BuildingScores { measures, .. }) in scores.buildings.iter().enumerate() {
@@ -353,7 +353,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
-    fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<Summary> {
+    fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<RunSummary> {
         if self.config.checkpoints.keep == Keep::Last || self.best == Rating::default() {
             Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;
         } else if !self.best.is_within_travel_limit() {
@@ -367,7 +367,7 @@ impl<'a> Run<'a> {
         if kept.info().training.steps == 0 && self.steps > 0 {
             self.monitor.warn("training did not improve on the first agent, which is kept");
         }
-        let summary = Summary {
+        let summary = RunSummary {
             scores: whole.map(|judge| self.score(judge, &kept)).transpose()?,
             steps: self.steps,
             steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
@@ -384,7 +384,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the scores of the agent in the run's folder.
-    fn score(&mut self, judge: &Judge<'_>, agent: &Agent) -> Result<Scores> {
+    fn score(&mut self, judge: &Judge<'_>, agent: &Agent) -> Result<AgentScores> {
         self.monitor.stage("evaluating the agent over the whole run period");
         judge.judge(agent)
     }

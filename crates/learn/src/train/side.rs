@@ -9,7 +9,7 @@ use b2b_env::Task;
 
 use super::config::{AgentConfig, Budget, TrainingSet};
 use crate::error::{Error, Result};
-use crate::policy::Policy;
+use crate::policy::PolicyConfig;
 
 /// The training side of a benchmark problem: what a run may train on.
 pub(super) struct TrainingSide {
@@ -51,20 +51,20 @@ impl TrainingSide {
         budget: &mut Budget,
     ) -> Result<()> {
         match &mut agent.policy {
-            Policy::Flat | Policy::Recurrent(_) if !self.is_one_type => {
+            PolicyConfig::Flat | PolicyConfig::Recurrent(_) if !self.is_one_type => {
                 return Err(Error::Invalid(format!(
                     "the buildings of {} are of several types, which are for graph networks; choose the preset graph",
                     self.name
                 )));
             }
-            Policy::Flat | Policy::Recurrent(_) => {
+            PolicyConfig::Flat | PolicyConfig::Recurrent(_) => {
                 agent.observation.attributes |= self.gives_attributes;
                 let has_roles = self.is_by_role && self.types == [BuildingType::SingleFamilyHouse];
                 if has_roles && agent.observation.form == ObservationForm::Raw {
                     agent.observation.form = ObservationForm::Roles;
                 }
             }
-            Policy::Graph(graph) => graph.attributes |= self.gives_attributes,
+            PolicyConfig::Graph(graph) => graph.attributes |= self.gives_attributes,
         }
         set.buildings = self.listed.iter().flatten().map(ToString::to_string).collect();
         set.building_type = match self.listed {

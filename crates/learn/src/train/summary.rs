@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use b2b_base::aside::write_whole;
 use serde::Serialize;
 
-use super::judge::Scores;
+use super::judge::AgentScores;
 use crate::error::{Result, at};
 
 /// Name of the result in a run's folder.
@@ -13,11 +13,11 @@ pub const SUMMARY: &str = "summary.json";
 
 /// The result of a run.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct RunSummary {
     /// Scores of the agent in the run's folder over the whole run period, without exploration; `None` without
     /// `evaluation.whole_period`.
     #[serde(flatten)]
-    pub scores: Option<Scores>,
+    pub scores: Option<AgentScores>,
     /// Environment steps.
     pub steps: u64,
     /// Environment steps per second of training, without evaluations.
@@ -36,7 +36,7 @@ pub struct Summary {
     pub out: PathBuf,
 }
 
-impl Summary {
+impl RunSummary {
     /// Writes the result to a run's folder.
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
         let text = serde_json::to_vec_pretty(self).expect("plain data always serializes");

@@ -21,7 +21,7 @@ use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::rollout::{Rollout, Widths};
 use b2b_learn::state::State;
 use b2b_learn::train::RecurrentPolicy;
-use b2b_workers::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
+use b2b_workers::{Autoreset, EpisodeSetting, Fixed, Launcher, Source, VecEnv, VecEnvOptions, WorkerOptions};
 use rustix::process::{Pid, Signal, kill_process};
 
 const ENVIRONMENTS: usize = 3;
@@ -90,7 +90,7 @@ fn environments(interface: Interface) -> VecEnv {
         let name = BuildingName::Type(building_type);
         let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
         let episode = episode(interface, found.weather.clone());
-        Setting::new(Source::from(found), episode)
+        EpisodeSetting::new(Source::from(found), episode)
     };
     let types: &[BuildingType] = match interface.nodes {
         None => &[BuildingType::SingleFamilyHouse],

@@ -11,12 +11,12 @@ use b2b_energyplus::install::Quiet;
 use b2b_learn::Result;
 use b2b_learn::collector::Collector as _;
 use b2b_learn::learner::{Learner, LearnerOptions, LearnerSetting};
-use b2b_learn::learners::{Kind, register};
-use b2b_learn::nn::{Gains, orthogonal};
+use b2b_learn::learners::{LearnerKind, register};
+use b2b_learn::nn::{InitialGains, orthogonal};
 use b2b_learn::random::Random;
 use b2b_learn::rollout::Rollout;
 use b2b_learn::state::State;
-use b2b_learn::train::{Policy, RunOptions, TrainConfig, read_column, train};
+use b2b_learn::train::{PolicyConfig, RunOptions, TrainConfig, read_column, train};
 use b2b_workers::Launcher;
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +54,7 @@ impl LearnerOptions for RandomSearchConfig {
         let (observation, action) = (setting.widths.observation, setting.widths.action);
         let shape = Mlp::new(observation, &[], action, Activation::Tanh);
         let mut random = Random::new(setting.seed, 0);
-        let best = orthogonal(&shape, Gains { hidden: 1.0, last: 0.01 }, &mut random);
+        let best = orthogonal(&shape, InitialGains { hidden: 1.0, last: 0.01 }, &mut random);
         let (tried, deviation) = (best.clone(), self.deviation);
         Ok(Box::new(RandomSearch { shape, deviation, best, tried, penalty: f64::INFINITY, random }))
     }
@@ -129,7 +129,7 @@ fn random_search_learns_to_heat_rooms_and_continues_from_its_state() {
         widths: collector.widths(),
         environments: 8,
         interface: TrainConfig::default().agent.interface(),
-        policy: &Policy::Flat,
+        policy: &PolicyConfig::Flat,
         credit: None,
         hold: 1,
         seed: 0,
@@ -181,7 +181,7 @@ pub fn run(config: &TrainConfig, folder: &Path) {
 
 #[test]
 fn a_registered_learner_is_named_by_a_configuration_and_trains_on_the_engine() {
-    register(Kind::of::<RandomSearchConfig>("random_search"));
+    register(LearnerKind::of::<RandomSearchConfig>("random_search"));
     let base = TrainConfig::default();
     let config = base.with_changes(OPTIONS).unwrap();
     assert_eq!(base.with_changes(&config.to_toml()).unwrap(), config);

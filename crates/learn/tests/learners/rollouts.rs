@@ -12,7 +12,7 @@ use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Environment, EpisodeConfig, Error, Metrics, Spaces, Step, Trajectory, rollout};
-use b2b_workers::{Episode, Launcher, RolloutMemory, Setting, Source, WorkerOptions, Workers};
+use b2b_workers::{Episode, EpisodeSetting, Launcher, RolloutMemory, Source, WorkerOptions, Workers};
 use serde_json::{Value, json};
 
 fn episode(building_type: BuildingType) -> Episode {
@@ -22,7 +22,7 @@ fn episode(building_type: BuildingType) -> Episode {
     let (weather, period) = (found.weather.clone(), "01-10..01-11".parse().unwrap());
     let task = "occupancy+energy0.5".parse().unwrap();
     let setting =
-        Setting::new(Source::from(found), EpisodeConfig { weather, period, steps_per_hour: 12, task });
+        EpisodeSetting::new(Source::from(found), EpisodeConfig { weather, period, steps_per_hour: 12, task });
     let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b-learn-worker"));
     let workers = Workers::new(WorkerOptions::new(launcher, catalog.library().path())).unwrap();
     workers.episode(&setting).unwrap()

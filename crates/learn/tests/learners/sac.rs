@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use b2b_learn::collector::Collector;
 use b2b_learn::learner::Learner as _;
-use b2b_learn::nn::Schedule;
+use b2b_learn::nn::RateSchedule;
 use b2b_learn::rollout::Rollout;
 use b2b_learn::sac::{Sac, SacConfig};
 
@@ -68,7 +68,7 @@ fn sac_swings_a_pendulum_up() {
 #[test]
 fn sac_heats_rooms() {
     let config = SacConfig {
-        schedule: Schedule::Linear { updates: 300 },
+        schedule: RateSchedule::Linear { updates: 300 },
         updates_per_step: 0.5,
         gamma: 0.9,
         return_steps: 1,

@@ -13,7 +13,7 @@ use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_climate::TwoWeeks;
 use b2b_control::{AnyController, Case, Kind};
 use b2b_env::{EpisodeConfig, Spaces, Task};
-use b2b_workers::{Setting, Source};
+use b2b_workers::{EpisodeSetting, Source};
 
 pub(crate) use forecast::{Forecasts, WeatherErrors, series, times};
 pub(crate) use forecast_errors::Uncertainty;
@@ -90,8 +90,8 @@ impl Subject {
     }
 
     /// Returns the setting of an episode over some days.
-    pub(crate) fn setting(&self, period: RunPeriod) -> Setting {
-        Setting::new(Arc::clone(&self.source), EpisodeConfig { period, ..self.spaces.episode.clone() })
+    pub(crate) fn setting(&self, period: RunPeriod) -> EpisodeSetting {
+        EpisodeSetting::new(Arc::clone(&self.source), EpisodeConfig { period, ..self.spaces.episode.clone() })
     }
 
     /// Returns the baseline controller of an episode.

@@ -15,9 +15,9 @@ use self::episode_options::EpisodeOptions;
 use self::episode_report::EpisodeReport;
 pub use self::snapshot::Snapshot;
 use super::order::{FragmentOrder, Order};
-use super::pool::Place;
+use super::pool::SlotPlace;
 use super::region::{Command, LONG_ORDER, Region, Status};
-use super::setting::Setting;
+use super::setting::EpisodeSetting;
 use super::time_limit::TimeLimit;
 use super::workers::Workers;
 use b2b_env::{Amounts, Error, Metrics, Result, Reward, Spaces, Step, from_numbers};
@@ -37,11 +37,11 @@ const FAILED_STARTS: u32 = 3;
 #[derive(Debug)]
 pub struct Episode {
     workers: Workers,
-    setting: Setting,
+    setting: EpisodeSetting,
     spaces: Arc<Spaces>,
     options: EpisodeOptions,
-    place: Option<Place>,
-    phase: Phase,
+    place: Option<SlotPlace>,
+    phase: EpisodePhase,
     /// Copies made for the episode that never attached.
     failed_starts: u32,
     observation: Vec<f64>,
@@ -54,7 +54,7 @@ pub struct Episode {
 
 /// State of an episode.
 #[derive(Clone, Debug, PartialEq)]
-enum Phase {
+enum EpisodePhase {
     /// Before its first reset.
     New,
     /// Waits for a copy of its template, within a limit once the copy was made.
@@ -74,14 +74,14 @@ impl Workers {
     ///
     /// # Errors
     /// Same as [`Workers::prepare`].
-    pub fn episode(&self, setting: &Setting) -> Result<Episode> {
+    pub fn episode(&self, setting: &EpisodeSetting) -> Result<Episode> {
         let spaces = self.prepare(setting)?;
         Ok(Episode::new(self.clone(), setting.clone(), spaces))
     }
 }
 
 impl Episode {
-    pub(super) fn new(workers: Workers, setting: Setting, spaces: Arc<Spaces>) -> Self {
+    pub(super) fn new(workers: Workers, setting: EpisodeSetting, spaces: Arc<Spaces>) -> Self {
         Self {
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
@@ -90,7 +90,7 @@ impl Episode {
             spaces,
             options: EpisodeOptions::default(),
             place: None,
-            phase: Phase::New,
+            phase: EpisodePhase::New,
             failed_starts: 0,
             reward: Reward::default(),
             terms: Amounts::default(),
@@ -122,11 +122,11 @@ impl Episode {
 
     fn ask_for_copy(&mut self) -> Result<()> {
         self.end();
-        self.phase = Phase::New;
+        self.phase = EpisodePhase::New;
         (self.metrics, self.report) = (None, None);
         (self.reward, self.terms) = (Reward::default(), Amounts::default());
         self.place = Some(self.workers.lock().start(&self.setting, self.options)?);
-        self.phase = Phase::Starting(None);
+        self.phase = EpisodePhase::Starting(None);
         Ok(())
     }
 
@@ -139,7 +139,7 @@ impl Episode {
         let slot = self.check(action)?;
         self.workers.region().write_action(slot, action);
         self.workers.region().command(slot, Command::Step);
-        self.phase = Phase::Stepping(TimeLimit::new(self.workers.step_time_limit()));
+        self.phase = EpisodePhase::Stepping(TimeLimit::new(self.workers.step_time_limit()));
         Ok(())
     }
 
@@ -174,7 +174,7 @@ impl Episode {
         self.workers.region().command(slot, command);
         // A step is a hundred times faster than its limit.
         let limit = self.workers.step_time_limit() * (1 + steps as u32 / 100);
-        self.phase = Phase::Stepping(TimeLimit::new(limit));
+        self.phase = EpisodePhase::Stepping(TimeLimit::new(limit));
         Ok(())
     }
 
@@ -189,12 +189,12 @@ impl Episode {
     /// [`Error::Lost`] when the worker died, hung or failed; [`Error::Busy`]; [`Error::NotReset`].
     pub fn last_step(&self) -> Result<Step<'_>> {
         match &self.phase {
-            Phase::Ready | Phase::Truncated => Ok(Step {
+            EpisodePhase::Ready | EpisodePhase::Truncated => Ok(Step {
                 observation: &self.observation,
                 action: &self.action,
                 reward: self.reward,
                 terms: self.terms,
-                truncated: self.phase == Phase::Truncated,
+                truncated: self.phase == EpisodePhase::Truncated,
             }),
             _ => Err(self.not_ready()),
         }
@@ -206,7 +206,7 @@ impl Episode {
     }
 
     /// The building, weather, period and task.
-    pub fn setting(&self) -> &Setting {
+    pub fn setting(&self) -> &EpisodeSetting {
         &self.setting
     }
 
@@ -237,18 +237,18 @@ impl Episode {
 
     /// Returns whether the worker is busy with a step or with its start.
     pub fn is_busy(&self) -> bool {
-        matches!(self.phase, Phase::Starting(_) | Phase::Stepping(_))
+        matches!(self.phase, EpisodePhase::Starting(_) | EpisodePhase::Stepping(_))
     }
 
     /// Returns whether the episode is at its end.
     pub fn is_truncated(&self) -> bool {
-        self.phase == Phase::Truncated
+        self.phase == EpisodePhase::Truncated
     }
 
     /// Returns why the episode was lost, if it was.
     pub fn lost(&self) -> Option<&str> {
         match &self.phase {
-            Phase::Lost(why) => Some(why),
+            EpisodePhase::Lost(why) => Some(why),
             _ => None,
         }
     }
@@ -266,46 +266,46 @@ impl Episode {
     /// The slot of an episode that is ready.
     fn slot(&self) -> Result<u32> {
         match (&self.phase, self.place) {
-            (Phase::Ready, Some(place)) => Ok(place.slot),
+            (EpisodePhase::Ready, Some(place)) => Ok(place.slot),
             _ => Err(self.not_ready()),
         }
     }
 
     fn not_ready(&self) -> Error {
         match &self.phase {
-            Phase::Starting(_) | Phase::Stepping(_) => Error::Busy,
-            Phase::Lost(why) => Error::Lost {
+            EpisodePhase::Starting(_) | EpisodePhase::Stepping(_) => Error::Busy,
+            EpisodePhase::Lost(why) => Error::Lost {
                 what: format!("the episode of {}", self.spaces.building.name),
                 why: why.clone(),
             },
-            Phase::New | Phase::Ready | Phase::Truncated => Error::NotReset,
+            EpisodePhase::New | EpisodePhase::Ready | EpisodePhase::Truncated => Error::NotReset,
         }
     }
 
     pub(super) fn is_starting(&self) -> bool {
-        matches!(self.phase, Phase::Starting(_))
+        matches!(self.phase, EpisodePhase::Starting(_))
     }
 
     /// Reads the worker's report, if any. Returns whether the episode is idle.
     pub(super) fn settle(&mut self) -> bool {
-        let (true, Some(Place { slot, .. })) = (self.is_busy(), self.place) else { return true };
+        let (true, Some(SlotPlace { slot, .. })) = (self.is_busy(), self.place) else { return true };
         let region = self.workers.region();
         if !region.is_ready(slot) {
             return false;
         }
         let status = region.status(slot);
         if status == Status::Failed {
-            self.phase = Phase::Lost(String::from_utf8_lossy(&region.report(slot)).into_owned());
+            self.phase = EpisodePhase::Lost(String::from_utf8_lossy(&region.report(slot)).into_owned());
             return true;
         }
         region.read_observation(slot, &mut self.observation);
-        if matches!(self.phase, Phase::Starting(_)) {
+        if matches!(self.phase, EpisodePhase::Starting(_)) {
             self.workers.lock().adopt(slot);
         } else {
             region.read_action(slot, &mut self.action);
             (self.reward, self.terms) = from_numbers(region.step_numbers(slot));
         }
-        self.phase = Phase::Ready;
+        self.phase = EpisodePhase::Ready;
         if status == Status::Truncated {
             self.take_metrics(slot);
         }
@@ -321,8 +321,8 @@ impl Episode {
             self.report = text.and_then(|text| serde_json::from_slice(&text).ok());
         }
         match metrics {
-            Ok(metrics) => (self.metrics, self.phase) = (Some(metrics), Phase::Truncated),
-            Err(error) => self.phase = Phase::Lost(format!("its worker left no metrics: {error}")),
+            Ok(metrics) => (self.metrics, self.phase) = (Some(metrics), EpisodePhase::Truncated),
+            Err(error) => self.phase = EpisodePhase::Lost(format!("its worker left no metrics: {error}")),
         }
     }
 
@@ -330,12 +330,12 @@ impl Episode {
     pub(super) fn check_worker(&mut self) {
         let Some(place) = self.place.filter(|_| self.is_busy()) else { return };
         let mut pool = self.workers.lock();
-        if self.phase == Phase::Starting(None) && !pool.waits_for_template(place) {
-            self.phase = Phase::Starting(Some(TimeLimit::new(self.workers.step_time_limit())));
+        if self.phase == EpisodePhase::Starting(None) && !pool.waits_for_template(place) {
+            self.phase = EpisodePhase::Starting(Some(TimeLimit::new(self.workers.step_time_limit())));
         }
         let is_late = match &mut self.phase {
-            Phase::Starting(limit) => limit.as_mut().is_some_and(TimeLimit::is_exceeded),
-            Phase::Stepping(limit) => limit.is_exceeded(),
+            EpisodePhase::Starting(limit) => limit.as_mut().is_some_and(TimeLimit::is_exceeded),
+            EpisodePhase::Stepping(limit) => limit.is_exceeded(),
             _ => return,
         };
         let gone = pool.failure(place.slot, is_late);
@@ -348,10 +348,10 @@ impl Episode {
             {
                 self.failed_starts += 1;
                 if let Err(error) = self.ask_for_copy() {
-                    self.phase = Phase::Lost(error.to_string());
+                    self.phase = EpisodePhase::Lost(error.to_string());
                 }
             }
-            Some(why) => self.phase = Phase::Lost(why),
+            Some(why) => self.phase = EpisodePhase::Lost(why),
         }
     }
 

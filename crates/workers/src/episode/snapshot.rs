@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use b2b_env::{Error, Result};
 
-use super::{Episode, Phase};
+use super::{Episode, EpisodePhase};
 
 /// A point in an episode, kept as a process that ends on drop.
 #[derive(Debug)]
@@ -54,7 +54,7 @@ impl Episode {
             spaces: Arc::clone(&self.spaces),
             options: self.options,
             place: Some(place),
-            phase: Phase::Ready,
+            phase: EpisodePhase::Ready,
             failed_starts: 0,
             observation: self.observation.clone(),
             action: self.action.clone(),

@@ -22,10 +22,10 @@ use tempfile::TempDir;
 
 use self::slots::Slots;
 pub(super) use self::template::TemplateId;
-use self::template::{Phase, Request, Template};
+use self::template::{Request, Template, TemplatePhase};
 use super::episode::episode_options::EpisodeOptions;
 use super::region::{COPIES, Command, LOOK, Region, Status};
-use super::setting::Setting;
+use super::setting::EpisodeSetting;
 use super::time_limit::TimeLimit;
 use super::workers::worker_options::WorkerOptions;
 use b2b_env::{Error, Result};
@@ -45,7 +45,7 @@ pub(super) struct Pool {
     /// Episodes in progress.
     episodes: u32,
     /// Prepared buildings, for other templates.
-    prepared: VecDeque<(Setting, Arc<PreparedBuilding>)>,
+    prepared: VecDeque<(EpisodeSetting, Arc<PreparedBuilding>)>,
     clock: u64,
     /// When to check the busy workers next.
     look: Instant,
@@ -57,7 +57,7 @@ pub(super) struct Pool {
 
 /// An episode's place in a pool.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SlotPlace {
     pub(super) slot: u32,
     pub(super) template: TemplateId,
 }
@@ -86,9 +86,9 @@ impl Pool {
 
     /// Requests that an episode begin at the end of its template's warm-up, and returns without waiting. The slot is
     /// ready once the episode has begun.
-    pub(super) fn start(&mut self, setting: &Setting, options: EpisodeOptions) -> Result<Place> {
+    pub(super) fn start(&mut self, setting: &EpisodeSetting, options: EpisodeOptions) -> Result<SlotPlace> {
         let mut template = self.template_of(setting)?;
-        if self.template_mut(template)?.phase == Phase::Failed {
+        if self.template_mut(template)?.phase == TemplatePhase::Failed {
             self.drop_template(template);
             template = self.template_of(setting)?;
         }
@@ -96,7 +96,7 @@ impl Pool {
         let entry = self.template_mut(template)?;
         entry.users += 1;
         entry.waiting.push_back(Request { slot, failures: 0 });
-        Ok(Place { slot, template })
+        Ok(SlotPlace { slot, template })
     }
 
     /// Advances all waits for templates and all preparations.
@@ -132,18 +132,18 @@ impl Pool {
         let Some(slot) = template.process.as_ref().map(|process| process.slot) else { return };
         let (ended, ready) = (self.slots.has_ended(slot), self.region.is_ready(slot));
         let is_late = match &mut template.phase {
-            Phase::Preparing(limit) | Phase::Copying(limit) => limit.is_exceeded(),
-            Phase::Queued | Phase::Idle | Phase::Failed => false,
+            TemplatePhase::Preparing(limit) | TemplatePhase::Copying(limit) => limit.is_exceeded(),
+            TemplatePhase::Queued | TemplatePhase::Idle | TemplatePhase::Failed => false,
         };
         match template.phase {
-            Phase::Preparing(_) => return self.advance_preparation(id, ready, ended, is_late),
-            Phase::Copying(_) if ready => {
+            TemplatePhase::Preparing(_) => return self.advance_preparation(id, ready, ended, is_late),
+            TemplatePhase::Copying(_) if ready => {
                 template.copying.clear();
-                template.phase = Phase::Idle;
+                template.phase = TemplatePhase::Idle;
             }
-            Phase::Copying(_) if !ended && !is_late => return,
-            Phase::Copying(_) => return self.replace(id),
-            Phase::Queued | Phase::Idle | Phase::Failed => {}
+            TemplatePhase::Copying(_) if !ended && !is_late => return,
+            TemplatePhase::Copying(_) => return self.replace(id),
+            TemplatePhase::Queued | TemplatePhase::Idle | TemplatePhase::Failed => {}
         }
         match template.waiting.is_empty() {
             true => {}
@@ -159,14 +159,14 @@ impl Pool {
         let Some(source) = template.process.as_ref().map(|process| process.slot) else { return };
         let count = template.waiting.len().min(COPIES);
         template.copying = template.waiting.drain(..count).collect();
-        template.phase = Phase::Copying(limit);
+        template.phase = TemplatePhase::Copying(limit);
         let slots: Vec<u32> = template.copying.iter().map(|request| request.slot).collect();
         self.region.list_copies(source, &slots);
         self.region.command(source, Command::Copy);
     }
 
     /// Copies the worker in a slot, which must be ready.
-    pub(super) fn branch(&mut self, of: Place, count: usize) -> Result<Vec<Place>> {
+    pub(super) fn branch(&mut self, of: SlotPlace, count: usize) -> Result<Vec<SlotPlace>> {
         let mut places = Vec::with_capacity(count);
         let outcome = self.try_branch(of, count, &mut places);
         match outcome {
@@ -178,7 +178,7 @@ impl Pool {
         }
     }
 
-    fn try_branch(&mut self, of: Place, count: usize, places: &mut Vec<Place>) -> Result<()> {
+    fn try_branch(&mut self, of: SlotPlace, count: usize, places: &mut Vec<SlotPlace>) -> Result<()> {
         while places.len() < count {
             let first = places.len();
             for _ in first..count.min(first + COPIES) {
@@ -187,7 +187,7 @@ impl Pool {
                 if let Some(template) = self.templates.get_mut(&of.template) {
                     template.users += 1;
                 }
-                places.push(Place { slot, template: of.template });
+                places.push(SlotPlace { slot, template: of.template });
             }
             let slots: Vec<u32> = places[first..].iter().map(|place| place.slot).collect();
             self.region.list_copies(of.slot, &slots);
@@ -234,7 +234,7 @@ impl Pool {
     }
 
     /// Returns whether an episode waits for its template, rather than for an existing copy.
-    pub(super) fn waits_for_template(&self, place: Place) -> bool {
+    pub(super) fn waits_for_template(&self, place: SlotPlace) -> bool {
         let template = self.templates.get(&place.template);
         let mut requests =
             template.iter().flat_map(|template| template.waiting.iter().chain(&template.copying));
@@ -284,7 +284,7 @@ impl Pool {
     ///
     /// # Errors
     /// Same as [`Pool::template_of`].
-    pub(super) fn reserve(&mut self, setting: &Setting) -> Result<TemplateId> {
+    pub(super) fn reserve(&mut self, setting: &EpisodeSetting) -> Result<TemplateId> {
         let id = self.template_of(setting)?;
         self.template_mut(id)?.users += 1;
         Ok(id)
@@ -294,7 +294,7 @@ impl Pool {
     pub(super) fn cancel(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         template.users = template.users.saturating_sub(1);
-        if template.users == 0 && template.phase == Phase::Queued {
+        if template.users == 0 && template.phase == TemplatePhase::Queued {
             self.drop_template(id);
         }
     }
@@ -305,7 +305,7 @@ impl Pool {
     }
 
     /// Ends a worker, or the wait for one.
-    pub(super) fn release(&mut self, place: Place) {
+    pub(super) fn release(&mut self, place: SlotPlace) {
         if let Some(template) = self.templates.get_mut(&place.template) {
             template.users = template.users.saturating_sub(1);
             template.waiting.retain(|request| request.slot != place.slot);
@@ -324,7 +324,7 @@ impl Pool {
     /// The processes of the templates that are not ready yet.
     pub(super) fn preparing_processes(&self) -> Vec<u32> {
         let preparing =
-            self.templates.values().filter(|template| matches!(template.phase, Phase::Preparing(_)));
+            self.templates.values().filter(|template| matches!(template.phase, TemplatePhase::Preparing(_)));
         preparing.filter_map(Template::process_id).collect()
     }
 

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use b2b_building::PreparedBuilding;
 
-use super::template::{Phase, Request, Template, TemplateId, TemplateProcess};
+use super::template::{Request, Template, TemplateId, TemplatePhase, TemplateProcess};
 use super::{FAILURES, Pool, lost, unavailable};
 use crate::episode::episode_options::EpisodeOptions;
 use crate::order::{EpisodeOrder, Order};
 use crate::region::Status;
-use crate::setting::{Setting, Source};
+use crate::setting::{EpisodeSetting, Source};
 use crate::time_limit::TimeLimit;
 use b2b_env::Spaces;
 use b2b_env::{Error, Result};
@@ -25,7 +25,7 @@ impl Pool {
     ///
     /// # Errors
     /// The errors of [`EpisodeConfig::check`](b2b_env::EpisodeConfig::check).
-    pub(crate) fn template_of(&mut self, setting: &Setting) -> Result<TemplateId> {
+    pub(crate) fn template_of(&mut self, setting: &EpisodeSetting) -> Result<TemplateId> {
         self.clock += 1;
         let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
         if let Some((id, template)) = found {
@@ -66,11 +66,12 @@ impl Pool {
     /// Starts preparations up to the concurrency limit: first for waiting episodes, then in the order of requests.
     pub(super) fn start_queued(&mut self) {
         loop {
-            let preparing = |template: &&Template| matches!(template.phase, Phase::Preparing(_));
+            let preparing = |template: &&Template| matches!(template.phase, TemplatePhase::Preparing(_));
             if self.templates.values().filter(preparing).count() >= self.options.preparations.max(1) {
                 return;
             }
-            let queued = self.templates.iter().filter(|(_, template)| template.phase == Phase::Queued);
+            let queued =
+                self.templates.iter().filter(|(_, template)| template.phase == TemplatePhase::Queued);
             let urgent = |template: &Template| template.is_urgent || !template.waiting.is_empty();
             let Some(id) = queued.min_by_key(|(id, template)| (!urgent(template), **id)).map(|(id, _)| *id)
             else {
@@ -88,7 +89,7 @@ impl Pool {
         let limit = TimeLimit::new(self.options.preparation_time_limit);
         let template = self.template_mut(id)?;
         template.process = Some(process);
-        template.phase = Phase::Preparing(limit);
+        template.phase = TemplatePhase::Preparing(limit);
         template.attempts += 1;
         Ok(())
     }
@@ -137,7 +138,7 @@ impl Pool {
         template.process.iter().for_each(TemplateProcess::remove_files);
         template.memory = resident_memory(child).unwrap_or(0);
         template.spaces = Some(spaces);
-        template.phase = Phase::Idle;
+        template.phase = TemplatePhase::Idle;
         self.prepared.retain(|(known, _)| !known.shares_preparation_with(&setting));
         self.prepared.push_back((setting, building));
         if self.prepared.len() > PREPARED {
@@ -178,7 +179,7 @@ impl Pool {
     /// Queues a template for a new process.
     fn restart(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
-        template.phase = Phase::Queued;
+        template.phase = TemplatePhase::Queued;
         template.is_urgent = true;
         if let Some(process) = template.process.take() {
             self.end_process(process);
@@ -192,14 +193,14 @@ impl Pool {
         for Request { slot, .. } in template.waiting.drain(..) {
             self.region.fail(slot, &error.to_string());
         }
-        template.phase = Phase::Failed;
+        template.phase = TemplatePhase::Failed;
         template.failure = Some(error);
         if let Some(process) = template.process.take() {
             self.end_process(process);
         }
     }
 
-    fn start_process(&mut self, setting: &Setting) -> Result<TemplateProcess> {
+    fn start_process(&mut self, setting: &EpisodeSetting) -> Result<TemplateProcess> {
         let known = self.prepared.iter().find(|(known, _)| known.shares_preparation_with(setting));
         let source = match known {
             Some((_, building)) => Source::Prepared(Box::new(PreparedBuilding::clone(building))),

@@ -25,7 +25,7 @@ const LAST_WORDS: usize = 2000;
 
 /// The process of a slot.
 #[derive(Debug)]
-enum Process {
+enum SlotProcess {
     /// Not attached yet, or its handle could not be opened yet.
     Expected,
     /// Attached, by its handle.
@@ -40,7 +40,7 @@ pub(crate) struct Slots {
     region: Arc<Region>,
     /// Folder of the workers' log files.
     folder: PathBuf,
-    processes: Vec<Option<Process>>,
+    processes: Vec<Option<SlotProcess>>,
     free: Vec<u32>,
     /// Slots whose processes were killed and may not have ended yet.
     dying: Vec<u32>,
@@ -59,7 +59,7 @@ impl Slots {
             Some(slot) => slot,
             None => self.another()?,
         };
-        self.processes[slot as usize] = Some(Process::Expected);
+        self.processes[slot as usize] = Some(SlotProcess::Expected);
         self.region.init(slot, options);
         Ok(slot)
     }
@@ -114,10 +114,10 @@ impl Slots {
     /// many open files, the process stays expected, and the next call tries again.
     pub(crate) fn adopt(&mut self, slot: u32) {
         let Some(process) = Pid::from_raw(self.region.process(slot) as i32) else { return };
-        if let Some(entry @ Process::Expected) = &mut self.processes[slot as usize] {
+        if let Some(entry @ SlotProcess::Expected) = &mut self.processes[slot as usize] {
             match rustix::process::pidfd_open(process, PidfdFlags::empty()) {
-                Ok(handle) => *entry = Process::Attached(handle),
-                Err(Errno::SRCH) => *entry = Process::Ended,
+                Ok(handle) => *entry = SlotProcess::Attached(handle),
+                Err(Errno::SRCH) => *entry = SlotProcess::Ended,
                 Err(_) => {}
             }
         }
@@ -128,7 +128,7 @@ impl Slots {
         let pid =
             Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without a number"))?;
         let handle = rustix::process::pidfd_open(pid, PidfdFlags::empty())?;
-        self.processes[slot as usize] = Some(Process::Attached(handle));
+        self.processes[slot as usize] = Some(SlotProcess::Attached(handle));
         Ok(())
     }
 
@@ -136,9 +136,9 @@ impl Slots {
     pub(crate) fn has_ended(&mut self, slot: u32) -> bool {
         self.adopt(slot);
         match &self.processes[slot as usize] {
-            None | Some(Process::Ended) => true,
-            Some(Process::Expected) => false,
-            Some(Process::Attached(handle)) => {
+            None | Some(SlotProcess::Ended) => true,
+            Some(SlotProcess::Expected) => false,
+            Some(SlotProcess::Attached(handle)) => {
                 let mut ends = [PollFd::new(handle, PollFlags::IN)];
                 rustix::event::poll(&mut ends, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
             }
@@ -148,7 +148,7 @@ impl Slots {
     /// Kills the process in a slot, if there is one.
     pub(crate) fn kill(&mut self, slot: u32) {
         self.adopt(slot);
-        if let Some(Process::Attached(handle)) = &self.processes[slot as usize] {
+        if let Some(SlotProcess::Attached(handle)) = &self.processes[slot as usize] {
             // It may have ended already.
             let _ = rustix::process::pidfd_send_signal(handle, Signal::KILL);
         }
@@ -201,7 +201,7 @@ impl Slots {
         others.iter().for_each(|slot| self.kill(*slot));
         let deadline = Instant::now() + Duration::from_secs(5);
         for slot in others {
-            let used = matches!(self.processes[slot as usize], Some(Process::Attached(_)));
+            let used = matches!(self.processes[slot as usize], Some(SlotProcess::Attached(_)));
             while used && !self.has_ended(slot) && Instant::now() < deadline {
                 std::thread::sleep(Duration::from_micros(200));
             }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Child;
 use std::sync::Arc;
 
-use crate::setting::Setting;
+use crate::setting::EpisodeSetting;
 use crate::time_limit::TimeLimit;
 use b2b_env::Error;
 use b2b_env::Spaces;
@@ -16,10 +16,10 @@ pub(crate) struct TemplateId(pub(super) u64);
 
 /// A building at the end of its warm-up, or before.
 pub(super) struct Template {
-    pub(super) setting: Setting,
+    pub(super) setting: EpisodeSetting,
     /// `None` until its preparation starts, and once it has failed.
     pub(super) process: Option<TemplateProcess>,
-    pub(super) phase: Phase,
+    pub(super) phase: TemplatePhase,
     /// Why it cannot be prepared, until read.
     pub(super) failure: Option<Error>,
     pub(super) spaces: Option<Arc<Spaces>>,
@@ -48,7 +48,7 @@ pub(super) struct TemplateProcess {
 
 /// The phase of a template's process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(super) enum TemplatePhase {
     /// Waits for its turn to be prepared.
     Queued,
     /// Sizing and warm-up, within a limit.
@@ -71,11 +71,11 @@ pub(super) struct Request {
 
 impl Template {
     /// Creates a queued template.
-    pub(super) fn new(setting: Setting, used: u64) -> Self {
+    pub(super) fn new(setting: EpisodeSetting, used: u64) -> Self {
         Self {
             setting,
             process: None,
-            phase: Phase::Queued,
+            phase: TemplatePhase::Queued,
             failure: None,
             spaces: None,
             attempts: 0,
@@ -90,17 +90,19 @@ impl Template {
 
     /// Returns whether it may be ended to make room.
     pub(super) fn is_idle(&self) -> bool {
-        matches!(self.phase, Phase::Idle | Phase::Failed) && self.users == 0
+        matches!(self.phase, TemplatePhase::Idle | TemplatePhase::Failed) && self.users == 0
     }
 
     /// Returns whether it is queued or being prepared.
     pub(super) fn is_unprepared(&self) -> bool {
-        matches!(self.phase, Phase::Queued | Phase::Preparing(_))
+        matches!(self.phase, TemplatePhase::Queued | TemplatePhase::Preparing(_))
     }
 
     /// Returns whether there is something to do once its process reports or ends.
     pub(super) fn is_underway(&self) -> bool {
-        matches!(self.phase, Phase::Preparing(_)) || !self.waiting.is_empty() || !self.copying.is_empty()
+        matches!(self.phase, TemplatePhase::Preparing(_))
+            || !self.waiting.is_empty()
+            || !self.copying.is_empty()
     }
 
     /// Its process and the process's worker slot.

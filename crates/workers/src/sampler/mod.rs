@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::setting::Setting;
+use super::setting::EpisodeSetting;
 use b2b_env::Task;
 use b2b_env::{Error, Result};
 
@@ -15,7 +15,7 @@ use b2b_env::{Error, Result};
 #[derive(Clone, Debug)]
 pub struct Draw {
     /// Building, weather, days and task.
-    pub setting: Setting,
+    pub setting: EpisodeSetting,
     /// Steps after which the episode is truncated; the whole run period if `None`.
     pub steps: Option<usize>,
 }
@@ -53,7 +53,7 @@ impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
 /// Settings assigned to the environments in turn, the same in every episode. Settings beyond the number of environments
 /// are not drawn: see [`Rotating`].
 #[derive(Clone, Debug)]
-pub struct Fixed(pub Vec<Setting>);
+pub struct Fixed(pub Vec<EpisodeSetting>);
 
 impl Sampler for Fixed {
     fn draw(&mut self, environment: usize, _: &mut ChaCha8Rng) -> Result<Draw> {
@@ -66,7 +66,7 @@ impl Sampler for Fixed {
 /// environment cycles through several of them, one per episode.
 #[derive(Clone, Debug)]
 pub struct Rotating {
-    settings: Vec<Setting>,
+    settings: Vec<EpisodeSetting>,
     environments: usize,
     /// Number of episodes of each environment so far.
     episodes: Vec<usize>,
@@ -74,7 +74,7 @@ pub struct Rotating {
 
 impl Rotating {
     /// Returns the settings for a number of environments.
-    pub fn new(settings: Vec<Setting>, environments: usize) -> Self {
+    pub fn new(settings: Vec<EpisodeSetting>, environments: usize) -> Self {
         Self { settings, environments, episodes: vec![0; environments] }
     }
 }
@@ -98,7 +98,7 @@ impl Sampler for Rotating {
 
 /// Settings that are drawn with equal probability.
 #[derive(Clone, Debug)]
-pub struct AnyOf(pub Vec<Setting>);
+pub struct AnyOf(pub Vec<EpisodeSetting>);
 
 impl Sampler for AnyOf {
     fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {

@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Draw, Sampler};
-use crate::setting::{Setting, Source};
+use crate::setting::{EpisodeSetting, Source};
 use b2b_env::EpisodeConfig;
 use b2b_env::Task;
 use b2b_env::{Error, Result};
@@ -82,14 +82,14 @@ impl Buildings {
     ///
     /// # Errors
     /// The errors of [`Catalog::generate`].
-    pub fn setting(&self, name: String, building: &Building) -> Result<Setting> {
+    pub fn setting(&self, name: String, building: &Building) -> Result<EpisodeSetting> {
         let (model, weather) = self.catalog.generate(building, &mut Quiet).map_err(Error::building)?;
         let name = name + self.control.suffix();
         let source = Source::generated(name, building.class(), model, weather.clone()).under(self.control);
         let (steps_per_hour, task) = (self.steps_per_hour, self.task.clone());
         let period = self.period.in_weather(&weather).map_err(Error::building)?;
         let episode = EpisodeConfig { weather, period, steps_per_hour, task };
-        Ok(Setting { source: Arc::new(source), episode })
+        Ok(EpisodeSetting { source: Arc::new(source), episode })
     }
 }
 

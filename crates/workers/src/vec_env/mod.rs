@@ -14,7 +14,7 @@ use self::statistics::Statistics;
 use super::episode::Episode;
 use super::form::{Arrangement, EpisodeForm, Form, Padded};
 use super::sampler::{Draw, Sampler};
-use super::setting::Setting;
+use super::setting::EpisodeSetting;
 use super::workers::worker_options::WorkerOptions;
 use super::workers::{Reservation, Workers};
 use b2b_env::Metrics;
@@ -172,7 +172,7 @@ impl VecEnv {
     ///
     /// # Errors
     /// [`Error::Template`] for a building that cannot become an environment; [`Error::Pool`]; [`Error::Interrupted`].
-    pub fn prepare(&mut self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+    pub fn prepare(&mut self, settings: &[EpisodeSetting]) -> Result<Vec<Arc<Spaces>>> {
         self.workers.prepare_all(settings)
     }
 

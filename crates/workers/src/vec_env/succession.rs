@@ -8,7 +8,7 @@ use crate::batch::rest;
 use crate::episode::Episode;
 use crate::episode::episode_options::EpisodeOptions;
 use crate::form::{Arrangement, Padded};
-use crate::setting::Setting;
+use crate::setting::EpisodeSetting;
 use b2b_env::Spaces;
 use b2b_env::{Environment, Error, Result};
 
@@ -27,7 +27,7 @@ impl VecEnv {
     /// Sets the widths to the largest of the next episodes.
     pub(super) fn measure(&mut self) -> Result<()> {
         let next = self.environments.iter().filter_map(|one| one.next.as_ref());
-        let settings: Vec<Setting> = next.map(|next| next.draw.setting.clone()).collect();
+        let settings: Vec<EpisodeSetting> = next.map(|next| next.draw.setting.clone()).collect();
         let all = self.workers.prepare_all(&settings)?;
         let form = Padded::fitting(&all, Arrangement::InOrder);
         self.widths = form.widths;

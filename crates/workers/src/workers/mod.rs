@@ -14,7 +14,7 @@ use self::worker_options::WorkerOptions;
 use super::fragment::SharedMemory;
 use super::pool::{Pool, TemplateId};
 use super::region::{LOOK, Region};
-use super::setting::Setting;
+use super::setting::EpisodeSetting;
 use b2b_env::Spaces;
 use b2b_env::{Error, Result};
 
@@ -72,7 +72,7 @@ impl Workers {
     /// # Errors
     /// [`Error::Template`] with the reason when the building cannot be prepared; [`Error::Lost`] when its preparation
     /// died or hung twice; [`Error::Pool`]; [`Error::Interrupted`].
-    pub fn prepare(&self, setting: &Setting) -> Result<Arc<Spaces>> {
+    pub fn prepare(&self, setting: &EpisodeSetting) -> Result<Arc<Spaces>> {
         loop {
             let done = self.region().done();
             if let Some(spaces) = self.try_prepare(setting)? {
@@ -87,7 +87,7 @@ impl Workers {
     ///
     /// # Errors
     /// Same as [`Workers::prepare`].
-    pub fn prepare_all(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+    pub fn prepare_all(&self, settings: &[EpisodeSetting]) -> Result<Vec<Arc<Spaces>>> {
         for setting in settings {
             self.start_preparing(setting)?;
         }
@@ -95,19 +95,19 @@ impl Workers {
     }
 
     /// Starts to prepare a setting if necessary, without waiting.
-    pub(super) fn start_preparing(&self, setting: &Setting) -> Result<()> {
+    pub(super) fn start_preparing(&self, setting: &EpisodeSetting) -> Result<()> {
         self.lock().template_of(setting).map(|_| ())
     }
 
     /// Returns the spaces of a prepared setting; otherwise starts to prepare it. Does not wait.
-    pub(super) fn try_prepare(&self, setting: &Setting) -> Result<Option<Arc<Spaces>>> {
+    pub(super) fn try_prepare(&self, setting: &EpisodeSetting) -> Result<Option<Arc<Spaces>>> {
         let mut pool = self.lock();
         let template = pool.template_of(setting)?;
         pool.spaces_of(template)
     }
 
     /// Starts to prepare a setting and keeps its template for a future episode. Does not wait.
-    pub(super) fn reserve(&self, setting: &Setting) -> Result<Reservation> {
+    pub(super) fn reserve(&self, setting: &EpisodeSetting) -> Result<Reservation> {
         let template = self.lock().reserve(setting)?;
         Ok(Reservation { workers: self.clone(), template })
     }
@@ -116,11 +116,11 @@ impl Workers {
     ///
     /// # Errors
     /// Same as [`Workers::prepare`].
-    pub fn spaces(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+    pub fn spaces(&self, settings: &[EpisodeSetting]) -> Result<Vec<Arc<Spaces>>> {
         let library = self.lock().options.library.clone();
         let library = Library::load(&library)?;
         let mut cached = Vec::with_capacity(settings.len());
-        for Setting { source, episode } in settings {
+        for EpisodeSetting { source, episode } in settings {
             episode.check()?;
             let building = source.cached(&library);
             cached.push(building.map(|building| Arc::new(Spaces::new(Arc::new(building), episode.clone()))));

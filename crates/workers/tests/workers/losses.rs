@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_env::{Environment, Error};
-use b2b_workers::{Autoreset, Draw, Fixed, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers};
+use b2b_workers::{
+    Autoreset, Draw, EpisodeSetting, Fixed, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+};
 use rand_chacha::ChaCha8Rng;
 use rustix::process::Signal;
 
@@ -76,7 +78,7 @@ fn the_next_draw_survives_a_lost_episode() {
 #[test]
 fn an_episode_keeps_its_end_if_the_next_is_lost_within_the_same_step() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
-    let shed = Setting::new(shed(&case), setting(&case, DAY).episode);
+    let shed = EpisodeSetting::new(shed(&case), setting(&case, DAY).episode);
     let mut settings = vec![setting(&case, DAY)].into_iter();
     let sampler = move |_: usize, _: &mut ChaCha8Rng| {
         Ok(Draw { setting: settings.next().unwrap_or_else(|| shed.clone()), steps: None })
@@ -100,7 +102,7 @@ fn a_stopped_engine_reports_the_reason() {
     // A heating setpoint above the cooling setpoint ends the engine's run.
     let text = serde_json::to_string(&*case.building).unwrap().replace("\"high\":30.0", "\"high\":95.0");
     let building: PreparedBuilding = serde_json::from_str(&text).unwrap();
-    let setting = Setting::new(Source::Prepared(building.into()), setting(&case, DAY).episode);
+    let setting = EpisodeSetting::new(Source::Prepared(building.into()), setting(&case, DAY).episode);
     let workers = Workers::new(options(&case)).unwrap();
     let mut episode = started(&workers, &setting);
     let highest = episode.spaces().action.high().to_vec();

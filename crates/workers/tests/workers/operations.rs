@@ -13,7 +13,7 @@ use std::path::Path;
 
 use b2b_building::BuildingType;
 use b2b_env::Error;
-use b2b_workers::{Episode, Setting, Snapshot, Workers, recv};
+use b2b_workers::{Episode, EpisodeSetting, Snapshot, Workers, recv};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence, TestRunner};
 
@@ -95,7 +95,7 @@ struct Known {
 
 struct Trial<'a> {
     workers: Workers,
-    setting: &'a Setting,
+    setting: &'a EpisodeSetting,
     actions: [Vec<f64>; 2],
     outcomes: &'a Outcomes,
     episodes: Vec<Known>,
@@ -106,7 +106,7 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(workers: Workers, setting: &'a Setting, outcomes: &'a Outcomes) -> Self {
+    fn new(workers: Workers, setting: &'a EpisodeSetting, outcomes: &'a Outcomes) -> Self {
         let space = workers.prepare(setting).unwrap().action.clone();
         let mut trial = Self {
             workers,

@@ -6,7 +6,7 @@ use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, Catalog, Control, Split};
 use b2b_env::Task;
 use b2b_workers::{
-    Autoreset, Buildings, Draw, Kept, Launcher, Population, Sampler, Setting, VecEnv, VecEnvOptions,
+    Autoreset, Buildings, Draw, EpisodeSetting, Kept, Launcher, Population, Sampler, VecEnv, VecEnvOptions,
     Weighted, Windows, WithTask, WorkerOptions, Workers,
 };
 use rand::SeedableRng;
@@ -36,7 +36,7 @@ fn houses(catalog: &Arc<Catalog>, population: Population) -> Buildings {
     }
 }
 
-fn settings(catalog: &Arc<Catalog>, numbers: std::ops::Range<u32>) -> Vec<Setting> {
+fn settings(catalog: &Arc<Catalog>, numbers: std::ops::Range<u32>) -> Vec<EpisodeSetting> {
     let of = houses(catalog, Population::Ids(Vec::new()));
     let setting = |number: u32| {
         let id: BuildingId = format!("SingleFamilyHouse-{number}").parse().unwrap();

@@ -6,14 +6,21 @@ use b2b_building::BuildingType;
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{Environment, EpisodeConfig, Error, Task};
-use b2b_workers::{Autoreset, Episode, Launcher, Setting, Source, VecEnv, WorkerOptions, Workers, recv};
+use b2b_workers::{
+    Autoreset, Episode, EpisodeSetting, Launcher, Source, VecEnv, WorkerOptions, Workers, recv,
+};
 use rustix::process::Signal;
 
 use crate::case::Case;
 use crate::workers::{DAY, dice, kill, options, setting, shed, signal, started, steps, vec_env};
 
 /// Sends a signal to the template while it prepares, `times` times, and waits for the preparation.
-fn prepare_under_fire(workers: &Workers, setting: &Setting, sent: Signal, times: usize) -> Result<(), Error> {
+fn prepare_under_fire(
+    workers: &Workers,
+    setting: &EpisodeSetting,
+    sent: Signal,
+    times: usize,
+) -> Result<(), Error> {
     std::thread::scope(|scope| {
         let archer = scope.spawn(|| {
             let mut hit = Vec::new();
@@ -117,7 +124,7 @@ fn episodes_that_wait_for_a_killed_template_begin_from_the_next() {
 #[test]
 fn the_error_for_a_building_that_cannot_be_prepared_says_why() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
-    let setting = Setting::new(shed(&case), setting(&case, DAY).episode);
+    let setting = EpisodeSetting::new(shed(&case), setting(&case, DAY).episode);
     let workers = Workers::new(options(&case)).unwrap();
     let error = workers.episode(&setting).unwrap_err().to_string();
     assert!(error.contains("Shed") && error.contains("no controllable system"), "{error}");
@@ -165,7 +172,7 @@ fn a_building_keeps_the_sizes_for_its_own_weather_in_another() {
     let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
     let (weather, period) = (found.weather.clone(), DAY.parse().unwrap());
     let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task: Task::default() };
-    let own = Setting::new(Source::from(found), episode);
+    let own = EpisodeSetting::new(Source::from(found), episode);
     let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
     let mut other = own.clone();
     other.episode.weather =

@@ -5,7 +5,8 @@ use std::path::Path;
 use b2b_building::{Controls, Model};
 use b2b_env::{ActionSpace, Environment};
 use b2b_workers::{
-    Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+    Autoreset, Episode, EpisodeSetting, Fixed, Launcher, Source, VecEnv, VecEnvOptions, WorkerOptions,
+    Workers,
 };
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -17,9 +18,9 @@ pub fn options(case: &Case) -> WorkerOptions {
     WorkerOptions::new(Launcher::new(env!("CARGO_BIN_EXE_b2b-worker")), case.library.path())
 }
 
-pub fn setting(case: &Case, period: &str) -> Setting {
+pub fn setting(case: &Case, period: &str) -> EpisodeSetting {
     let source = Source::Prepared(Box::new((*case.building).clone()));
-    Setting::new(source, case.env(period).episode().clone())
+    EpisodeSetting::new(source, case.env(period).episode().clone())
 }
 
 /// A model without a controllable system, which cannot be prepared.
@@ -37,13 +38,13 @@ pub fn shed(case: &Case) -> Source {
     }
 }
 
-pub fn vec_env(case: &Case, settings: Vec<Setting>, autoreset: Autoreset) -> VecEnv {
+pub fn vec_env(case: &Case, settings: Vec<EpisodeSetting>, autoreset: Autoreset) -> VecEnv {
     let options = VecEnvOptions { workers: options(case), autoreset, widths: None };
     VecEnv::new(settings.len(), Box::new(Fixed(settings)), options).unwrap()
 }
 
 /// An episode after its reset.
-pub fn started(workers: &Workers, setting: &Setting) -> Episode {
+pub fn started(workers: &Workers, setting: &EpisodeSetting) -> Episode {
     let mut episode = workers.episode(setting).unwrap();
     episode.reset().unwrap();
     episode

@@ -20,7 +20,7 @@ use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
-use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row, sequences};
+use b2b_evaluate::{Episode, EpisodeResult, Evaluation, Outcome, Progress, sequences};
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
@@ -184,7 +184,7 @@ fn expected(result: &RunResult, stage: Stage) -> Option<Vec<Episode>> {
     Some(result.problem.episodes(stage, &seeds))
 }
 
-fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+fn episode_list(result: &RunResult, stages: &[(Stage, Vec<EpisodeResult>)]) -> CheckOutcome {
     let names: Vec<_> = stages.iter().map(|(stage, _)| *stage).collect();
     let mut wanted = vec![Stage::Test];
     wanted.extend((result.problem.protocol.train_sample > 0).then_some(Stage::Train));
@@ -213,7 +213,7 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
 }
 
 /// Checks the stated seeds and numbers of episodes of every stage.
-fn counts(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> std::result::Result<(), String> {
+fn counts(result: &RunResult, stages: &[(Stage, Vec<EpisodeResult>)]) -> std::result::Result<(), String> {
     let seeds = |policy: &PolicyDescription| policy.seeds(&result.problem.protocol.seeds);
     let seeds: BTreeMap<_, _> =
         result.policies.iter().map(|(stage, policy)| (stage.clone(), seeds(policy))).collect();
@@ -239,7 +239,7 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
     a == b || (a - b).abs() <= tolerance * a.abs().max(b.abs())
 }
 
-fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+fn measures(result: &RunResult, stages: &[(Stage, Vec<EpisodeResult>)]) -> CheckOutcome {
     match Measures::of(stages, result.problem.protocol.consecutive()) {
         Some(measures) if measures == result.measures => Ok("as the episodes give".into()),
         _ => Err("they differ from what the episodes give".into()),
@@ -252,8 +252,12 @@ fn wrapped<'a>(policy: &'a EntryPolicy, result: &'a RunResult, stage: Stage) -> 
 }
 
 /// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its memory.
-fn units(result: &RunResult, stages: &[(Stage, Vec<Row>)], policies: &Policies) -> Vec<(Stage, Vec<usize>)> {
-    let of_stage = |(stage, _): &(Stage, Vec<Row>)| {
+fn units(
+    result: &RunResult,
+    stages: &[(Stage, Vec<EpisodeResult>)],
+    policies: &Policies,
+) -> Vec<(Stage, Vec<usize>)> {
+    let of_stage = |(stage, _): &(Stage, Vec<EpisodeResult>)| {
         let episodes = expected(result, *stage).unwrap_or_default();
         let policy = wrapped(policies.get(&stage.to_string())?, result, *stage);
         let units = sequences(&episodes, &policy).into_iter();
@@ -265,7 +269,7 @@ fn units(result: &RunResult, stages: &[(Stage, Vec<Row>)], policies: &Policies) 
 /// Runs a sample again and compares hashes, metrics and baselines.
 fn run_again(
     result: &RunResult,
-    stages: &[(Stage, Vec<Row>)],
+    stages: &[(Stage, Vec<EpisodeResult>)],
     policies: &Policies,
     evaluation: &Evaluation<'_>,
     sample: Sample,
@@ -328,7 +332,7 @@ fn outcomes(
 }
 
 fn compare(
-    row: &Row,
+    row: &EpisodeResult,
     episode: &Episode,
     outcome: Outcome,
     accuracy: Accuracy,
@@ -371,7 +375,7 @@ fn compare(
 
 /// Runs the baseline of an episode again and compares it.
 fn compare_baseline(
-    row: &Row,
+    row: &EpisodeResult,
     episode: &Episode,
     site: &SiteInfo,
     evaluation: &Evaluation<'_>,

@@ -11,13 +11,13 @@ use crate::problem::Stage;
 use b2b_evaluate::task_for;
 use b2b_evaluate::{Baseline, Scores};
 use b2b_evaluate::{Baselines, Key};
-use b2b_evaluate::{Episode, EpisodeInfo, Row, Scored};
+use b2b_evaluate::{Episode, EpisodeInfo, EpisodeResult, Scored};
 
 /// Length of a trajectory hash: a SHA-256 in hexadecimal.
 const HASH_DIGITS: usize = 64;
 
 /// Returns whether a row belongs to an episode. Task hashes are not compared: they include the building's energy scale.
-pub(super) fn is_of(row: &Row, episode: &Episode) -> bool {
+pub(super) fn is_of(row: &EpisodeResult, episode: &Episode) -> bool {
     let EpisodeInfo { building, building_type, split, task, period, seed, steps_per_hour, .. } = &row.info;
     let Episode { subject, .. } = episode;
     *building == subject.name.to_string()
@@ -32,7 +32,7 @@ pub(super) fn is_of(row: &Row, episode: &Episode) -> bool {
 }
 
 /// Returns whether a row has the place of its building, and the climate zone where the dataset lists it.
-fn is_at(row: &Row, episode: &Episode) -> bool {
+fn is_at(row: &EpisodeResult, episode: &Episode) -> bool {
     let BuildingName::Id(id) = episode.subject.name else { return true };
     let building = &b2b_dataset::row(id).building;
     row.info.place == building.place()
@@ -40,14 +40,14 @@ fn is_at(row: &Row, episode: &Episode) -> bool {
 }
 
 /// Checks the sums and scores of every row.
-pub(super) fn scores(stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+pub(super) fn scores(stages: &[(Stage, Vec<EpisodeResult>)]) -> CheckOutcome {
     for (stage, row) in stages.iter().flat_map(|(stage, rows)| rows.iter().map(move |row| (stage, row))) {
         score(row).map_err(|why| format!("{stage}: {}: {why}", row.info))?;
     }
     Ok("returns are the sums of their penalties, and scores are the ratios of returns".into())
 }
 
-fn score(row: &Row) -> Result<(), String> {
+fn score(row: &EpisodeResult) -> Result<(), String> {
     let scored = row.outcome.as_ref().map_err(|lost| format!("it was lost: {lost}"))?;
     let EpisodeMetrics { episode_return, temperature_penalty, energy_penalty, steps, .. } = scored.metrics;
     let sum = -temperature_penalty - energy_penalty;
@@ -76,7 +76,11 @@ fn score(row: &Row) -> Result<(), String> {
 
 /// Checks the baseline of every row: rows that share a baseline agree, and each agrees with `known` where it has an
 /// entry. Known baselines may come from a machine that rounds differently.
-pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known: &Baselines) -> CheckOutcome {
+pub(super) fn baselines(
+    result: &RunResult,
+    stages: &[(Stage, Vec<EpisodeResult>)],
+    known: &Baselines,
+) -> CheckOutcome {
     let mut first: HashMap<(Key, String), Baseline> = HashMap::new();
     let (mut rows_checked, mut rows_known) = (0, 0);
     for (stage, rows) in stages {

@@ -6,15 +6,11 @@ use b2b_base::digest::sha256;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
+use b2b_evaluate::problem::{Attributes, Fallback, Memory, Problem, RestrictedAction, Side};
+use b2b_evaluate::{EpisodeContext, Policy, PolicyForm, PolicyInterface, controller_parameters};
 use serde_json::Value;
 
-use super::definition::Problem;
-use super::protocol::{Attributes, Memory};
-use super::restriction::{Fallback, RestrictedAction};
-use super::side::Side;
-use crate::{Error, Result};
-use b2b_evaluate::controller_parameters;
-use b2b_evaluate::{EpisodeContext, Form, Interface, Policy};
+use crate::Result;
 use previous_step::PreviousStep;
 
 /// A policy behind the observation and action spaces of a problem's side: observations have the problem's form (or the
@@ -33,17 +29,17 @@ struct Access {
     /// Attributes that follow the observation.
     attributes: Vec<f64>,
     previous: PreviousStep,
-    form: Form,
+    form: PolicyForm,
     action: ActionSpace,
 }
 
 impl Access {
     /// Returns what the policy observes and controls.
-    fn interface(&self, spaces: &Spaces) -> Interface {
+    fn interface(&self, spaces: &Spaces) -> PolicyInterface {
         let attributes = COMMON.iter().take(self.attributes.len()).map(|slot| attribute_name(slot.quantity));
         let names = self.form.names(spaces).into_iter().chain(attributes);
         let observation = names.chain(self.previous.names(&self.action)).collect();
-        Interface { observation, action: self.action.clone() }
+        PolicyInterface { observation, action: self.action.clone() }
     }
 }
 
@@ -76,19 +72,24 @@ impl<'a> WrappedPolicy<'a> {
         if let Some(building_type) = subject.name.building_type()
             && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
         {
-            return Err(Error::Problem { name: self.problem.name.clone(), why });
+            return Err(self.problem.error(why).into());
         }
         Ok(Access { restricted, attributes, previous, form, action })
     }
 
     /// Returns the form of the observations of a building, to which `attributes` values and the previous step are appended; this
     /// is empty for a policy that does not keep its memory, or whose width is a form's own.
-    fn form(&self, spaces: &Spaces, attributes: usize, action: &ActionSpace) -> Result<(Form, PreviousStep)> {
+    fn form(
+        &self,
+        spaces: &Spaces,
+        attributes: usize,
+        action: &ActionSpace,
+    ) -> Result<(PolicyForm, PreviousStep)> {
         let (slots, roles) = (spaces.observation.len(), RoleObservation::of(spaces));
         let role_width = roles.as_ref().map(|_| RoleObservation::WIDTH);
         let default = match roles.filter(|_| self.problem.protocol.observation.is_roles()) {
-            Some(roles) => Form::Roles(roles),
-            None => Form::Raw { padding: self.padding(slots)? },
+            Some(roles) => PolicyForm::Roles(roles),
+            None => PolicyForm::Raw { padding: self.padding(slots)? },
         };
         let width = self.policy.observation_width().and_then(|width| width.checked_sub(attributes));
         let forms = [Some(default.width(spaces)), Some(slots), role_width];
@@ -98,16 +99,14 @@ impl<'a> WrappedPolicy<'a> {
             false => PreviousStep::default(),
         };
         let width = width.and_then(|width| width.checked_sub(previous.len()));
-        Ok((Form::of_width(spaces, width, default), previous))
+        Ok((PolicyForm::of_width(spaces, width, default), previous))
     }
 
     /// Returns the number of zeros that pad an observation of `slots` values.
     fn padding(&self, slots: usize) -> Result<usize> {
         let Some(width) = self.problem.protocol.observation_width else { return Ok(0) };
-        width.checked_sub(slots).ok_or_else(|| Error::Problem {
-            name: self.problem.name.clone(),
-            why: format!("an observation has {slots} values, more than observation_width, {width}"),
-        })
+        let too_long = || format!("an observation has {slots} values, more than observation_width, {width}");
+        width.checked_sub(slots).ok_or_else(|| self.problem.error(too_long()).into())
     }
 }
 
@@ -164,7 +163,7 @@ impl Policy for WrappedPolicy<'_> {
                 "{} controls all actuators; it cannot run with some of them withheld",
                 self.policy.name()
             );
-            return Err(Error::Problem { name: self.problem.name.clone(), why }.into());
+            return Err(self.problem.error(why));
         }
         let inner = self.policy.controller(EpisodeContext {
             subject,
@@ -193,7 +192,7 @@ struct WrappedController {
     /// Whether the inner controller observes and controls the whole building; withheld actuators are overwritten.
     bypass: bool,
     restricted: Option<RestrictedAction>,
-    form: Form,
+    form: PolicyForm,
     /// Observation in its form, attributes and previous step.
     row: Vec<f64>,
     previous: PreviousStep,

@@ -19,7 +19,7 @@ use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::Spaces;
-use b2b_evaluate::Row;
+use b2b_evaluate::EpisodeResult;
 use serde_json::json;
 
 /// Two test houses and two to train on, of one to three zones, for one day.
@@ -288,7 +288,7 @@ fn an_adapted_policy_is_scored_before_and_after_adaptation() {
     assert_eq!(names, [Stage::Test, Stage::Train, Stage::Untrained, Stage::Adapted(2016)]);
     let mean = |stage: usize| {
         let rows = &stages[stage].1;
-        rows.iter().filter_map(Row::score).sum::<f64>() / rows.len() as f64
+        rows.iter().filter_map(EpisodeResult::score).sum::<f64>() / rows.len() as f64
     };
     let adaptation = result.measures.adaptation.unwrap();
     assert!((adaptation.jump_start.value - (mean(2) - mean(0))).abs() < 1e-9 * mean(2));

@@ -9,8 +9,8 @@ use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, RoleObservation, Trajectory};
 use b2b_evaluate::{
-    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Folder, OnnxPolicy, Policy,
-    Progress, Results, Row, Scored, Subject, write_episodes,
+    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, EpisodeResult, Evaluation, Folder, OnnxPolicy,
+    Policy, Progress, Results, Scored, Subject, write_episodes,
 };
 use b2b_workers::Launcher;
 use tempfile::TempDir;
@@ -71,7 +71,7 @@ fn episodes(buildings: &[&str], tasks: &[&str], period: &str) -> Vec<Episode> {
     episodes
 }
 
-fn scored(row: &Row) -> &Scored {
+fn scored(row: &EpisodeResult) -> &Scored {
     row.outcome.as_ref().unwrap()
 }
 

@@ -11,7 +11,7 @@ use b2b_benchmark::problem::Stage;
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
-use b2b_evaluate::{Evaluation, Row, Scored, write_stages};
+use b2b_evaluate::{EpisodeResult, Evaluation, Scored, write_stages};
 use b2b_workers::Launcher;
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -43,7 +43,7 @@ impl Judged {
     }
 
     /// Returns the failed checks of a copy with changed rows and a matching file hash, after rerunning a sample.
-    fn after(&self, change: impl Fn(&mut Vec<(Stage, Vec<Row>)>), rerun: usize) -> String {
+    fn after(&self, change: impl Fn(&mut Vec<(Stage, Vec<EpisodeResult>)>), rerun: usize) -> String {
         let copy = self.folder.path().join("copy");
         std::fs::create_dir_all(&copy).unwrap();
         let (_, mut stages) = read_result(&self.path()).unwrap();
@@ -121,7 +121,7 @@ fn what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is
     assert!(std::fs::read_to_string(page).unwrap().contains("(own program, unverified)"));
 }
 
-fn scored(row: &mut Row) -> &mut Scored {
+fn scored(row: &mut EpisodeResult) -> &mut Scored {
     row.outcome.as_mut().unwrap()
 }
 
@@ -138,14 +138,14 @@ fn a_tampered_result_fails_verification() {
     );
     let said = judged.after(|stages| stages[0].1[1].info.seed = 7, 0);
     assert!(said.contains("seed 1, found") && said.contains("seed 7"), "{said}");
-    let missing = |stages: &mut Vec<(Stage, Vec<Row>)>| drop(stages[0].1.pop());
+    let missing = |stages: &mut Vec<(Stage, Vec<EpisodeResult>)>| drop(stages[0].1.pop());
     let said = judged.after(missing, 0);
     assert!(said.contains("SingleFamilyHouse-0387, constant, 01-10..01-10, seed 1 is missing"), "{said}");
     let said = judged.after(|stages| drop(stages.pop()), 0);
     assert!(said.contains("stage train is missing"), "{said}");
 
     // A baseline that was lowered together with the score that follows from it.
-    let lower = |stages: &mut Vec<(Stage, Vec<Row>)>| {
+    let lower = |stages: &mut Vec<(Stage, Vec<EpisodeResult>)>| {
         let scored = scored(&mut stages[0].1[1]);
         let (episode_return, steps) = (scored.metrics.episode_return, scored.metrics.steps);
         let baseline = scored.baseline_return.unwrap() * 2.0;
@@ -163,7 +163,7 @@ fn a_tampered_result_fails_verification() {
     assert!(said.contains("episodes: test: expected"), "{said}");
 
     // A return that adds up, with score and measures made to fit, is found out by running it again.
-    let halve = |stages: &mut Vec<(Stage, Vec<Row>)>| {
+    let halve = |stages: &mut Vec<(Stage, Vec<EpisodeResult>)>| {
         for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
             let scored = scored(row);
             scored.metrics.episode_return /= 2.0;

@@ -12,7 +12,7 @@ mod terminal;
 use b2b_building::hvac;
 
 use super::modes::{Mode, ZoneGroup};
-use super::parameters::AirLoopParameters;
+use super::parameters::Guideline36AirLoopParameters;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
 use super::supervision::Shift;
@@ -66,7 +66,7 @@ struct Flow {
 impl AirLoop {
     pub(super) fn new(
         air_loop: &hvac::AirLoop,
-        parameters: &AirLoopParameters,
+        parameters: &Guideline36AirLoopParameters,
         rules: ZoneRules,
         climate_zone: Option<&str>,
     ) -> Self {

@@ -6,7 +6,7 @@
 //! free. With a zone that does, the coil of the air handler costs less than reheat where reheat is electric.
 
 use super::super::modes::Mode;
-use super::super::trim_respond::{Reset, TrimRespond};
+use super::super::trim_respond::{Guideline36Reset, Reset};
 
 /// Outdoor temperatures between which the setpoint falls from its reset value to its minimum, °C (OAT_Min, OAT_Max).
 const OUTDOOR: [f64; 2] = [16.0, 21.0];
@@ -19,7 +19,7 @@ pub(super) struct SupplyTemperatureRules {
     /// Lowest and highest setpoint in cooling (Min_ClgSAT, Max_ClgSAT), °C.
     pub(super) cooling: [f64; 2],
     /// Reset by the requests of the zones.
-    pub(super) trim_respond: TrimRespond,
+    pub(super) trim_respond: Guideline36Reset,
     /// Whether the setpoint is reset; it is the lowest otherwise.
     pub(super) resets: bool,
     /// Bounds of the actuator, °C.
@@ -99,7 +99,7 @@ mod tests {
     const STEP: f64 = 1.0 / 12.0;
     const RULES: SupplyTemperatureRules = SupplyTemperatureRules {
         cooling: [12.0, 18.0],
-        trim_respond: TrimRespond {
+        trim_respond: Guideline36Reset {
             delay: 0.0,
             ignored_requests: 2.0,
             trim: 3.0,

@@ -29,7 +29,7 @@ mod tests;
 use b2b_building::hvac::{Actuator, HeatPump, Packaged};
 
 use super::modes::{Mode, ZoneGroup};
-use super::parameters::UnitaryParameters;
+use super::parameters::Guideline36UnitaryParameters;
 use super::points::{SiteInput, ZoneInput};
 use super::record::Entry;
 use super::supervision::Shift;
@@ -117,7 +117,7 @@ impl Unit {
 #[derive(Clone, Debug)]
 pub(super) struct SingleZone {
     unit: Unit,
-    parameters: UnitaryParameters,
+    parameters: Guideline36UnitaryParameters,
     group: ZoneGroup,
     zone: Zone,
     setpoint: f64,
@@ -133,7 +133,7 @@ struct UnitShifts {
 }
 
 impl SingleZone {
-    pub(super) fn new(unit: Unit, parameters: &UnitaryParameters, rules: ZoneRules) -> Self {
+    pub(super) fn new(unit: Unit, parameters: &Guideline36UnitaryParameters, rules: ZoneRules) -> Self {
         let [heating, cooling] = rules.gains;
         let stable = STABLE_GAIN * unit.floor_area / unit.design_flow;
         let gains = [heating.at_most(stable), cooling.at_most(COOLING_SHARE * stable)];

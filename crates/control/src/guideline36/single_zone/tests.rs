@@ -17,7 +17,7 @@ fn unit(outdoor_air: f64, economizer: Option<f64>) -> SingleZone {
         economizer,
         heat_pump: None,
     };
-    let parameters = UnitaryParameters::default();
+    let parameters = Guideline36UnitaryParameters::default();
     let gains = [LoopGains::UNIT; 2];
     let rules = ZoneRules { gains, margins: [0.0; 2], optimum_start: 3.0, setback: true };
     SingleZone::new(unit, &parameters, rules)

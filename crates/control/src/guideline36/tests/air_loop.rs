@@ -4,7 +4,7 @@ use b2b_building::hvac::{Actuator, AirLoop as Model, EngineVariable, Quantity, T
 
 use super::super::air_loop::AirLoop;
 use super::super::modes::Mode;
-use super::super::parameters::{AirLoopParameters, Guideline36Parameters};
+use super::super::parameters::{Guideline36AirLoopParameters, Guideline36Parameters};
 use super::super::points::{SiteInput, ZoneInput};
 use super::super::record::Entry;
 use super::room::{Room, SPECIFIC_HEAT};
@@ -69,7 +69,7 @@ impl Moment {
     }
 }
 
-fn week(mean: f64, amplitude: f64, change: impl Fn(&mut AirLoopParameters)) -> Vec<Moment> {
+fn week(mean: f64, amplitude: f64, change: impl Fn(&mut Guideline36AirLoopParameters)) -> Vec<Moment> {
     let mut parameters = Guideline36Parameters::default();
     change(&mut parameters.air_loop);
     let rules = parameters.zone_rules(parameters.air_loop.gains);
@@ -257,7 +257,7 @@ fn dampers_and_supply_temperature_do_not_chatter() {
 
 #[test]
 fn a_fixed_supply_temperature_and_a_high_minimum_flow_cost_energy_in_spring() {
-    let energy = |change: &dyn Fn(&mut AirLoopParameters)| -> f64 {
+    let energy = |change: &dyn Fn(&mut Guideline36AirLoopParameters)| -> f64 {
         let of = |moment: &Moment| moment.central.abs() + moment.reheat.iter().sum::<f64>();
         week(SPRING.0, SPRING.1, change).iter().map(of).sum()
     };

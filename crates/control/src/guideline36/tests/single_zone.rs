@@ -1,6 +1,6 @@
 //! A room with a unit over a week.
 
-use super::super::parameters::UnitaryParameters;
+use super::super::parameters::Guideline36UnitaryParameters;
 use super::super::points::SiteInput;
 use super::super::single_zone::{SingleZone, Unit};
 use super::super::zone::ZoneRules;
@@ -37,7 +37,7 @@ const JULY: Case = Case { outdoor_air: 0.15, mean: 25.0, amplitude: 5.0, gains: 
 
 fn rules() -> ZoneRules {
     ZoneRules {
-        gains: [UnitaryParameters::default().gains; 2],
+        gains: [Guideline36UnitaryParameters::default().gains; 2],
         margins: [0.0; 2],
         optimum_start: 3.0,
         setback: true,
@@ -54,7 +54,7 @@ fn week(case: Case) -> Vec<Moment> {
         economizer: None,
         heat_pump: None,
     };
-    let mut control = SingleZone::new(unit, &UnitaryParameters::default(), rules());
+    let mut control = SingleZone::new(unit, &Guideline36UnitaryParameters::default(), rules());
     let mut room = Room::new(22.5);
     let mut action = [0.0; 2];
     let run = |step| {

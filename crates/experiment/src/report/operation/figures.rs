@@ -1,7 +1,7 @@
 //! The figures of an episode.
 
 use b2b_env::{EpisodeMetrics, Term};
-use b2b_evaluate::{Row, Scored};
+use b2b_evaluate::{EpisodeResult, Scored};
 
 use crate::definition::Experiment;
 use crate::results::Results;
@@ -44,11 +44,12 @@ impl Figures {
         experiment: &Experiment,
         results: &Results,
         controller: &str,
-        is_own: impl Fn(&Row) -> bool,
+        is_own: impl Fn(&EpisodeResult) -> bool,
     ) -> Vec<Self> {
-        let rows: Vec<&Row> = results.of(controller).map(|(_, row)| row).filter(|row| is_own(row)).collect();
+        let rows: Vec<&EpisodeResult> =
+            results.of(controller).map(|(_, row)| row).filter(|row| is_own(row)).collect();
         let first = rows.iter().filter(|row| Some(&row.info.task) == experiment.tasks.first());
-        let figures = |row: &&Row| {
+        let figures = |row: &&EpisodeResult| {
             let cost = |task: &String| {
                 let info = &row.info;
                 let same = rows.iter().find(|other| {
@@ -63,8 +64,8 @@ impl Figures {
     }
 
     /// Returns the figures of an episode; `None` if it was lost or has no bands.
-    fn of(row: &Row, costs: Vec<f64>) -> Option<Self> {
-        let scored: &Scored = row.outcome.as_ref().ok()?;
+    fn of(row: &EpisodeResult, costs: Vec<f64>) -> Option<Self> {
+        let scored: &Scored = row.scored()?;
         let metrics = &scored.metrics;
         let steps_per_hour = row.info.steps_per_hour;
         Some(Self {

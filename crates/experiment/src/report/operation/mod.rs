@@ -6,7 +6,7 @@ mod figures;
 mod way;
 
 use b2b_evaluate::statistics::median;
-use b2b_evaluate::{FREE_DISCOMFORT, Row};
+use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT};
 use serde_json::{Value, json};
 
 use self::comparison::{Comparison, GUIDELINE};
@@ -52,8 +52,9 @@ fn by_period(experiment: &Experiment, results: &Results) -> Value {
     for building_type in &experiment.types {
         for period in &experiment.periods {
             for controller in experiment.kept_controllers() {
-                let is_own =
-                    |row: &Row| row.info.building_type == building_type.name() && row.info.period == *period;
+                let is_own = |row: &EpisodeResult| {
+                    row.info.building_type == building_type.name() && row.info.period == *period
+                };
                 let all = Figures::of_episodes(experiment, results, controller, is_own);
                 rows.extend(cells(building_type.name(), period, controller, &all));
             }

@@ -4,7 +4,7 @@ use crate::rollout::Rollout;
 
 /// Values of the observations of a rollout, by part of the reward.
 #[derive(Clone, Debug, Default)]
-pub struct Values {
+pub struct RolloutValues {
     /// Value before each step: environments × steps × parts.
     pub steps: Vec<f32>,
     /// Value after the last step: environments × parts.
@@ -17,7 +17,13 @@ pub struct Values {
 ///
 /// Every end is a truncation: the value of the final observation replaces the rest of the return, and the advantages of
 /// the next episode do not flow back into it.
-pub fn advantages(rollout: &Rollout, values: &Values, gamma: f32, lambda: f32, advantages: &mut [f32]) {
+pub fn advantages(
+    rollout: &Rollout,
+    values: &RolloutValues,
+    gamma: f32,
+    lambda: f32,
+    advantages: &mut [f32],
+) {
     let parts = values.next.len() / rollout.environments.max(1);
     let mut ends = rollout.ends.len();
     for environment in (0..rollout.environments).rev() {
@@ -72,8 +78,11 @@ mod tests {
             ends: vec![End { environment: 0, step: 1, observation: vec![] }],
             ..Rollout::default()
         };
-        let values =
-            Values { steps: vec![4.0, 2.0, 6.0, 0.0, 2.0, 4.0], next: vec![8.0, -2.0], ends: vec![10.0] };
+        let values = RolloutValues {
+            steps: vec![4.0, 2.0, 6.0, 0.0, 2.0, 4.0],
+            next: vec![8.0, -2.0],
+            ends: vec![10.0],
+        };
         let mut found = [0.0; 6];
         advantages(&rollout, &values, 0.5, 0.5, &mut found);
         // Step 2: 3 + 0.5 × 8 - 6 = 1. Step 1: 2 + 0.5 × 10 - 2 = 5. Step 0: 1 + 0.5 × 2 - 4 + 0.25 × 5 = -0.75.
@@ -85,7 +94,7 @@ mod tests {
     #[test]
     fn an_end_at_the_last_step_replaces_the_next_observation() {
         let mut rollout = Rollout { environments: 1, steps: 1, rewards: vec![1.0], ..Rollout::default() };
-        let values = Values { steps: vec![2.0], next: vec![100.0], ends: vec![6.0] };
+        let values = RolloutValues { steps: vec![2.0], next: vec![100.0], ends: vec![6.0] };
         let mut found = [0.0];
         rollout.ends.push(End { environment: 0, step: 0, observation: vec![] });
         advantages(&rollout, &values, 0.5, 0.9, &mut found);
@@ -96,7 +105,7 @@ mod tests {
     fn parts_are_separate() {
         let rollout =
             Rollout { environments: 1, steps: 2, rewards: vec![1.0, 10.0, 2.0, 20.0], ..Rollout::default() };
-        let values = Values { steps: vec![0.0; 4], next: vec![4.0, 40.0], ends: vec![] };
+        let values = RolloutValues { steps: vec![0.0; 4], next: vec![4.0, 40.0], ends: vec![] };
         let mut found = [0.0; 4];
         advantages(&rollout, &values, 0.5, 1.0, &mut found);
         assert_eq!(found, [3.0, 30.0, 4.0, 40.0]);

@@ -7,7 +7,7 @@ use super::learner::Ppo;
 use super::update::Update;
 use crate::error::Result;
 use crate::learner::{Abilities, Learner, LearnerOptions, LearnerSetting};
-use crate::policy::Policy;
+use crate::policy::PolicyConfig;
 use crate::random::Random;
 use crate::rollout::Rollout;
 use crate::state::State;
@@ -100,9 +100,9 @@ impl LearnerOptions for PpoConfig {
         let gamma = setting.discount_of_decision(self.gamma);
         let own = Self { gamma, credit: setting.credit.clone(), ..self.clone() };
         let mut ppo = match policy {
-            Policy::Flat => Ppo::new(widths, own, seed)?,
-            Policy::Recurrent(policy) => Ppo::recurrent(policy, widths, own, seed)?,
-            Policy::Graph(policy) => {
+            PolicyConfig::Flat => Ppo::new(widths, own, seed)?,
+            PolicyConfig::Recurrent(policy) => Ppo::recurrent(policy, widths, own, seed)?,
+            PolicyConfig::Graph(policy) => {
                 let network = policy.network(setting.interface);
                 Ppo::of_graphs(&network, widths, Self { credit: None, ..own }, policy.normalize, seed)?
             }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::limits::{
     check_counts, check_finite, check_not_negative, check_positive, check_shares, check_widths,
 };
-use crate::nn::Schedule;
+use crate::nn::RateSchedule;
 
 /// The parametrization of the standard deviation of actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct PpoConfig {
     /// Learning rate of Adam. Default 3e-4.
     pub learning_rate: f64,
     /// Schedule of the learning rate. Default constant.
-    pub schedule: Schedule,
+    pub schedule: RateSchedule,
     /// ε of Adam. Default 1e-5.
     pub adam_epsilon: f32,
     /// Steps per environment to collect for an update. Default 2048.
@@ -87,7 +87,7 @@ impl Default for PpoConfig {
     fn default() -> Self {
         Self {
             learning_rate: 3e-4,
-            schedule: Schedule::Constant,
+            schedule: RateSchedule::Constant,
             adam_epsilon: 1e-5,
             n_steps: 2048,
             batch_size: 64,
@@ -165,7 +165,7 @@ mod tests {
     fn fields_have_defaults_and_unknown_ones_are_errors() {
         let config: PpoConfig =
             serde_json::from_str(r#"{"gamma": 0.9, "schedule": {"linear": {"updates": 5}}}"#).unwrap();
-        let schedule = Schedule::Linear { updates: 5 };
+        let schedule = RateSchedule::Linear { updates: 5 };
         assert_eq!(config, PpoConfig { gamma: 0.9, schedule, ..PpoConfig::default() });
         assert!(serde_json::from_str::<PpoConfig>(r#"{"gama": 0.9}"#).is_err());
     }

@@ -6,7 +6,7 @@ use b2b_agent::network::{Graph, GraphNetwork};
 
 use super::config::PpoConfig;
 use super::features::FeatureScale;
-use super::networks::{Kind, Networks};
+use super::networks::{NetworkKind, Networks};
 use super::samples::Samples;
 use super::scale::ValueScale;
 use super::worker::Worker;
@@ -61,7 +61,7 @@ impl Ppo {
     /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
     pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
         Self::with_networks(
-            Networks::new(widths, &config, Kind::Flat),
+            Networks::new(widths, &config, NetworkKind::Flat),
             FeatureScale::new(&[], false),
             config,
             seed,
@@ -75,7 +75,7 @@ impl Ppo {
     /// Same as [`Ppo::new`], and when a sequence does not divide the steps of a rollout.
     pub fn recurrent(policy: &RecurrentPolicy, widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
         policy.check_steps("ppo.n_steps", config.n_steps)?;
-        let networks = Networks::new(widths, &config, Kind::Recurrent(policy));
+        let networks = Networks::new(widths, &config, NetworkKind::Recurrent(policy));
         Self::with_networks(networks, FeatureScale::new(&[], false), config, seed)
     }
 
@@ -95,7 +95,7 @@ impl Ppo {
         if config.credit.is_some() {
             return Err(Error::config("credit", "a matrix", "graph networks take it from their scenes"));
         }
-        let networks = Networks::new(widths, &config, Kind::Graph(network));
+        let networks = Networks::new(widths, &config, NetworkKind::Graph(network));
         Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
     }
 

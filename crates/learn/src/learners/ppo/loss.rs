@@ -56,7 +56,7 @@ pub struct PolicyLoss<'a> {
 
 /// A step of the rollout and the actor's current distribution for it. A building may have fewer actions than a group.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a> {
+pub struct ActorStep<'a> {
     /// Action, not clipped.
     pub action: &'a [f32],
     /// Mean of each action.
@@ -71,7 +71,7 @@ pub struct Step<'a> {
 
 impl PolicyLoss<'_> {
     /// Adds a step to the losses, and its gradients to the gradients of means and log standard deviations.
-    pub fn add(&self, step: &Step<'_>, means: &mut [f32], log_stds: &mut [f32], losses: &mut Losses) {
+    pub fn add(&self, step: &ActorStep<'_>, means: &mut [f32], log_stds: &mut [f32], losses: &mut Losses) {
         let share = 1.0 / self.rows as f32;
         for group in 0..self.credit.groups() {
             let weight = share * self.add_surrogate(step, group, losses);
@@ -89,7 +89,7 @@ impl PolicyLoss<'_> {
     }
 
     /// Adds the surrogate of a group to the losses, and returns the derivative of its loss with respect to the log density.
-    fn add_surrogate(&self, step: &Step<'_>, group: usize, losses: &mut Losses) -> f32 {
+    fn add_surrogate(&self, step: &ActorStep<'_>, group: usize, losses: &mut Losses) -> f32 {
         let (advantage, rows) = (step.advantages[group], self.rows as f64);
         let log_ratio =
             group_log_density(self.credit, group, step.action, step.mean, step.log_std) - step.old[group];
@@ -186,8 +186,13 @@ mod tests {
             for (group, old) in old[groups.clone()].iter_mut().enumerate() {
                 *old += group_log_density(credit, group, action, mean, log_std);
             }
-            let step =
-                Step { action, mean, log_std, old: &old[groups.clone()], advantages: &advantages[groups] };
+            let step = ActorStep {
+                action,
+                mean,
+                log_std,
+                old: &old[groups.clone()],
+                advantages: &advantages[groups],
+            };
             policy.add(&step, means, log_stds, &mut losses);
         }
         let expected = loss(&wide(&outputs), &actions, &old, &advantages, credit);

@@ -8,7 +8,7 @@ use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Laye
 
 use super::{LogStd, PpoConfig};
 use crate::nn::graph::Readout;
-use crate::nn::{Gains, graph, initialize_recurrent, orthogonal};
+use crate::nn::{InitialGains, graph, initialize_recurrent, orthogonal};
 use crate::policy::RecurrentPolicy;
 use crate::random::Random;
 use crate::rollout::Widths;
@@ -35,7 +35,7 @@ pub(super) struct Networks {
 
 /// The kind of networks.
 #[derive(Clone, Copy)]
-pub(super) enum Kind<'a> {
+pub(super) enum NetworkKind<'a> {
     Flat,
     Recurrent(&'a RecurrentPolicy),
     /// Graph networks for an actor of this shape, whose outputs are its actions.
@@ -44,14 +44,14 @@ pub(super) enum Kind<'a> {
 
 impl Networks {
     /// Returns the shapes.
-    pub fn new(widths: Widths, config: &PpoConfig, kind: Kind<'_>) -> Self {
+    pub fn new(widths: Widths, config: &PpoConfig, kind: NetworkKind<'_>) -> Self {
         let of_state = config.log_std == LogStd::OfState;
         let halves = if of_state { 2 } else { 1 };
         let mlp = |inputs, hidden: &[usize], outputs| Mlp::new(inputs, hidden, outputs, config.activation);
         let (actor, critic) = match kind {
-            Kind::Flat | Kind::Recurrent(_) => {
+            NetworkKind::Flat | NetworkKind::Recurrent(_) => {
                 let shape = |hidden: &[usize], outputs| match kind {
-                    Kind::Recurrent(RecurrentPolicy { width, .. }) => Shape::Recurrent(Recurrent {
+                    NetworkKind::Recurrent(RecurrentPolicy { width, .. }) => Shape::Recurrent(Recurrent {
                         encoder: mlp(widths.observation, hidden, GATES * width),
                         head: mlp(*width, &[], outputs),
                     }),
@@ -60,7 +60,7 @@ impl Networks {
                 let actor = shape(&config.actor_hidden, halves * widths.action);
                 (actor, shape(&config.critic_hidden, widths.parts))
             }
-            Kind::Graph(network) => {
+            NetworkKind::Graph(network) => {
                 let with = |outputs: &dyn Fn(usize) -> usize| {
                     let types = network.types.iter();
                     let types = types.map(|node| NodeWidths { outputs: outputs(node.outputs), ..*node });
@@ -77,8 +77,8 @@ impl Networks {
         let end = actor.parameters();
         let ends = [end, end + free, end + free + critic.parameters()];
         let sequence = match kind {
-            Kind::Recurrent(policy) => policy.sequence,
-            Kind::Flat | Kind::Graph(_) => 1,
+            NetworkKind::Recurrent(policy) => policy.sequence,
+            NetworkKind::Flat | NetworkKind::Graph(_) => 1,
         };
         Self { actor, critic, widths, sequence, of_state, ends, minimum: config.minimum_log_std }
     }
@@ -99,7 +99,9 @@ impl Networks {
 
     fn initialize_shape(&self, shape: &Shape, last: f32, random: &mut Random) -> Vec<f32> {
         match shape {
-            Shape::Mlp(mlp) => orthogonal(mlp, Gains { hidden: std::f32::consts::SQRT_2, last }, random),
+            Shape::Mlp(mlp) => {
+                orthogonal(mlp, InitialGains { hidden: std::f32::consts::SQRT_2, last }, random)
+            }
             Shape::Recurrent(network) => initialize_recurrent(network, last, self.sequence, random),
             Shape::Graph(network) => graph::initialize(network, last, random),
         }

@@ -5,7 +5,7 @@
 
 use b2b_agent::network::graph::Batch;
 
-use super::advantage::Values;
+use super::advantage::RolloutValues;
 use super::learner::Ppo;
 use super::worker::{ACTOR, CRITIC, Inputs};
 use crate::error::{Error, Result};
@@ -26,7 +26,7 @@ impl Ppo {
     }
 
     /// Computes the log densities of the actions, and the states before every sequence. Returns the outputs of the critic.
-    pub(super) fn evaluate_sequences(&mut self, rollout: &Rollout) -> Values {
+    pub(super) fn evaluate_sequences(&mut self, rollout: &Rollout) -> RolloutValues {
         let (rows, [actor, critic]) = (rollout.rows(), self.networks.states());
         let sequences = rows / self.networks.sequence;
         self.samples.old = vec![0.0; rows * self.groups];
@@ -43,7 +43,7 @@ impl Ppo {
         let of_ends = rollout.ends.iter().map(|end| end.environment * rollout.steps + end.step);
         let of_ends = gathered(&after, of_ends, critic);
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
-        Values {
+        RolloutValues {
             next: self.value_after(&rollout.next, &self.critic_states.clone()),
             ends: self.value_after(&ends, &of_ends),
             steps: values,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use b2b_agent::network::graph::Batch;
 
-use super::advantage::{Values, advantages, center_pairs};
+use super::advantage::{RolloutValues, advantages, center_pairs};
 use super::learner::Ppo;
 use super::loss::Losses;
 use super::samples::Samples;
@@ -170,7 +170,7 @@ impl Ppo {
 
     /// Returns the values of the observations of a rollout; for recurrent networks, also computes the log densities of its
     /// actions.
-    pub(super) fn evaluate(&mut self, rollout: &Rollout) -> Values {
+    pub(super) fn evaluate(&mut self, rollout: &Rollout) -> RolloutValues {
         let after = scenes_after(rollout);
         let mut values = match self.networks.critic.state() {
             0 => self.outputs_of_critic(rollout, &after),
@@ -180,7 +180,11 @@ impl Ppo {
         values
     }
 
-    fn outputs_of_critic(&mut self, rollout: &Rollout, [of_ends, of_next]: &[Vec<usize>; 2]) -> Values {
+    fn outputs_of_critic(
+        &mut self,
+        rollout: &Rollout,
+        [of_ends, of_next]: &[Vec<usize>; 2],
+    ) -> RolloutValues {
         let Self { workers, networks, parameters, widths, graphs, samples, .. } = self;
         let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
@@ -194,7 +198,7 @@ impl Ppo {
             values
         };
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
-        Values {
+        RolloutValues {
             steps: of(&rollout.observations, &samples.scenes),
             next: of(&rollout.next, of_next),
             ends: of(&ends, of_ends),
@@ -202,9 +206,9 @@ impl Ppo {
     }
 
     /// Converts outputs of the critic to the scale of returns.
-    fn denormalize(&self, [of_ends, of_next]: &[Vec<usize>; 2], values: &mut Values) {
+    fn denormalize(&self, [of_ends, of_next]: &[Vec<usize>; 2], values: &mut RolloutValues) {
         if self.config.normalize_values {
-            let Values { steps, next, ends } = values;
+            let RolloutValues { steps, next, ends } = values;
             for (scenes, values) in [(&self.samples.scenes, steps), (of_next, next), (of_ends, ends)] {
                 let rows = Rows { credits: &self.credits, scenes, parts: self.widths.parts };
                 self.scale.denormalize(rows, values);

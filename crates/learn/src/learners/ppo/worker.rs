@@ -7,7 +7,7 @@ use b2b_agent::network::graph::Batch;
 use b2b_agent::network::{Graph, Shape};
 
 use super::PpoConfig;
-use super::loss::{Losses, PolicyLoss, Step, group_log_density, value_loss};
+use super::loss::{ActorStep, Losses, PolicyLoss, group_log_density, value_loss};
 use super::networks::Networks;
 use super::samples::Samples;
 use crate::credit::Credit;
@@ -46,9 +46,9 @@ pub(super) struct Minibatch<'a> {
 
 impl<'a> Minibatch<'a> {
     /// Returns the step of a row with these outputs of the actor.
-    fn step(&self, row: usize, outputs: &'a [f32], log_std: &'a [f32]) -> Step<'a> {
+    fn step(&self, row: usize, outputs: &'a [f32], log_std: &'a [f32]) -> ActorStep<'a> {
         let (groups, actions) = (self.groups, log_std.len());
-        Step {
+        ActorStep {
             action: &self.samples.actions[row * self.networks.widths.action..][..actions],
             mean: &outputs[..actions],
             log_std,

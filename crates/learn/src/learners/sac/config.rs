@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::limits::{
     check_counts, check_finite, check_not_negative, check_positive, check_shares, check_widths,
 };
-use crate::nn::Schedule;
+use crate::nn::RateSchedule;
 
 /// The configuration of SAC. Defaults follow Stable-Baselines3, but minibatches are larger and fewer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct SacConfig {
     /// Learning rate of Adam, for actor, critics and temperature. Default 3e-4.
     pub learning_rate: f64,
     /// Schedule of the learning rate, by rollouts. Default constant.
-    pub schedule: Schedule,
+    pub schedule: RateSchedule,
     /// ε of Adam. Default 1e-8.
     pub adam_epsilon: f32,
     /// Steps per environment to collect for an update. Default 64.
@@ -57,7 +57,7 @@ impl Default for SacConfig {
     fn default() -> Self {
         Self {
             learning_rate: 3e-4,
-            schedule: Schedule::Constant,
+            schedule: RateSchedule::Constant,
             adam_epsilon: 1e-8,
             n_steps: 64,
             batch_size: 1024,

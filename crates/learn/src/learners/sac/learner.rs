@@ -2,7 +2,7 @@
 
 use super::config::SacConfig;
 use super::networks::{Networks, Parameters};
-use super::replay::{Batch, Replay};
+use super::replay::{Replay, ReplayBatch};
 use super::worker::Worker;
 use crate::error::Result;
 use crate::nn::Adam;
@@ -27,7 +27,7 @@ pub struct Sac {
     /// Number of consecutive updates, up to the last, that skipped steps.
     pub(super) failures: u64,
     pub(super) threads: usize,
-    pub(super) batch: Batch,
+    pub(super) batch: ReplayBatch,
     pub(super) workers: Vec<Worker>,
     /// Gradients of actor and critics.
     pub(super) gradients: [Vec<f32>; 2],
@@ -49,7 +49,7 @@ impl Sac {
             gradients: [vec![0.0; sizes[0]], vec![0.0; sizes[1]]],
             replay: Replay::new(widths, environments, config.capacity),
             workers: vec![Worker::new(&networks)],
-            batch: Batch::default(),
+            batch: ReplayBatch::default(),
             owed: 0.0,
             updates: 0,
             failures: 0,

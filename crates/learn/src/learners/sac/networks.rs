@@ -4,7 +4,7 @@ use b2b_agent::network::{Actor, Distribution, Mlp, Shape};
 
 use super::SacConfig;
 use crate::error::Result;
-use crate::nn::{Gains, orthogonal};
+use crate::nn::{InitialGains, orthogonal};
 use crate::random::Random;
 use crate::rollout::Widths;
 use crate::state::State;
@@ -46,8 +46,8 @@ impl Networks {
     /// Returns initial parameters. Target critics are the critics.
     pub fn initialize(&self, config: &SacConfig, random: &mut Random) -> Parameters {
         let hidden = std::f32::consts::SQRT_2;
-        let actor = orthogonal(&self.actor, Gains { hidden, last: config.actor_gain }, random);
-        let mut critic = || orthogonal(&self.critic, Gains { hidden, last: 1.0 }, random);
+        let actor = orthogonal(&self.actor, InitialGains { hidden, last: config.actor_gain }, random);
+        let mut critic = || orthogonal(&self.critic, InitialGains { hidden, last: 1.0 }, random);
         let critics = [critic(), critic()].concat();
         let targets = critics.clone();
         Parameters { actor, critics, targets, log_temperature: config.initial_temperature.ln() }

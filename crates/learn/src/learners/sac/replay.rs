@@ -39,7 +39,7 @@ struct Return {
 
 /// Steps drawn from a replay buffer.
 #[derive(Clone, Debug, Default)]
-pub struct Batch {
+pub struct ReplayBatch {
     /// Number of rows.
     pub rows: usize,
     /// Observations: rows × width.
@@ -130,7 +130,14 @@ impl Replay {
     ///
     /// A return stops early at the end of an episode, which is a truncation, and at the newest step. It continues with the value
     /// of the observation there.
-    pub fn sample(&self, rows: usize, steps: usize, gamma: f32, random: &mut Random, batch: &mut Batch) {
+    pub fn sample(
+        &self,
+        rows: usize,
+        steps: usize,
+        gamma: f32,
+        random: &mut Random,
+        batch: &mut ReplayBatch,
+    ) {
         batch.clear(rows);
         for _ in 0..rows {
             let (environment, age) = (random.below(self.environments), random.below(self.filled()));
@@ -245,7 +252,7 @@ impl Replay {
     }
 }
 
-impl Batch {
+impl ReplayBatch {
     fn clear(&mut self, rows: usize) {
         self.rows = rows;
         let Self { observations, actions, returns, discounts, next, .. } = self;
@@ -315,7 +322,7 @@ mod tests {
         }
         assert_eq!(replay.len(), 34);
         for steps in 1..8 {
-            let mut batch = Batch::default();
+            let mut batch = ReplayBatch::default();
             replay.sample(200, steps, GAMMA, &mut Random::new(steps as u64, 0), &mut batch);
             for row in 0..200 {
                 let number = batch.observations[row] as usize;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::loss::{Losses, Sampled, act, actor_gradients, critic_loss, target};
 use super::networks::{Networks, Parameters};
-use super::replay::Batch;
+use super::replay::ReplayBatch;
 use crate::nn::{Pass, sized};
 
 /// Inputs that all chunks of a minibatch share.
@@ -12,7 +12,7 @@ use crate::nn::{Pass, sized};
 pub(super) struct Minibatch<'a> {
     pub networks: &'a Networks,
     pub parameters: &'a Parameters,
-    pub batch: &'a Batch,
+    pub batch: &'a ReplayBatch,
 }
 
 /// The buffers of a chunk, and its losses and gradients.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 use crate::limits::require;
-use crate::policy::Policy;
+use crate::policy::PolicyConfig;
 
 /// Network, observation and actions of an agent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub struct AgentConfig {
     /// Kind of network: `{ kind = "flat" }`, `{ kind = "recurrent" }` with the options of
     /// [`RecurrentPolicy`](crate::train::RecurrentPolicy), or `{ kind = "graph" }` with those of
     /// [`GraphPolicy`](crate::train::GraphPolicy).
-    pub policy: Policy,
+    pub policy: PolicyConfig,
     /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes`, `forecast`
     /// and `feedback`.
     pub observation: ObservationOptions,
@@ -25,7 +25,11 @@ pub struct AgentConfig {
 
 impl Default for AgentConfig {
     fn default() -> Self {
-        Self { policy: Policy::Flat, observation: ObservationForm::Features.into(), acting: Acting::Direct }
+        Self {
+            policy: PolicyConfig::Flat,
+            observation: ObservationForm::Features.into(),
+            acting: Acting::Direct,
+        }
     }
 }
 
@@ -38,8 +42,8 @@ impl AgentConfig {
     /// Returns whether the agent observes the attributes of its building.
     pub(crate) fn observes_attributes(&self) -> bool {
         match &self.policy {
-            Policy::Graph(graph) => graph.attributes,
-            Policy::Flat | Policy::Recurrent(_) => self.observation.attributes,
+            PolicyConfig::Graph(graph) => graph.attributes,
+            PolicyConfig::Flat | PolicyConfig::Recurrent(_) => self.observation.attributes,
         }
     }
 

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 use super::train_config::TrainConfig;
 use crate::error::{Error, Result, at};
-use crate::learners::{Kind, LearnerChoice, kinds};
+use crate::learners::{LearnerChoice, LearnerKind, kinds};
 
 /// Name of the configuration in a run's folder.
 pub const CONFIG: &str = "config.toml";
@@ -208,7 +208,7 @@ impl Options {
     fn learner(&mut self) -> Read<LearnerChoice> {
         let chosen = match self.table.remove(ALGORITHM) {
             None => LearnerChoice::default().name(),
-            Some(Value::String(name)) => Kind::find(&name).map_err(|error| error.to_string())?.name,
+            Some(Value::String(name)) => LearnerKind::find(&name).map_err(|error| error.to_string())?.name,
             Some(other) => return Err(format!("`{ALGORITHM}` is {other}; expected a name")),
         };
         self.known.push(ALGORITHM.into());

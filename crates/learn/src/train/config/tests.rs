@@ -178,7 +178,7 @@ fn a_preset_with_sac_leaves_out_what_is_for_ppo() {
 #[test]
 fn a_configuration_of_an_earlier_run_is_read() {
     let config = TrainConfig::preset("residual").unwrap();
-    let sac = crate::learners::Kind::find("sac").unwrap();
+    let sac = crate::learners::LearnerKind::find("sac").unwrap();
     let earlier = format!("{}\n{}", config.to_toml(), crate::learners::LearnerChoice::from(sac).to_toml());
     assert_eq!(changed(&TrainConfig::default(), &earlier), config);
 }

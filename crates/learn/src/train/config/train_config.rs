@@ -13,7 +13,7 @@ use super::rewards::RewardConfig;
 use super::training_set::TrainingSet;
 use crate::error::{Error, Result};
 use crate::learner::Abilities;
-use crate::learners::{Kind, LearnerChoice, kinds};
+use crate::learners::{LearnerChoice, LearnerKind, kinds};
 use crate::limits::require;
 use crate::train::problem::training_side;
 
@@ -52,7 +52,7 @@ impl TrainConfig {
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name.
     pub fn with_algorithm(mut self, name: &str) -> Result<Self> {
-        let kind = Kind::find(name)?;
+        let kind = LearnerKind::find(name)?;
         if self.learner.name() != kind.name {
             self.learner = kind.into();
         }
@@ -184,7 +184,7 @@ impl TrainConfig {
 
 /// Returns the names of the learners whose default options have an ability.
 fn able(has: impl Fn(&Abilities) -> bool) -> String {
-    let is_able = |kind: &Kind| has(&LearnerChoice::from(*kind).abilities());
+    let is_able = |kind: &LearnerKind| has(&LearnerChoice::from(*kind).abilities());
     let names: Vec<_> = kinds().into_iter().filter(is_able).map(|kind| kind.name).collect();
     names.join(" or ")
 }

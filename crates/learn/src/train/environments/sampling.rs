@@ -8,7 +8,7 @@ use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
-    Autoreset, Buildings, Kept, Population, Rotating, RoundRobin, Sampler, Setting, Source, VecEnv,
+    Autoreset, Buildings, EpisodeSetting, Kept, Population, Rotating, RoundRobin, Sampler, Source, VecEnv,
     VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
 };
 
@@ -206,7 +206,7 @@ impl<'a> Environments<'a> {
         &self,
         part: Period,
         starts: u32,
-        settings: &[Setting],
+        settings: &[EpisodeSetting],
         environments: usize,
     ) -> Result<Box<dyn Sampler>> {
         let buildings = self.buildings(part, settings, environments)?;
@@ -225,7 +225,7 @@ impl<'a> Environments<'a> {
     fn buildings(
         &self,
         period: Period,
-        settings: &[Setting],
+        settings: &[EpisodeSetting],
         environments: usize,
     ) -> Result<Box<dyn Sampler>> {
         let types = self.config.training_set.building_types()?;
@@ -237,14 +237,14 @@ impl<'a> Environments<'a> {
             return Ok(Box::new(Kept::new(all, self.config.training_set.building_episodes)));
         }
         let mut settings = settings.to_vec();
-        for Setting { episode, .. } in &mut settings {
+        for EpisodeSetting { episode, .. } in &mut settings {
             episode.period = period.in_weather(&episode.weather).map_err(b2b_env::Error::building)?;
         }
         Ok(Box::new(Rotating::new(settings, environments)))
     }
 
     /// Returns the settings of the buildings that are named, over the whole first run period.
-    fn settings(&self) -> Result<Vec<Setting>> {
+    fn settings(&self) -> Result<Vec<EpisodeSetting>> {
         let (periods, steps_per_hour) =
             (self.config.training_set.periods()?, self.config.training_set.steps_per_hour);
         let (task, placement) =
@@ -254,7 +254,7 @@ impl<'a> Environments<'a> {
             let weather = found.weather.clone();
             let period = periods[0].in_weather(&weather).map_err(b2b_env::Error::building)?;
             let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
-            Ok(Setting::new(Source::from(found), episode))
+            Ok(EpisodeSetting::new(Source::from(found), episode))
         };
         self.config.training_set.named()?.iter().map(setting).collect()
     }

@@ -10,7 +10,7 @@ use super::table::read_column;
 use crate::error::{Result, at};
 use crate::train::config::TrainConfig;
 use crate::train::environments::days;
-use crate::train::summary::Summary;
+use crate::train::summary::RunSummary;
 
 /// Name of the page.
 pub const PAGE: &str = "curve.html";
@@ -73,7 +73,7 @@ impl Panel {
 }
 
 /// Returns the tiles of the result, as pairs of a label and a value; for an unfinished run, of its last evaluation.
-fn tiles(folder: &Path, summary: Option<&Summary>) -> Vec<[String; 2]> {
+fn tiles(folder: &Path, summary: Option<&RunSummary>) -> Vec<[String; 2]> {
     let tile = |name: &str, value: String| [name.to_owned(), value];
     if let Some(scores) = summary.and_then(|summary| summary.scores.as_ref()) {
         return vec![
@@ -114,7 +114,7 @@ fn note(config: &TrainConfig) -> Result<String> {
 }
 
 /// Writes the page of a run's folder from its table, and from its result if it has finished.
-pub(crate) fn write(folder: &Path, config: &TrainConfig, summary: Option<&Summary>) -> Result<()> {
+pub(crate) fn write(folder: &Path, config: &TrainConfig, summary: Option<&RunSummary>) -> Result<()> {
     let data = json!({
         "title": format!("{} on {}", config.training_set.task, config.training_set.buildings_text()),
         "note": note(config)?,

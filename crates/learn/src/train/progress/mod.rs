@@ -7,4 +7,4 @@ mod tensorboard;
 
 pub use curve::PAGE;
 pub(super) use table::ProgressFiles;
-pub use table::{Row, TABLE, read_column};
+pub use table::{ProgressRow, TABLE, read_column};

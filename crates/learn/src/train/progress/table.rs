@@ -18,14 +18,14 @@ const STEPS: &str = "steps";
 /// An update as named numbers, with the same names in every row of a run. Unknown numbers are NaN, and empty cells in
 /// the table.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Row {
+pub struct ProgressRow {
     /// Environment steps so far.
     pub steps: u64,
     /// The numbers.
     pub values: Vec<(&'static str, f64)>,
 }
 
-impl Row {
+impl ProgressRow {
     /// Returns the number with a name.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|(each, value)| *each == name && value.is_finite()).map(|(_, value)| *value)
@@ -55,7 +55,7 @@ impl ProgressFiles {
     }
 
     /// Adds a row.
-    pub(crate) fn write(&mut self, row: &Row) -> Result<()> {
+    pub(crate) fn write(&mut self, row: &ProgressRow) -> Result<()> {
         let mut text = String::new();
         if self.table.is_empty() {
             let names: Vec<&str> = row.values.iter().map(|(name, _)| *name).collect();
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_table_continues_from_the_steps_of_a_checkpoint() {
         let folder = tempfile::tempdir().unwrap();
-        let row = |steps, score| Row { steps, values: vec![("loss", 0.5), ("score", score)] };
+        let row = |steps, score| ProgressRow { steps, values: vec![("loss", 0.5), ("score", score)] };
         let (mut progress, warning) = ProgressFiles::open(folder.path(), 0).unwrap();
         assert_eq!(warning, None);
         for (steps, score) in [(10, f64::NAN), (20, 0.9), (30, 0.8)] {
@@ -133,6 +133,6 @@ mod tests {
         std::fs::write(folder.path().join(EVENTS), "in the way").unwrap();
         let (mut progress, warning) = ProgressFiles::open(folder.path(), 0).unwrap();
         assert!(warning.unwrap().contains("TensorBoard"));
-        progress.write(&Row { steps: 1, values: vec![("loss", 1.0)] }).unwrap();
+        progress.write(&ProgressRow { steps: 1, values: vec![("loss", 1.0)] }).unwrap();
     }
 }

@@ -15,7 +15,7 @@ use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
 
-use super::{Row, Scored};
+use super::{EpisodeResult, Scored};
 use crate::evaluation::finished::Lost;
 use crate::evaluation::info::EpisodeInfo;
 use crate::evaluation::step_rewards::StepRewards;
@@ -28,7 +28,11 @@ const INTEGER: &str = "steps";
 ///
 /// # Errors
 /// The errors of the Parquet library.
-pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &Versions) -> Result<()> {
+pub fn write_episodes(
+    file: &mut (impl Write + Send),
+    rows: &[EpisodeResult],
+    versions: &Versions,
+) -> Result<()> {
     write(file, &episode_table(rows, versions)?)
 }
 
@@ -44,7 +48,7 @@ fn write(file: &mut (impl Write + Send), table: &RecordBatch) -> Result<()> {
 ///
 /// # Errors
 /// The errors of the Parquet library.
-pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
+pub fn episode_table(rows: &[EpisodeResult], versions: &Versions) -> Result<RecordBatch> {
     let mut columns = Columns { rows, fields: Vec::new(), arrays: Vec::new() };
     columns.push_all();
     columns.table(versions)
@@ -56,7 +60,7 @@ pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
 /// The errors of the Parquet library.
 pub fn write_stages(
     file: &mut (impl Write + Send),
-    stages: &[(String, Vec<Row>)],
+    stages: &[(String, Vec<EpisodeResult>)],
     versions: &Versions,
 ) -> Result<()> {
     let names: Vec<_> =
@@ -73,7 +77,7 @@ pub fn write_stages(
 ///
 /// # Errors
 /// The errors of the Parquet library, also for a table with other columns.
-pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
+pub fn read_stages(file: File) -> Result<Vec<(String, EpisodeResult)>> {
     read(file, |cells, row| Ok((cells.text("stage", row)?, cells.row(row)?)))
 }
 
@@ -81,7 +85,7 @@ pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
 ///
 /// # Errors
 /// The errors of the Parquet library, also for a table with other columns.
-pub fn read_episodes(file: File) -> Result<Vec<Row>> {
+pub fn read_episodes(file: File) -> Result<Vec<EpisodeResult>> {
     read(file, Cells::row)
 }
 
@@ -98,7 +102,7 @@ fn read<T>(file: File, value: impl Fn(&Cells, usize) -> Result<T>) -> Result<Vec
 }
 
 struct Columns<'a> {
-    rows: &'a [Row],
+    rows: &'a [EpisodeResult],
     fields: Vec<Field>,
     arrays: Vec<ArrayRef>,
 }
@@ -117,33 +121,25 @@ impl Columns<'_> {
         self.push::<UInt64Type>("seed", "1", |row| Some(row.info.seed));
         self.text("policy", |row| Some(&row.info.policy));
         for column in EpisodeMetrics::columns() {
-            let value = |row: &Row| column.get(row.metrics()?).map(MetricValue::as_f64);
+            let value = |row: &EpisodeResult| column.get(row.metrics()?).map(MetricValue::as_f64);
             match column.name {
                 INTEGER => self.push::<UInt64Type>(INTEGER, column.unit, |row| Some(value(row)? as u64)),
                 name => self.push::<Float64Type>(name, column.unit, value),
             }
         }
-        self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
-        self.push::<Float64Type>("baseline_energy_wh_m2", "Wh/m2", |row| {
-            row.outcome.as_ref().ok()?.baseline_energy
-        });
-        self.push::<Float64Type>("resource", "1", |row| row.outcome.as_ref().ok()?.resource);
-        self.push::<Float64Type>("baseline_resource", "1", |row| {
-            row.outcome.as_ref().ok()?.baseline_resource
-        });
-        self.push::<Float64Type>("baseline_discomfort_k_h", "K h", |row| {
-            row.outcome.as_ref().ok()?.baseline_discomfort
-        });
-        self.push::<Float64Type>("score", "1", Row::score);
-        self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
-        self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
-        self.push::<Float64Type>("relative_resource", "1", |row| {
-            row.outcome.as_ref().ok()?.relative_resource()
-        });
-        self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
-        self.text("model_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.model_sha256));
-        self.text("weather_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.weather_sha256));
-        self.text("trajectory_hash", |row| Some(&row.outcome.as_ref().ok()?.trajectory_hash));
+        self.push::<Float64Type>("baseline_return", "1", |row| row.scored()?.baseline_return);
+        self.push::<Float64Type>("baseline_energy_wh_m2", "Wh/m2", |row| row.scored()?.baseline_energy);
+        self.push::<Float64Type>("resource", "1", |row| row.scored()?.resource);
+        self.push::<Float64Type>("baseline_resource", "1", |row| row.scored()?.baseline_resource);
+        self.push::<Float64Type>("baseline_discomfort_k_h", "K h", |row| row.scored()?.baseline_discomfort);
+        self.push::<Float64Type>("score", "1", EpisodeResult::score);
+        self.push::<Float64Type>("resolved_score", "1", EpisodeResult::resolved_score);
+        self.push::<Float64Type>("relative_energy", "1", |row| row.scored()?.relative_energy());
+        self.push::<Float64Type>("relative_resource", "1", |row| row.scored()?.relative_resource());
+        self.counts("step_rewards", |row| Some(&row.scored()?.step_rewards));
+        self.text("model_sha256", |row| Some(&row.scored()?.inputs.model_sha256));
+        self.text("weather_sha256", |row| Some(&row.scored()?.inputs.weather_sha256));
+        self.text("trajectory_hash", |row| Some(&row.scored()?.trajectory_hash));
         self.text("lost", |row| Some(&row.outcome.as_ref().err()?.reason));
     }
 
@@ -151,21 +147,21 @@ impl Columns<'_> {
         &mut self,
         name: &str,
         unit: &str,
-        value: impl Fn(&Row) -> Option<T::Native>,
+        value: impl Fn(&EpisodeResult) -> Option<T::Native>,
     ) {
         let unit = HashMap::from([("unit".to_owned(), unit.to_owned())]);
         self.fields.push(Field::new(name, T::DATA_TYPE, true).with_metadata(unit));
         self.arrays.push(Arc::new(self.rows.iter().map(value).collect::<PrimitiveArray<T>>()));
     }
 
-    fn counts(&mut self, name: &str, value: impl Fn(&Row) -> Option<&StepRewards>) {
+    fn counts(&mut self, name: &str, value: impl Fn(&EpisodeResult) -> Option<&StepRewards>) {
         let values = self.rows.iter().map(|row| Some(value(row)?.counts.iter().copied().map(Some)));
         let array = ListArray::from_iter_primitive::<UInt32Type, _, _>(values);
         self.fields.push(Field::new(name, array.data_type().clone(), true));
         self.arrays.push(Arc::new(array));
     }
 
-    fn text(&mut self, name: &str, value: impl Fn(&Row) -> Option<&String>) {
+    fn text(&mut self, name: &str, value: impl Fn(&EpisodeResult) -> Option<&String>) {
         self.fields.push(Field::new(name, DataType::Utf8, true));
         let values = self.rows.iter().map(value).map(|value| value.map(String::as_str));
         self.arrays.push(Arc::new(values.collect::<StringArray>()));
@@ -219,12 +215,12 @@ impl Cells {
         Ok(values.ok_or_else(|| empty(name, row))?.values().to_vec())
     }
 
-    fn row(&self, row: usize) -> Result<Row> {
+    fn row(&self, row: usize) -> Result<EpisodeResult> {
         let outcome = match self.optional_text("lost", row)? {
             Some(reason) => Err(Lost { reason }),
             None => Ok(self.scored(row)?),
         };
-        Ok(Row { info: self.info(row)?, outcome })
+        Ok(EpisodeResult { info: self.info(row)?, outcome })
     }
 
     fn info(&self, row: usize) -> Result<EpisodeInfo> {
@@ -315,8 +311,8 @@ mod tests {
             score: Some(1.225),
             resolved_score: Some(1.125),
         };
-        let ran = Row { info: info.clone(), outcome: Ok(scored) };
-        let lost = Row { info, outcome: Err(Lost { reason: "the worker crashed".into() }) };
+        let ran = EpisodeResult { info: info.clone(), outcome: Ok(scored) };
+        let lost = EpisodeResult { info, outcome: Err(Lost { reason: "the worker crashed".into() }) };
         let file = tempfile::NamedTempFile::new().unwrap();
         let stages = [("test".to_owned(), vec![ran.clone()]), ("train".to_owned(), vec![lost.clone()])];
         write_stages(&mut file.reopen().unwrap(), &stages, &Versions::current()).unwrap();
@@ -336,7 +332,10 @@ mod tests {
         let mut metrics = EpisodeMetrics::default();
         EpisodeMetrics::columns().for_each(|column| column.set(&mut metrics, 3.0));
         let scored = Scored { metrics, resource: Some(1.0), ..Scored::default() };
-        let row = Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(scored.clone()) };
+        let row = EpisodeResult {
+            info: EpisodeInfo::of(&episode, &BuiltIn::random()),
+            outcome: Ok(scored.clone()),
+        };
         let table = episode_table(&[row], &Versions::current()).unwrap();
         let is_old = |name: &str| {
             !name.ends_with("resource")

@@ -84,7 +84,7 @@ impl Problem {
     /// Reads a problem from a JSON file of the shipped format.
     ///
     /// # Errors
-    /// [`Error::Io`](b2b_evaluate::Error::Io); [`Error::ProblemFile`]; errors from [`Problem::check`].
+    /// [`Error::Io`](crate::Error::Io); [`Error::ProblemFile`]; errors from [`Problem::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(at(path))?;
         let problem: Self = user_file::parse_object(&text)

@@ -93,7 +93,7 @@ impl RestrictedAction {
     }
 
     /// Overwrites the values of the withheld actuators.
-    pub(super) fn overwrite(&mut self, observation: &[f64], action: &mut [f64]) {
+    pub fn overwrite(&mut self, observation: &[f64], action: &mut [f64]) {
         match &mut self.reactive {
             Some(reactive) => {
                 reactive.act(observation, &mut self.reactive_action);

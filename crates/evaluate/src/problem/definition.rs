@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::protocol::Protocol;
 use super::side::Side;
 use super::stage::Stage;
+use crate::Episode;
 use crate::{Error, Result};
-use b2b_evaluate::Episode;
 
 /// A benchmark problem: a question about generalization, and the protocol to answer it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,6 +71,11 @@ impl Problem {
             _ => side.buildings.ids(),
         };
         side.episodes(&buildings, windows, seeds, *steps_per_hour)
+    }
+
+    /// Returns [`Error::Problem`] with what is wrong with the problem, or violates its protocol.
+    pub fn error(&self, why: String) -> Error {
+        Error::Problem { name: self.name.clone(), why }
     }
 
     /// Errors unless a policy may be trained on a building.

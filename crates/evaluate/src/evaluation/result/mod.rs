@@ -1,27 +1,29 @@
-//! A row of a results table.
+//! The result of an episode.
 
 pub(crate) mod deviations;
 pub(crate) mod hours;
 pub(crate) mod table;
 
-use b2b_env::{EpisodeMetrics, Inputs};
+use std::fmt;
+
+use b2b_env::{EpisodeMetrics, Inputs, Resource};
 use serde::{Deserialize, Serialize};
 
-use super::finished::{Lost, Record};
+use super::finished::{EpisodeRecord, Finished, Lost};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
 use crate::scores::{Baseline, RESOLUTION, Scores, excess_discomfort};
 
-/// An episode in a results table.
+/// The result of an episode: a row of a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct EpisodeResult {
     /// The episode.
     pub info: EpisodeInfo,
-    /// Its metrics and score, or why it was lost.
+    /// Its metrics, with its score where its baseline is known, or why it was lost.
     pub outcome: Result<Scored, Lost>,
 }
 
-/// The metrics of an episode with its score.
+/// The metrics of an episode, with its score where its baseline is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
     /// The metrics.
@@ -53,46 +55,56 @@ pub struct Scored {
     pub resolved_score: Option<f64>,
 }
 
-impl Row {
-    /// Scores an episode against its baseline. `resource` is the amount of the task's resource in the episode.
-    pub(crate) fn scored(
-        record: Record,
-        step_rewards: StepRewards,
-        baseline: Option<Baseline>,
-        resource: Option<f64>,
-    ) -> Self {
-        let Record { info, metrics, inputs, trajectory_hash } = record;
-        let scores = baseline.map(|baseline| baseline.scores(&metrics, resource, info.steps_per_hour));
-        let Scores { score, resolved } = scores.unwrap_or_default();
-        let scored = Scored {
-            baseline_return: baseline.map(|baseline| baseline.episode_return),
-            baseline_energy: baseline.map(|baseline| baseline.energy),
-            resource,
-            baseline_resource: baseline.and_then(|baseline| baseline.resource),
-            baseline_discomfort: baseline.and_then(|baseline| baseline.discomfort),
-            score,
-            resolved_score: resolved,
-            metrics,
-            step_rewards,
-            inputs,
-            trajectory_hash,
-        };
+impl EpisodeResult {
+    /// Returns the result of an episode of a task with this resource, without a score.
+    pub(crate) fn unscored(finished: Finished, resource: Resource) -> Self {
+        let Finished { record, terms, step_rewards, .. } = finished;
+        let EpisodeRecord { info, metrics, inputs, trajectory_hash } = record;
+        let resource = terms.used(resource);
+        let scored = Scored { metrics, step_rewards, inputs, trajectory_hash, resource, ..Scored::default() };
         Self { info, outcome: Ok(scored) }
+    }
+
+    /// Scores the episode against its baseline, unless it was lost.
+    pub(crate) fn score_against(&mut self, baseline: Baseline) {
+        let Ok(scored) = &mut self.outcome else { return };
+        let Scores { score, resolved } =
+            baseline.scores(&scored.metrics, scored.resource, self.info.steps_per_hour);
+        scored.baseline_return = Some(baseline.episode_return);
+        scored.baseline_energy = Some(baseline.energy);
+        scored.baseline_resource = baseline.resource;
+        scored.baseline_discomfort = baseline.discomfort;
+        (scored.score, scored.resolved_score) = (score, resolved);
+    }
+
+    /// Returns the metrics with the score, unless the episode was lost.
+    pub fn scored(&self) -> Option<&Scored> {
+        self.outcome.as_ref().ok()
     }
 
     /// Returns the score, if the episode was not lost and has one.
     pub fn score(&self) -> Option<f64> {
-        self.outcome.as_ref().ok()?.score
+        self.scored()?.score
     }
 
     /// Returns the resolved score, if the episode was not lost and has one.
     pub fn resolved_score(&self) -> Option<f64> {
-        self.outcome.as_ref().ok()?.resolved_score
+        self.scored()?.resolved_score
     }
 
     /// Returns the metrics, unless the episode was lost.
     pub fn metrics(&self) -> Option<&EpisodeMetrics> {
-        Some(&self.outcome.as_ref().ok()?.metrics)
+        Some(&self.scored()?.metrics)
+    }
+}
+
+/// The episode and, if it was lost, the reason.
+impl fmt::Display for EpisodeResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.outcome {
+            Ok(_) => self.info.fmt(f),
+            Err(lost) => write!(f, "{}: {lost}", self.info),
+        }
     }
 }
 
@@ -149,22 +161,22 @@ impl Scored {
 
 /// Returns total HVAC energy divided by the baseline's total; `None` if theirs is unknown or 0. A ratio of
 /// sums gives almost no weight to an episode that uses almost no energy.
-pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
 }
 
 /// Returns the total of the task's resource divided by the baseline's total, for rows of one task; `None` if
 /// theirs is unknown or not above 0.
-pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
 }
 
 fn ratio_of_sums<'a>(
-    rows: impl IntoIterator<Item = &'a Row>,
+    rows: impl IntoIterator<Item = &'a EpisodeResult>,
     amounts: impl Fn(&Scored) -> Option<[f64; 2]>,
 ) -> Option<f64> {
     let (mut sum, mut baseline) = (0.0, 0.0);
-    let scored = rows.into_iter().filter_map(|row| row.outcome.as_ref().ok());
+    let scored = rows.into_iter().filter_map(|row| row.scored());
     for [amount, of_baseline] in scored.filter_map(amounts) {
         sum += amount;
         baseline += of_baseline;

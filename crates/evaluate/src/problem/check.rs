@@ -9,13 +9,13 @@ use b2b_env::Task;
 use super::definition::{Family, Problem};
 use super::list::{joined, shortened};
 use super::side::Side;
-use crate::{Error, Result};
+use crate::Result;
 
 impl Problem {
     /// Errors unless the problem can answer its question.
     ///
     /// # Errors
-    /// [`Error::Problem`] with the fault.
+    /// [`Error::Problem`](crate::Error::Problem) with the fault.
     pub fn check(&self) -> Result<()> {
         let fault = self
             .protocol
@@ -26,7 +26,7 @@ impl Problem {
             .or_else(|| self.family_fault());
         match fault {
             None => Ok(()),
-            Some(why) => Err(Error::Problem { name: self.name.clone(), why }),
+            Some(why) => Err(self.error(why)),
         }
     }
 

@@ -12,8 +12,8 @@ use super::definition::Problem;
 use super::protocol::{Attributes, Memory, Protocol};
 use super::restriction::Fallback;
 use super::side::Side;
-use crate::{Error, Result};
-use b2b_evaluate::HouseForm;
+use crate::HouseForm;
+use crate::Result;
 
 /// Changes to a problem; none by default.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -60,27 +60,24 @@ impl Problem {
     /// Returns the problem with these changes, checked.
     ///
     /// # Errors
-    /// [`Error::Problem`] for changes that do not apply to it; errors from [`Problem::check`].
+    /// [`Error::Problem`](crate::Error::Problem) for changes that do not apply to it; errors from [`Problem::check`].
     pub fn with(mut self, changes: &Changes) -> Result<Self> {
-        let misfit = |why: String| Error::Problem { name: self.name.clone(), why };
         if let Some(task) = &changes.left_out {
             let tested: Task = task.parse()?;
             let six: Vec<Task> =
                 Task::NAMED.iter().map(|name| name.parse()).collect::<std::result::Result<_, _>>()?;
             if !six.contains(&tested) {
-                return Err(misfit(format!(
-                    "unknown task `{task}`; expected one of {}",
-                    Task::NAMED.join(", ")
-                )));
+                return Err(
+                    self.error(format!("unknown task `{task}`; expected one of {}", Task::NAMED.join(", ")))
+                );
             }
             self.train.tasks = six.into_iter().filter(|task| *task != tested).collect();
             self.test.tasks = vec![tested];
         }
         let restricted = self.train.restriction.is_some() || self.test.restriction.is_some();
         if !restricted && (changes.fallback.is_some() || changes.pin.is_some()) {
-            return Err(misfit(
-                "no actuators are withheld; fallback and pin apply to action-space transfer".into(),
-            ));
+            return Err(self
+                .error("no actuators are withheld; fallback and pin apply to action-space transfer".into()));
         }
         let Changes { buildings, train, test, .. } = changes;
         for (side, own, tasks) in
@@ -151,7 +148,7 @@ impl Side {
 }
 
 /// Collects the paths of the fields in which two values differ.
-pub(crate) fn differences(path: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
+pub fn differences(path: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
     match (there, here) {
         (Value::Object(there), Value::Object(here)) => {
             let names: std::collections::BTreeSet<_> = there.keys().chain(here.keys()).collect();

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use b2b_building::{Period, RunPeriod};
 use serde::{Deserialize, Serialize};
 
-use b2b_evaluate::HouseForm;
+use crate::HouseForm;
 
 /// The protocol of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

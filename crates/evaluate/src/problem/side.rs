@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::as_text;
 use super::buildings::Buildings;
 use super::restriction::Restriction;
-use b2b_evaluate::{Episode, Subject};
+use crate::{Episode, Subject};
 
 /// One side of a problem: training or test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +72,7 @@ impl Side {
     }
 
     /// Describes how the sizes of a building differ from those declared, if they do.
-    pub(super) fn size_mismatch(
+    pub fn size_mismatch(
         &self,
         building_type: BuildingType,
         spaces: &Spaces,
