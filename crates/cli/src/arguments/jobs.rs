@@ -18,9 +18,4 @@ impl Jobs {
             None => std::thread::available_parallelism()?.get(),
         })
     }
-
-    /// Returns a pool of that many threads.
-    pub fn thread_pool(&self) -> Result<rayon::ThreadPool> {
-        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.count()?).build()?)
-    }
 }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use anyhow::{Context, Result};
+use b2b_base::parallel;
 use b2b_building::{Class, RunPeriod};
 use b2b_control::tune::{self, Plan, TrainingBuildings};
 use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 
 use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
@@ -88,15 +88,15 @@ pub fn search(arguments: &Arguments) -> Result<()> {
     let each = arguments.evaluations as usize * arguments.searched().count();
     let bar = counter(classes.len() * each, "evaluations", arguments.json);
     let found = Mutex::new(Vec::new());
-    let search = |(number, class): (usize, &Class)| -> Result<()> {
+    let search = |(number, class): &(usize, Class)| -> Result<()> {
         let (comfort, energy) = arguments.tune_class(&catalog, *class, &folder, &bar)?;
         let mut found = found.lock().expect("no thread panics while it writes results");
-        found.push(Found { number, comfort, energy });
+        found.push(Found { number: *number, comfort, energy });
         found.sort_by_key(|found| found.number);
         arguments.write(&found)
     };
-    let classes = classes.par_iter().with_max_len(1).enumerate();
-    arguments.jobs.thread_pool()?.install(|| classes.try_for_each(search))?;
+    let classes: Vec<(usize, Class)> = classes.into_iter().enumerate().collect();
+    parallel::map(arguments.jobs.count()?, &classes, search)?;
     bar.finish_and_clear();
     let found = found.into_inner().expect("all threads have ended");
     let results = arguments.selected(&found);
