@@ -11,6 +11,7 @@ use b2b_control::tune::{self, Plan, TrainingBuildings};
 use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
 use indicatif::ProgressBar;
+use serde::Deserialize;
 
 use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
@@ -22,7 +23,8 @@ use crate::terminal::table::Table;
 use crate::terminal::{interrupt, stdout};
 
 /// Arguments of the search.
-#[derive(clap::Args)]
+#[derive(clap::Args, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Arguments {
     #[command(flatten)]
     classes: Classes,
@@ -54,6 +56,18 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+impl Default for Arguments {
+    /// Returns the defaults of the command line.
+    fn default() -> Self {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            arguments: Arguments,
+        }
+        <Line as clap::Parser>::parse_from(["tune"]).arguments
+    }
 }
 
 /// Names of the result files.

@@ -1,10 +1,12 @@
 //! Runs jobs, and evaluates their agents again.
 
-mod arguments;
 mod check;
+mod order;
+mod program;
 mod runner;
 mod shard;
 
 pub use check::{Checked, check};
-pub use runner::{Ended, OWNER, Runner};
+pub use program::Program;
+pub use runner::{ACTION, Runner};
 pub use shard::Shard;

@@ -2,10 +2,13 @@
 
 use std::str::FromStr;
 
+use serde::Deserialize;
+
 use crate::error::Error;
 
 /// The part `index` of `count`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
 pub struct Shard {
     index: usize,
     count: usize,
@@ -30,6 +33,14 @@ impl FromStr for Shard {
             (shard.index < shard.count).then_some(shard)
         });
         parsed.ok_or_else(|| Error::Shard { text: text.to_owned() })
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self, Error> {
+        text.parse()
     }
 }
 
