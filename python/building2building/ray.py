@@ -164,7 +164,7 @@ def tune(
         key=lambda each: (_position(each[0].lower(), types), each[1] or 0),
     )
     selected = [{"types": [name], "zones": [] if zone is None else [zone]} for name, zone in ordered]
-    orders = [{**options, "classes": classes, "jobs": 1} for classes in selected]
+    orders = [{"classes": classes, "jobs": 1, **options} for classes in selected]
     results = _carry_out_all("tune", orders, Path(folder), "evaluations", resources)
     # A single order would tune every listed type in every listed zone.
     names = ("tuned.json", "energy_scale.json")

@@ -89,9 +89,11 @@ mod tests {
             "b2b bench speed --type OfficeSmall --type OfficeMedium --type RetailStandalone --type RestaurantFastFood --type \
              Warehouse --type SingleFamilyHouse --json",
         );
-        assert!(commands.iter().any(|each| each.starts_with(
-            "b2b benchmark run dynamics-house --policy reactive --entry reactive --out entry --jobs 1 --json --test"
-        )));
+        let is_entry = |each: &String| {
+            each.starts_with("b2b benchmark run ")
+                && each.contains(" --entry residual --out entry --jobs 1 --json --trained-steps ")
+        };
+        assert!(commands.iter().any(is_entry));
     }
 
     #[test]

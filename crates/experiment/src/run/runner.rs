@@ -1,4 +1,4 @@
-//! Runs jobs: each action in a process of its own, which a crash does not outlive.
+//! Runs jobs: each action in a process of its own, so that a crash ends nothing else.
 
 use std::io::Write;
 use std::path::Path;
