@@ -28,7 +28,6 @@ from .errors import EvaluationError, SettingError
 from .evaluation import Evaluation, Policy, Request, say_reused
 from .learning import Agent
 from .learning import train as train_here
-from .process import command
 from .process.temporary import replacing, temporary_folder
 
 #: Files by their path in a folder.
@@ -147,13 +146,13 @@ def tune(
     classes: Sequence[tuple[str, int | None]],
     *,
     folder: PathLike,
-    options: Sequence[str] = (),
     resources: Resources = Resources(),
+    **options: Any,
 ) -> None:
     """Tunes the reactive controllers, like ``b2b tune``, one task for each building type and climate zone.
 
-    ``options`` are further arguments of the command, such as ``["--evaluations", "50"]``; the zone of a house is
-    ``None``.
+    ``options`` are ``objectives``, ``buildings``, ``validation``, ``evaluations``, ``seed`` and ``periods``, as in the
+    command; the zone of a house is ``None``.
 
     >>> b2b.ray.tune([("OfficeSmall", zone) for zone in range(1, 9)], folder="tuning")  # doctest: +SKIP
     """
@@ -164,10 +163,10 @@ def tune(
         {(name, zone) for name, zone in classes},
         key=lambda each: (_position(each[0].lower(), types), each[1] or 0),
     )
-    selected = [["--type", name, *([] if zone is None else ["--zone", str(zone)])] for name, zone in ordered]
-    commands = [["tune", *words, *options, "--jobs", "1"] for words in selected]
-    results = _commands(commands, Path(folder), "evaluations", resources)
-    # A single command would tune every listed type in every listed zone.
+    selected = [{"types": [name], "zones": [] if zone is None else [zone]} for name, zone in ordered]
+    orders = [{"classes": classes, "jobs": 1, **options} for classes in selected]
+    results = _carry_out_all("tune", orders, Path(folder), "evaluations", resources)
+    # A single order would tune every listed type in every listed zone.
     names = ("tuned.json", "energy_scale.json")
     _write_all(Path(folder), {name: _joined([files[name] for files in results]) for name in names})
 
@@ -181,10 +180,10 @@ def experiment(
     an experiment's file (``.toml``), which every node must have.
     """
     source = os.path.abspath(name) if name.endswith(".toml") else name
-    base = ["experiment", "run", source, "--budget", budget]
-    commands = [[*base, "--shard", f"{number}/{shards}", "--jobs", "1"] for number in range(shards)]
-    _commands(commands, Path(folder), "jobs", resources)
-    command.run([*base, "--out", os.fspath(folder)], EvaluationError)
+    order = {"experiment": source, "budget": budget}
+    orders = [{**order, "shard": f"{number}/{shards}", "jobs": 1} for number in range(shards)]
+    _carry_out_all("experiment", orders, Path(folder), "jobs", resources)
+    _core.carry_out("experiment", json.dumps({**order, "out": os.fspath(folder)}))
     return Path(folder, "report.html")
 
 
@@ -249,25 +248,27 @@ def _merged(fixed: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     return merged
 
 
-def _command(words: list[str], before: Files) -> tuple[Files, str]:
-    """Runs a command in a folder with some files; returns the files that it leaves, and its error."""
+def _carry_out(order: dict[str, Any], action: str, before: Files) -> tuple[Files, str]:
+    """Carries out an action in a folder with some files; returns the files that it leaves, and its error."""
     with temporary_folder("ray") as temporary:
         place, error = temporary / "out", ""
         _write_all(place, before)
         try:
-            command.run([*words, "--out", os.fspath(place)], EvaluationError)
+            _core.carry_out(action, json.dumps({**order, "out": os.fspath(place)}))
         except EvaluationError as failure:
             error = str(failure)
         return _read_all(place), error
 
 
-def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> list[Files]:
-    """Runs commands, each of which resumes from what a subfolder contains and adds to it; returns the files that each
-    leaves."""
+def _carry_out_all(
+    action: str, orders: list[dict[str, Any]], folder: Path, kept: str, resources: Resources
+) -> list[Files]:
+    """Carries out orders of an action, which resumes from what a subfolder contains and adds to it; returns the files
+    that each leaves."""
     before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
-    results: list[Files] = [{} for _ in commands]
+    results: list[Files] = [{} for _ in orders]
     errors = []
-    for number, files, error in _map(_command, commands, resources, before):
+    for number, files, error in _map(_carry_out, orders, resources, action, before):
         results[number] = files
         new = {name: content for name, content in files.items() if before.get(name) != content}
         _write_all(folder, {name: content for name, content in new.items() if name.startswith(f"{kept}/")})

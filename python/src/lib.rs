@@ -49,7 +49,7 @@ mod _core {
     #[pymodule_export]
     use super::evaluation::{baseline, baselines_folder, evaluate, evaluate_part};
     #[pymodule_export]
-    use super::interpreter::command::{command_arguments, run_command};
+    use super::interpreter::command::{carry_out, run_command};
     #[pymodule_export]
     use super::interpreter::temporary::temporary_folder;
     #[pymodule_export]

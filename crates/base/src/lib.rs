@@ -1,5 +1,5 @@
 //! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if they
-//! stay empty, digests, random streams, even samples, the calendar, energy carriers, suggestions for misspelled names, and
+//! stay empty, lists of work in parallel, digests, random streams, even samples, the calendar, energy carriers, suggestions for misspelled names, and
 //! the fingerprint of the machine's arithmetic.
 
 #[cfg(not(target_os = "linux"))]
@@ -13,6 +13,7 @@ pub mod digest_list;
 pub mod folder_lock;
 pub mod machine;
 pub mod new_folders;
+pub mod parallel;
 pub mod random;
 pub mod scratch;
 pub mod seal;

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use serde::Deserialize;
 use thiserror::Error;
 
 /// Text that is not a shard.
@@ -12,7 +13,8 @@ pub struct InvalidShard {
 }
 
 /// The part `index` of `count`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
 pub struct Shard {
     index: usize,
     count: usize,
@@ -37,6 +39,14 @@ impl FromStr for Shard {
             (shard.index < shard.count).then_some(shard)
         });
         parsed.ok_or_else(|| InvalidShard { text: text.to_owned() })
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = InvalidShard;
+
+    fn try_from(text: String) -> Result<Self, InvalidShard> {
+        text.parse()
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! A library, because the Python package provides the command as well.
 
+mod actions;
 mod agents;
 mod arguments;
 mod bench;
@@ -81,11 +82,11 @@ enum Command {
 
 /// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is also started for workers and the jobs of experiments, so it must call this function. Must be called
+/// `program` is also started for workers and for actions, such as the jobs of experiments, so it must call this function. Must be called
 /// before any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    b2b_learn::fragments::run_if_worker();
     program.set();
+    b2b_workers::run_if_worker_with(b2b_learn::fragments::RUNNERS, actions::ACTIONS);
     let arguments: Vec<_> = arguments.into_iter().collect();
     let mut parser = wrap::help(front_page::add(Cli::command()));
     if arguments.len() <= 1 {
@@ -110,10 +111,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
         }
         Err(error) if stdout::is_closed(&error) => ExitCode::Success,
         Err(error) => {
-            let error = with_causes(&error);
-            let remedy = interrupt::remedy().filter(|_| !error.contains("`ulimit -f`"));
-            let remedy = remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default();
-            eprintln!("{}", wrap::message(&format!("error: {error}{remedy}")));
+            eprintln!("{}", wrap::message(&format!("error: {}", with_remedy(&error))));
             ExitCode::Failure
         }
     }
@@ -159,6 +157,13 @@ fn print_usage(usage: &clap::Error) {
     }
     // A failure to print cannot be reported.
     let _ = usage.print();
+}
+
+/// Returns the text of an error with its causes and, if there is one, a remedy.
+pub(crate) fn with_remedy(error: &anyhow::Error) -> String {
+    let error = with_causes(error);
+    let remedy = interrupt::remedy().filter(|_| !error.contains("`ulimit -f`"));
+    error + &remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default()
 }
 
 /// Returns the text of an error, followed by the causes that it does not mention.

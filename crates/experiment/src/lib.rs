@@ -1,9 +1,9 @@
 //! Experiments: agents to train and evaluate on given buildings, and a report of the results.
 //!
-//! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few `b2b`
-//! commands in its own folder: a training run and the evaluation of its agent, the training runs for a benchmark
-//! problem and their entry, an evaluation of a controller, or a measurement. A [`Runner`] starts them as processes, one
-//! per core at a time, and resumes after an interruption. [`Results`] reads the folder, [`report`] writes a page that
+//! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few actions in its own
+//! folder: a training run and the evaluation of its agent, the training runs for a benchmark
+//! problem and their entry, an evaluation of a controller, or a measurement. A [`Runner`] runs them, one per core at
+//! a time, each action in a process that a [`Program`] carries out, and resumes after an interruption. [`Results`] reads the folder, [`report`] writes a page that
 //! compares them with the paper's results, and [`claims`] judges the paper's claims.
 
 mod absolute;
@@ -19,11 +19,11 @@ pub mod report;
 mod results;
 mod run;
 
-pub use definition::{Agent, Budget, Buildings, Experiment, Policy, ReportKind, Training};
+pub use definition::{Agent, Benchmark, Budget, Buildings, Experiment, Policy, ReportKind, Training};
 pub use error::{Error, Result};
 pub use estimate::{duration_text, estimate};
 pub use folder::{Evaluated, Folder, JobFolder, JobResult, State};
-pub use job::{Action, Entry, Episodes, Job};
+pub use job::{Action, Entry, Episodes, Job, Measurement};
 pub use rates::{Rate, rates, rates_text};
 pub use results::Results;
-pub use run::{Checked, Ended, OWNER, Runner, check};
+pub use run::{ACTION, Checked, Program, Runner, check};

@@ -2,20 +2,17 @@
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 
 use b2b_base::scratch::temporary_folder;
 use b2b_building::PreparedBuilding;
 use b2b_energyplus::{Error, Host, Messages, Result};
 use b2b_env::authority;
-use rustix::event::{PollFd, PollFlags, Timespec};
-use rustix::process::{Pid, PidfdFlags, Signal};
 use serde::de::DeserializeOwned;
 
 use super::order::{AuthorityOrder, Convert, Failure, Order, Reply, Simulate, reply_file};
-use super::region::LOOK;
+use super::process::{Process, describe};
 use super::time_limit::TimeLimit;
 use super::workers::worker_options::WorkerOptions;
 
@@ -60,8 +57,7 @@ impl Jobs {
         let words = File::create(&log).map_err(at(&log))?;
         let WorkerOptions { launcher, .. } = &self.0;
         let child = launcher.start(Stdio::null(), &path, folder.path(), words);
-        let mut process = Process(child.map_err(at(launcher.program()))?);
-        let end = match self.wait(&mut process.0)? {
+        let end = match self.wait(Process::new(child.map_err(at(launcher.program()))?))? {
             Some(status) => match std::fs::read(reply_file(&path)) {
                 Ok(text) => return read_reply(doing, &text),
                 Err(_) => describe(status),
@@ -73,13 +69,10 @@ impl Jobs {
     }
 
     /// Waits for a process and returns how it ended; `None` at the time limit.
-    fn wait(&self, child: &mut Child) -> Result<Option<ExitStatus>> {
+    fn wait(&self, mut process: Process) -> Result<Option<ExitStatus>> {
         let mut limit = TimeLimit::new(self.0.preparation_time_limit);
-        let pid = Pid::from_child(child);
-        let handle = rustix::process::pidfd_open(pid, PidfdFlags::empty());
-        let look = Timespec { tv_sec: 0, tv_nsec: LOOK.as_nanos() as i64 };
         loop {
-            if let Some(status) = child.try_wait().map_err(at(self.0.launcher.program()))? {
+            if let Some(status) = process.wait_briefly().map_err(at(self.0.launcher.program()))? {
                 return Ok(Some(status));
             }
             if (self.0.interrupted)() {
@@ -87,13 +80,6 @@ impl Jobs {
             }
             if limit.is_exceeded() {
                 return Ok(None);
-            }
-            match &handle {
-                // A signal ends the wait early.
-                Ok(handle) => {
-                    let _ = rustix::event::poll(&mut [PollFd::new(handle, PollFlags::IN)], Some(&look));
-                }
-                Err(_) => std::thread::sleep(LOOK / 10),
             }
         }
     }
@@ -115,17 +101,6 @@ impl Host for Jobs {
             output: absolute(output)?,
         };
         self.run(&doing, &Order::Simulate(order), Some(output))
-    }
-}
-
-/// A process that is killed on drop.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // It may have ended already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
     }
 }
 
@@ -151,22 +126,6 @@ fn read_reply<T: DeserializeOwned>(doing: &str, text: &[u8]) -> Result<T> {
         Ok(Reply::Failed(Failure::Other(why))) => Err(failed(why)),
         Err(error) => Err(failed(format!("its reply is damaged: {error}"))),
     }
-}
-
-/// Describes the end of a process that left no reply.
-fn describe(status: ExitStatus) -> String {
-    let Some(signal) = status.signal() else { return format!("ended without a reply ({status})") };
-    let known = [
-        (Signal::SEGV, ", a segmentation fault"),
-        (Signal::ABORT, ", an abort"),
-        (Signal::BUS, ", a bus error"),
-        (Signal::ILL, ", an illegal instruction"),
-        (Signal::FPE, ", an arithmetic error"),
-        (Signal::XFSZ, ", a file that exceeds `ulimit -f`: raise the limit"),
-        (Signal::KILL, ", which the system sends when memory is exhausted"),
-    ];
-    let name = known.iter().find(|(known, _)| known.as_raw() == signal).map_or("", |(_, name)| *name);
-    format!("crashed (signal {signal}{name})")
 }
 
 /// Returns the last lines of the engine's error file or, without one, of the log, one per line.

@@ -5,6 +5,7 @@
 //! is a copy of the template by `fork`, within milliseconds, and a [`Snapshot`] is a copy of an episode. [`VecEnv`] is
 //! a batch of N environments, and [`recv`] waits for several episodes at once.
 
+mod action;
 mod batch;
 mod episode;
 mod form;
@@ -12,6 +13,7 @@ mod fragment;
 mod jobs;
 mod order;
 mod pool;
+mod process;
 mod region;
 mod sampler;
 mod setting;
@@ -20,6 +22,7 @@ mod vec_env;
 mod worker;
 mod workers;
 
+pub use action::{ActionEnd, ActionProcess};
 pub use batch::{recv, step_all};
 pub use episode::episode_options::EpisodeOptions;
 pub use episode::episode_report::EpisodeReport;
@@ -35,6 +38,7 @@ pub use sampler::{
 pub use setting::{EpisodeSetting, Source};
 pub use vec_env::statistics::Statistics;
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
+pub use worker::action::{Act, Actions};
 pub use worker::entry::{run_if_worker, run_if_worker_with};
 pub use workers::Workers;
 pub use workers::launcher::Launcher;

@@ -4,6 +4,7 @@
 //!
 //! - `episode` turns the worker into an environment, which then receives steps, copies and `fragment` orders through
 //!   shared memory.
+//! - `action` is work of a crate above this one, such as a job of an experiment: see [`Actions`](super::Actions).
 //! - Every other order is a job: the worker carries it out, writes its [`Reply`] and ends.
 
 use std::path::{Path, PathBuf};
@@ -31,6 +32,8 @@ pub(super) enum Order {
     Simulate(Simulate),
     /// Check the response of a building to its actuators.
     Authority(Box<AuthorityOrder>),
+    /// Carry out an action of the program.
+    Action(ActionOrder),
 }
 
 /// The environment of a template process.
@@ -87,6 +90,15 @@ pub(super) struct AuthorityOrder {
     pub(super) weather: PathBuf,
 }
 
+/// An action.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ActionOrder {
+    /// Its name: see [`Actions`](super::Actions).
+    pub(super) action: String,
+    /// Order, in the action's own format.
+    pub(super) order: Box<RawValue>,
+}
+
 impl Order {
     /// Name of the order, its tag.
     pub(super) fn name(&self) -> &'static str {
@@ -96,6 +108,7 @@ impl Order {
             Self::Convert(_) => "convert",
             Self::Simulate(_) => "simulate",
             Self::Authority(_) => "authority",
+            Self::Action(_) => "action",
         }
     }
 
@@ -174,7 +187,8 @@ mod tests {
         let orders = [
             Order::Convert(Convert { library: library.clone(), idf: path.clone() }),
             Order::Simulate(Simulate { library, model: path.clone(), weather: path.clone(), output: path }),
-            Order::Fragment(FragmentOrder { runner: "learner".into(), order: raw }),
+            Order::Fragment(FragmentOrder { runner: "learner".into(), order: raw.clone() }),
+            Order::Action(ActionOrder { action: "experiment".into(), order: raw }),
         ];
         for order in orders {
             let text = order.to_json();

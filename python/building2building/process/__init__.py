@@ -1,1 +1,1 @@
-"""Processes: the command ``b2b``, temporary folders, and where pip put EnergyPlus."""
+"""Processes: temporary folders, and where pip put EnergyPlus."""

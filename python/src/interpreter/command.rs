@@ -2,12 +2,17 @@
 
 use std::ffi::OsString;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use b2b_cli::Program;
 use b2b_energyplus::install::use_packages_in;
+use b2b_workers::{ActionEnd, ActionProcess};
 use pyo3::prelude::*;
+use serde_json::value::RawValue;
 
-use crate::interpreter::process::interpreter_arguments;
+use crate::interpreter::error::Exception;
+use crate::interpreter::process::{interpreter_arguments, launcher};
+use crate::interpreter::signals::{interrupt, interrupted};
 
 /// Runs the command `b2b` with arguments, or the worker loop if this process was started as a worker, and ends the
 /// process.
@@ -27,9 +32,20 @@ pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyRe
     std::process::exit(code as i32)
 }
 
-/// Returns the arguments with which an interpreter runs the command `b2b` from this extension module in `file`, without
-/// code of the current folder. The command's own arguments follow.
+/// Carries out an action of `b2b` in a process of its own, with its arguments as JSON text, and returns its result. Ctrl-C ends
+/// it.
 #[pyfunction]
-pub fn command_arguments(file: &str) -> [&str; 5] {
-    interpreter_arguments(file)
+pub fn carry_out(py: Python<'_>, action: &str, order: &str) -> PyResult<String> {
+    let launcher = launcher(py)?;
+    let fault = |error: &dyn std::error::Error| Exception::Process.new_err(error.to_string());
+    let order: Box<RawValue> = serde_json::from_str(order).map_err(|error| fault(&error))?;
+    let silent = |command: &mut Command| {
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    };
+    let end = py.detach(|| ActionProcess::start(&launcher, action, &order, silent)?.wait(interrupted));
+    match end.map_err(|error| fault(&error))? {
+        ActionEnd::Done(result) => Ok(result),
+        ActionEnd::Failed(why) => Err(Exception::Evaluation.new_err(why)),
+        ActionEnd::Interrupted => Err(interrupt()),
+    }
 }

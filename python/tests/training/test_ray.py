@@ -108,21 +108,20 @@ def test_a_policy_is_sent_to_the_nodes_as_files(tmp_path: Path) -> None:
 def test_only_the_classes_asked_for_are_tuned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from building2building import ray as cluster
 
-    asked: list[list[str]] = []
+    asked: list[dict[str, Any]] = []
 
-    def run(commands: list[list[str]], *_: Any) -> list[dict[str, bytes]]:
-        asked.extend(commands)
-        texts = [f'[\n  {{\n    "command": "{" ".join(each[1:5])}"\n  }}\n]\n'.encode() for each in commands]
+    def carry_out_all(_: str, orders: list[dict[str, Any]], *__: Any) -> list[dict[str, bytes]]:
+        asked.extend(orders)
+        texts = [(json.dumps([each["classes"]], indent=2) + "\n").encode() for each in orders]
         return [{"tuned.json": text, "energy_scale.json": text} for text in texts]
 
-    monkeypatch.setattr(cluster, "_commands", run)
-    monkeypatch.setattr(cluster.command, "run", lambda *_: pytest.fail("no further command is needed"))
+    monkeypatch.setattr(cluster, "_carry_out_all", carry_out_all)
     classes = [("Warehouse", 5), ("OfficeSmall", 7), ("OfficeSmall", 1)]
-    cluster.tune([*classes, classes[0]], folder=tmp_path)
+    cluster.tune([*classes, classes[0]], folder=tmp_path, evaluations=50)
     order = {name: number for number, name in enumerate(b2b.list_building_types())}
     ordered = sorted(classes, key=lambda each: (order[each[0]], each[1]))
-    expected = [{"command": f"--type {name} --zone {zone}"} for name, zone in ordered]
-    assert len(asked) == 3
+    expected = [{"types": [name], "zones": [zone]} for name, zone in ordered]
+    assert [each["evaluations"] for each in asked] == [50] * 3
     for name in ("tuned.json", "energy_scale.json"):
         text = (tmp_path / name).read_text()
         assert json.loads(text) == expected and text == json.dumps(expected, indent=2) + "\n"
@@ -134,8 +133,10 @@ def test_a_folder_with_the_name_of_an_experiment_is_not_its_file(
     from building2building import ray as cluster
 
     ran: list[str] = []
-    monkeypatch.setattr(cluster, "_commands", lambda commands, *_: ran.extend(each[2] for each in commands))
-    monkeypatch.setattr(cluster.command, "run", lambda words, _: ran.append(words[2]))
+    monkeypatch.setattr(
+        cluster, "_carry_out_all", lambda _, orders, *__: ran.extend(each["experiment"] for each in orders)
+    )
+    monkeypatch.setattr(cluster._core, "carry_out", lambda _, order: ran.append(json.loads(order)["experiment"]))
     monkeypatch.chdir(tmp_path)
     Path("ppo").mkdir()
     cluster.experiment("ppo", folder="ppo", shards=1)
@@ -178,8 +179,8 @@ def test_an_experiment_in_shards_gives_the_results_of_one_machine(cluster: Any, 
     results = [(tmp_path / name / "results.json").read_bytes() for name in ("here", "there")]
     assert results[0] == results[1]
 
-    options = ["--evaluations", "1", "--buildings", "1", "--validation", "1", "--period", "01-01..01-01"]
-    tune([("SingleFamilyHouse", None)], folder=tmp_path / "tuning", options=options, resources=resources)
+    options = {"evaluations": 1, "buildings": 1, "validation": 1, "periods": ["01-01..01-01"]}
+    tune([("SingleFamilyHouse", None)], folder=tmp_path / "tuning", resources=resources, **options)
     assert (tmp_path / "tuning" / "tuned.json").is_file()
 
 

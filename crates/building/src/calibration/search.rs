@@ -1,9 +1,8 @@
 //! The search for the multipliers of a model, over simulated years.
 
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+use b2b_base::parallel;
 use b2b_energyplus::Library;
 
 use super::report::{Calibrated, Report};
@@ -142,27 +141,7 @@ impl Simulations<'_> {
             }
         }
         self.progress.begin(new.len());
-        let energies: Vec<_> = new.iter().map(|_| Mutex::new(None)).collect();
-        let next = AtomicUsize::new(0);
-        let work = || {
-            while let Some((point, energy)) = {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                new.get(index).zip(energies.get(index))
-            } {
-                let simulated = self.simulate(point);
-                if simulated.is_err() {
-                    next.store(new.len(), Ordering::Relaxed);
-                }
-                *energy.lock().expect("a thread that panics ends the calibration") = Some(simulated);
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 0..self.of.jobs.clamp(1, new.len().max(1)) {
-                scope.spawn(work);
-            }
-        });
-        let energies = energies.into_iter().filter_map(|energy| energy.into_inner().ok().flatten());
-        let energies = energies.collect::<Result<Vec<_>>>()?;
+        let energies = parallel::map(self.of.jobs, &new, |point| self.simulate(point))?;
         self.done.extend(new.into_iter().cloned().zip(energies));
         Ok(())
     }

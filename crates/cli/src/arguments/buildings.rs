@@ -4,6 +4,7 @@ use anyhow::{Result, bail};
 use b2b_building::{BuildingType, Class};
 use b2b_dataset::BuildingName;
 use b2b_dataset::{BuildingId, Row};
+use serde::Deserialize;
 
 /// A subset of the dataset.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -90,7 +91,8 @@ impl Subset {
 }
 
 /// Building types and climate zones.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Classes {
     /// Building types [default: all six]
     #[arg(long = "type", value_name = "TYPE", num_args = 1..)]

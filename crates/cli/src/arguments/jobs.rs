@@ -1,9 +1,11 @@
 //! The degree of parallelism.
 
 use anyhow::Result;
+use serde::Deserialize;
 
 /// The number of buildings or episodes in progress at a time.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default, Deserialize)]
+#[serde(transparent)]
 pub struct Jobs {
     /// Number of buildings, episodes or jobs to process in parallel [default: number of CPU cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
@@ -17,10 +19,5 @@ impl Jobs {
             Some(jobs) => jobs as usize,
             None => std::thread::available_parallelism()?.get(),
         })
-    }
-
-    /// Returns a pool of that many threads.
-    pub fn thread_pool(&self) -> Result<rayon::ThreadPool> {
-        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.count()?).build()?)
     }
 }

@@ -11,6 +11,9 @@ mod vector;
 
 use anyhow::Result;
 
+pub(crate) use speed::speed_json;
+pub(crate) use vector::{SINGLE, serve_single};
+
 /// Measure the cost of environments and of training
 #[derive(clap::Args)]
 pub struct Arguments {

@@ -38,13 +38,15 @@ pub struct Arguments {
     #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
     /// Number of simulated days, from 1 January
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(4..=365))]
+    #[arg(long, default_value_t = DAYS, value_parser = clap::value_parser!(u32).range(4..=365))]
     days: u32,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+/// Number of simulated days by default.
+const DAYS: u32 = 16;
 const STEPS_PER_HOUR: u32 = 12;
 const STEPS_PER_DAY: u32 = 24 * STEPS_PER_HOUR;
 /// Number of days that are excluded.
@@ -76,19 +78,26 @@ struct StepCost {
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let types = BuildingType::ALL.map(BuildingName::Type);
     let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
-    let mut speeds = Vec::new();
-    for building in buildings {
-        speeds.push(speed(building, arguments)?);
-    }
+    let speeds = speeds(buildings, arguments.days, arguments.json)?;
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-fn speed(building: &BuildingName, arguments: &Arguments) -> Result<StepCost> {
-    let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
+/// Returns what the command prints with `--json` for buildings of some types.
+pub(crate) fn speed_json(types: &[String]) -> Result<String> {
+    let buildings = types.iter().map(|name| Ok(name.parse()?)).collect::<Result<Vec<_>>>()?;
+    Ok(serde_json::to_string_pretty(&speeds(&buildings, DAYS, true)?)?)
+}
+
+fn speeds(buildings: &[BuildingName], days: u32, quiet: bool) -> Result<Vec<StepCost>> {
+    buildings.iter().map(|building| speed(building, days, quiet)).collect()
+}
+
+fn speed(building: &BuildingName, simulated: u32, quiet: bool) -> Result<StepCost> {
+    let prepared = Prepared::new(building, &Location::default(), quiet)?;
     let mut days = Vec::new();
     for first in 0..MODES {
-        let mut runs = Runs::start(&prepared, arguments.days, first)?;
-        for day in 0..arguments.days {
+        let mut runs = Runs::start(&prepared, simulated, first)?;
+        for day in 0..simulated {
             interrupt::check()?;
             let ms = runs.one_day_each(day as usize)?;
             if day >= FIRST_DAYS {
@@ -107,7 +116,7 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<StepCost> {
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
         operation_to_env: of_days(|ms| ms[3] / ms[2]),
-        steps: MODES as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
+        steps: MODES as u32 * (simulated - FIRST_DAYS) * STEPS_PER_DAY,
         env_mean_ms,
         env_deviation_ms,
     })

@@ -1,17 +1,16 @@
 //! `b2b bench vector`: the cost of many parallel environments.
 
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+use std::process::{ChildStdin, ChildStdout, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::{Env, Environment, Task};
-use b2b_workers::{EpisodeSetting, Fixed, VecEnv, Workers};
+use b2b_workers::{ActionProcess, EpisodeSetting, Fixed, VecEnv, Workers};
 use cpu_time::ProcessTime;
-use serde::Serialize;
-use tempfile::TempDir;
+use serde::{Deserialize, Serialize};
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::statistics::{median, percentile};
@@ -60,9 +59,6 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Run a round of steps in a single environment for every line of standard input
-    #[arg(long, hide = true, value_name = "BUILDING", conflicts_with = "buildings")]
-    single: Option<BuildingName>,
 }
 
 const STEPS_PER_HOUR: u32 = 12;
@@ -93,9 +89,6 @@ struct MeasuredBatch {
 
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    if let Some(building) = &arguments.single {
-        return Single::serve(building, arguments.days);
-    }
     let types = BuildingType::ALL.map(BuildingName::Type);
     let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut measured = Vec::new();
@@ -246,28 +239,33 @@ impl Cache {
 /// Size of the memory that replaces the content of a processor's own cache, bytes.
 const OTHERS: usize = 8 << 20;
 
+/// Name of the action that runs a single environment.
+pub(crate) const SINGLE: &str = "single";
+
+/// The order of a single environment.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SingleOrder {
+    building: String,
+    days: u32,
+}
+
 /// A single environment in its own process.
 struct Single {
-    process: Child,
     ask: ChildStdin,
     answers: BufReader<ChildStdout>,
-    /// Temporary folder of the process, which is killed and cannot remove it.
-    _temporary: TempDir,
+    _process: ActionProcess,
 }
 
 impl Single {
     fn start(building: &BuildingName, days: u32) -> Result<Self> {
-        let temporary = b2b_base::scratch::temporary_folder("b2b-bench-")?;
-        let mut process = program::command()
-            .args(["bench", "vector", "--single", &building.to_string(), "--days", &days.to_string()])
-            .env("TMPDIR", temporary.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .context("cannot start a process")?;
-        let ask = process.stdin.take().context("no pipe")?;
-        let answers = BufReader::new(process.stdout.take().context("no pipe")?);
-        let mut single = Self { process, ask, answers, _temporary: temporary };
+        let order = SingleOrder { building: building.to_string(), days };
+        let mut process = ActionProcess::start(&program::launcher(), SINGLE, &order, |command| {
+            command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        })
+        .context("cannot start a process")?;
+        let ask = process.child().stdin.take().context("no pipe")?;
+        let answers = BufReader::new(process.child().stdout.take().context("no pipe")?);
+        let mut single = Self { ask, answers, _process: process };
         single.answer()?;
         Ok(single)
     }
@@ -287,21 +285,6 @@ impl Single {
         line.trim().parse().context("a single environment has ended")
     }
 
-    /// Runs in the child process: reports when it is ready, then runs a round for each line and reports its CPU time.
-    fn serve(building: &BuildingName, days: u32) -> Result<()> {
-        let prepared = Prepared::new(building, &Location::default(), true)?;
-        let mut env = prepared.env(period(days), STEPS_PER_HOUR, Task::default())?;
-        let action = env.action_space().middle();
-        env.reset()?;
-        println!("0");
-        let mut others = vec![0u8; 0];
-        for line in std::io::stdin().lock().lines() {
-            others.resize(if line? == Cache::Cold.name() { OTHERS } else { 0 }, 0);
-            println!("{}", Self::steps(&mut env, &action, &mut others)?);
-        }
-        Ok(())
-    }
-
     /// Runs a round. Returns its CPU time, s, without the time to replace the cache before each step.
     fn steps(env: &mut Env, action: &[f64], others: &mut [u8]) -> Result<f64> {
         let mut seconds = 0.0;
@@ -315,12 +298,20 @@ impl Single {
     }
 }
 
-impl Drop for Single {
-    fn drop(&mut self) {
-        // Fails if the process has already ended.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+/// Carries out the order of a single environment: reports when it is ready, then runs a round for each line of standard input
+/// and reports its CPU time.
+pub(crate) fn serve_single(order: &SingleOrder) -> Result<String> {
+    let prepared = Prepared::new(&order.building.parse()?, &Location::default(), true)?;
+    let mut env = prepared.env(period(order.days), STEPS_PER_HOUR, Task::default())?;
+    let action = env.action_space().middle();
+    env.reset()?;
+    println!("0");
+    let mut others = vec![0u8; 0];
+    for line in std::io::stdin().lock().lines() {
+        others.resize(if line? == Cache::Cold.name() { OTHERS } else { 0 }, 0);
+        println!("{}", Single::steps(&mut env, &action, &mut others)?);
     }
+    Ok(String::new())
 }
 
 fn text(measured: &[MeasuredBatch]) -> String {

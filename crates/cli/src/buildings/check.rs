@@ -1,10 +1,10 @@
 //! `b2b check`: sizing and simulation of dataset buildings.
 
 use anyhow::{Context, Result};
+use b2b_base::parallel;
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Catalog};
 use b2b_env::{Spaces, Task, Term, Trajectory};
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::arguments::buildings::DatasetBuildings;
@@ -105,14 +105,10 @@ impl Arguments {
         let ids = self.buildings.ids()?;
         let catalog = program::catalog(&mut Download::new(self.json))?;
         let bar = counter(ids.len(), "buildings", self.json);
-        let reports = self.jobs.thread_pool()?.install(|| {
-            ids.par_iter()
-                .map(|id| {
-                    let report = Report::of(&catalog, *id, &self.periods);
-                    bar.inc(1);
-                    report
-                })
-                .collect()
+        let reports = parallel::map(self.jobs.count()?, &ids, |id| {
+            let report = Report::of(&catalog, *id, &self.periods);
+            bar.inc(1);
+            report
         });
         bar.finish_and_clear();
         reports

@@ -101,12 +101,8 @@ fn run(arguments: &Run) -> Result<ExitCode> {
     let policy = arguments.policy.load()?;
     let episodes = arguments.episodes.list(&arguments.tasks(policy.as_ref()))?;
     let out = arguments.out.as_deref().context("--out is required")?;
-    let folder = Folder::open(out, policy.as_ref(), &episodes)?;
-    let evaluated = evaluate_into(&folder, arguments, policy.as_ref(), &episodes);
-    if evaluated.is_err() {
-        folder.withdraw();
-    }
-    evaluated
+    Folder::open(out, policy.as_ref(), &episodes)?
+        .carry_out(|folder| evaluate_into(folder, arguments, policy.as_ref(), &episodes))
 }
 
 fn evaluate_into(

@@ -37,7 +37,7 @@ pub struct Arguments {
 pub fn check(arguments: &Arguments) -> Result<ExitCode> {
     let (folder, experiment, budget) = Folder::open(&arguments.folder)?;
     let runner = Runner {
-        command: program::command,
+        launcher: program::launcher(),
         folder: &folder,
         parallel: arguments.jobs.count()?,
         interrupted: interrupt::requested,

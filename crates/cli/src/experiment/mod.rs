@@ -7,7 +7,7 @@ mod report;
 mod run;
 mod show;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use crate::terminal::exit_code::ExitCode;
 
@@ -47,6 +47,15 @@ enum Command {
     Check(check::Arguments),
     Claims(claims::Arguments),
     Rates(rates::Arguments),
+}
+
+/// Runs an experiment like `b2b experiment run`. Errors if a job fails.
+pub(crate) fn carry_out(arguments: &run::Arguments) -> Result<String> {
+    crate::terminal::interrupt::be_patient();
+    match &run::failures(arguments)?[..] {
+        [] => Ok(String::new()),
+        failures => bail!("{}", failures.join("\n")),
+    }
 }
 
 /// Runs the command.

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
+use b2b_base::parallel;
 use b2b_building::BuildingType;
 use b2b_climate::WeatherFile;
 use b2b_dataset::manifest::{Manifest, of_buildings};
 use b2b_dataset::{Building, Places, Row, Setting};
 use b2b_energyplus::install::Quiet;
-use rayon::prelude::*;
 use serde_json::json;
 
 use crate::arguments::buildings::Split;
@@ -108,15 +108,13 @@ pub fn generate(arguments: &Arguments) -> Result<()> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     weather::fetch(missing.iter().map(|(_, building)| building), arguments.json)?;
     let bar = counter(missing.len(), "buildings", arguments.json);
-    let done = arguments.jobs.thread_pool()?.install(|| {
-        missing.par_iter().try_for_each(|(name, building)| {
-            interrupt::check()?;
-            let generated = catalog.generate(building, &mut Quiet);
-            let (model, _) = generated.with_context(|| format!("cannot generate {name}"))?;
-            folder.write(name, &model.to_epjson())?;
-            bar.inc(1);
-            anyhow::Ok(())
-        })
+    let done = parallel::map(arguments.jobs.count()?, &missing, |(name, building)| {
+        interrupt::check()?;
+        let generated = catalog.generate(building, &mut Quiet);
+        let (model, _) = generated.with_context(|| format!("cannot generate {name}"))?;
+        folder.write(name, &model.to_epjson())?;
+        bar.inc(1);
+        anyhow::Ok(())
     });
     bar.finish_and_clear();
     if interrupt::requested() {

@@ -1,11 +1,10 @@
-//! Starting this program again: as a worker, or for a job of an experiment.
+//! Starting this program again: as a worker, or for an action such as a job of an experiment.
 
 pub(crate) mod prepare;
 pub(crate) mod weather;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::Command;
 use std::sync::OnceLock;
 
 use anyhow::Result;
@@ -43,14 +42,6 @@ impl Program {
     fn this() -> &'static Self {
         THIS.get().expect("`run` sets it before a command begins")
     }
-}
-
-/// Returns a command that starts this program.
-pub fn command() -> Command {
-    let Program { executable, arguments } = Program::this();
-    let mut command = Command::new(executable);
-    command.args(arguments);
-    command
 }
 
 /// Loads the engine, which is downloaded if it is missing. Worker processes read and size models with it, so a crash is

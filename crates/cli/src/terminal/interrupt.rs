@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-/// Id of the process that started this one, if this is a command of an experiment's job.
+/// Id of the process that started this one, if this is an action that ends with it.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
 /// Whether a file exceeded the size limit of this process.
@@ -22,9 +22,6 @@ static PATIENT: AtomicBool = AtomicBool::new(false);
 /// Installs the handlers. An interrupt or a termination request only sets the flag; a second one, or [`GRACE`] after
 /// the first, ends the process and its workers immediately.
 pub fn listen() -> Result<()> {
-    if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
-        OWNER.get_or_init(|| owner);
-    }
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::clone(&TOO_LARGE))
         .context("cannot install the handler of file sizes")?;
     ctrlc::set_handler(|| {
@@ -36,6 +33,12 @@ pub fn listen() -> Result<()> {
         }
     })
     .context("cannot install the Ctrl-C handler")
+}
+
+/// Installs the handlers in a process that stops when the one that started it has ended.
+pub fn listen_with_owner() -> Result<()> {
+    OWNER.get_or_init(std::os::unix::process::parent_id);
+    listen()
 }
 
 /// Ends a process whose work does not poll the flag, such as a network that never ends. Time during which the process

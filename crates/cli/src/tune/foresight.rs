@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use b2b_base::parallel;
 use b2b_building::Period;
 use b2b_climate::TwoWeeks;
 use b2b_control::foresight::{Planned, SchedulePlan, ScheduleSearchOptions, plan};
@@ -12,7 +13,6 @@ use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::statistics::median;
 use b2b_workers::{EpisodeSetting, Source, Workers};
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
@@ -90,8 +90,7 @@ pub fn foresight(arguments: &Arguments) -> Result<()> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let bar = counter(0, "episodes", arguments.json);
     let search = |item: &Item| arguments.search(&catalog, item, &bar);
-    let plans: Vec<SchedulePlan> =
-        arguments.jobs.thread_pool()?.install(|| items.par_iter().map(search).collect::<Result<_>>())?;
+    let plans: Vec<SchedulePlan> = parallel::map(arguments.jobs.count()?, &items, search)?;
     bar.finish_and_clear();
     write(&arguments.out.join(ALL), &plans)?;
     stdout::print_result(arguments.json, &plans, || arguments.text(&items, &plans))

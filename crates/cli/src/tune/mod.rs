@@ -58,6 +58,11 @@ enum Command {
     Supervisor(Box<supervisor::Arguments>),
 }
 
+/// Searches parameters like the command without a subcommand.
+pub(crate) fn carry_out(arguments: &search::Arguments) -> Result<String> {
+    search::search(arguments).map(|()| String::new())
+}
+
 /// Runs the command.
 pub fn tune(arguments: &Arguments) -> Result<()> {
     match &arguments.command {

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use anyhow::{Context, Result};
+use b2b_base::parallel;
 use b2b_building::{Class, RunPeriod};
 use b2b_control::tune::{self, TrainingBuildings, TuningPlan};
 use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
+use serde::Deserialize;
 
 use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
@@ -22,7 +23,8 @@ use crate::terminal::table::Table;
 use crate::terminal::{interrupt, stdout};
 
 /// Arguments of the search.
-#[derive(clap::Args)]
+#[derive(clap::Args, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Arguments {
     #[command(flatten)]
     classes: Classes,
@@ -54,6 +56,18 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+impl Default for Arguments {
+    /// Returns the defaults of the command line.
+    fn default() -> Self {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            arguments: Arguments,
+        }
+        <Line as clap::Parser>::parse_from(["tune"]).arguments
+    }
 }
 
 /// Names of the result files.
@@ -88,15 +102,15 @@ pub fn search(arguments: &Arguments) -> Result<()> {
     let each = arguments.evaluations as usize * arguments.searched().count();
     let bar = counter(classes.len() * each, "evaluations", arguments.json);
     let found = Mutex::new(Vec::new());
-    let search = |(number, class): (usize, &Class)| -> Result<()> {
+    let search = |(number, class): &(usize, Class)| -> Result<()> {
         let (comfort, energy) = arguments.tune_class(&catalog, *class, &folder, &bar)?;
         let mut found = found.lock().expect("no thread panics while it writes results");
-        found.push(Found { number, comfort, energy });
+        found.push(Found { number: *number, comfort, energy });
         found.sort_by_key(|found| found.number);
         arguments.write(&found)
     };
-    let classes = classes.par_iter().with_max_len(1).enumerate();
-    arguments.jobs.thread_pool()?.install(|| classes.try_for_each(search))?;
+    let classes: Vec<(usize, Class)> = classes.into_iter().enumerate().collect();
+    parallel::map(arguments.jobs.count()?, &classes, search)?;
     bar.finish_and_clear();
     let found = found.into_inner().expect("all threads have ended");
     let results = arguments.selected(&found);

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use b2b_base::parallel;
 use b2b_base::spread::spread;
 use b2b_building::{BuildingType, Period};
 use b2b_climate::TwoWeeks;
@@ -12,7 +13,6 @@ use b2b_control::linear_supervisor::{Rule, TriedEpisode, TunedWeights, WeightSea
 use b2b_dataset::{BuildingId, BuildingName, Catalog, Placement, Split};
 use b2b_env::{EpisodeConfig, Task};
 use b2b_workers::{EpisodeSetting, Source, Workers};
-use rayon::prelude::*;
 use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
@@ -109,10 +109,10 @@ impl Arguments {
         });
         let path = self.out.join(format!("{building_type}.jsonl"));
         let bar = counter(options.rounds * options.episodes, "episodes", self.json);
-        let pool = self.jobs.thread_pool()?;
+        let jobs = self.jobs.count()?;
         let mut tries = |round: usize, all: &[Vec<Vec<Rule>>]| {
             let first = round * all.len();
-            let site = |(number, tried): (usize, &Vec<Vec<Rule>>)| {
+            let site = |(number, tried): &(usize, &Vec<Vec<Rule>>)| {
                 let number = first + number;
                 let id = ids[number % ids.len()];
                 let period = periods[(number + number / ids.len()) % periods.len()];
@@ -120,9 +120,7 @@ impl Arguments {
                 bar.inc(1);
                 site
             };
-            pool.install(|| {
-                all.par_iter().enumerate().with_max_len(1).map(site).collect::<Result<Vec<TriedEpisode>>>()
-            })
+            parallel::map(jobs, &all.iter().enumerate().collect::<Vec<_>>(), site)
         };
         let tuned = tune(options, days, Some((&path, &head)), &mut tries);
         bar.finish_and_clear();

@@ -110,8 +110,23 @@ impl Folder {
         Ok(true)
     }
 
+    /// Carries out work in the folder; after an error, a folder in which nothing has finished is left as it was before.
+    ///
+    /// # Errors
+    /// The errors of the work.
+    pub fn carry_out<T, E>(
+        self,
+        work: impl FnOnce(&Self) -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
+        let done = work(&self);
+        if done.is_err() {
+            self.withdraw();
+        }
+        done
+    }
+
     /// Takes the definition back if nothing has finished, so that an evaluation that is refused leaves nothing behind.
-    pub fn withdraw(self) {
+    fn withdraw(self) {
         if !matches!(self.is_empty(), Ok(true)) {
             return;
         }

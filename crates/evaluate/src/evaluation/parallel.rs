@@ -1,7 +1,6 @@
 //! The configuration of an evaluation, and the state its threads share.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
+use b2b_base::parallel::Halt;
 use b2b_dataset::Catalog;
 use b2b_workers::Launcher;
 
@@ -33,15 +32,15 @@ pub(super) struct Work<'a> {
     pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),
     /// Called with every recorded episode before it is kept.
     pub(super) recorded: &'a (dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
-    /// Set when a thread fails, to stop the others.
-    pub(super) failed: AtomicBool,
+    /// Set when an episode fails, to stop the others.
+    pub(super) halt: Halt,
     pub(super) interrupted: fn() -> bool,
 }
 
 impl Work<'_> {
     /// Errors if the evaluation is to stop.
     pub(super) fn check(&self) -> Result<()> {
-        let halt = (self.interrupted)() || self.failed.load(Ordering::Relaxed);
+        let halt = (self.interrupted)() || self.halt.is_set();
         if halt { Err(Error::Interrupted) } else { Ok(()) }
     }
 }

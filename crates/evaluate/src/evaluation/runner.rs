@@ -1,7 +1,8 @@
 //! Runs the episodes of an evaluation in parallel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use b2b_base::parallel::{self, Halt};
 
 use super::bench::{Bench, Group};
 use super::episode::Episode;
@@ -33,9 +34,9 @@ impl Evaluation<'_> {
         progress: &dyn Progress,
         keep: &(dyn Fn(usize, Outcome) -> Result<()> + Sync),
     ) -> Result<()> {
-        let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
+        let (halt, interrupted) = (Halt::default(), self.interrupted);
         let recorded = &|_: usize, _: &Recorded<'_>| Ok(());
-        self.run_all(&Work { episodes, policy, progress, keep, recorded, failed, interrupted })
+        self.run_all(&Work { episodes, policy, progress, keep, recorded, halt, interrupted })
     }
 
     /// Like [`Evaluation::run`], but passes the steps of each episode, or why it was lost, to `keep` with its number.
@@ -49,39 +50,21 @@ impl Evaluation<'_> {
         progress: &dyn Progress,
         keep: &KeepRecorded<'_>,
     ) -> Result<()> {
-        let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
+        let (halt, interrupted) = (Halt::default(), self.interrupted);
         let recorded = &|number: usize, recorded: &Recorded<'_>| keep(number, Ok(recorded));
         let lost = &|number: usize, outcome: Outcome| match outcome {
             Ok(_) => Ok(()),
             Err(lost) => keep(number, Err(lost)),
         };
-        self.run_all(&Work { episodes, policy, progress, keep: lost, recorded, failed, interrupted })
+        self.run_all(&Work { episodes, policy, progress, keep: lost, recorded, halt, interrupted })
     }
 
     fn run_all(&self, work: &Work<'_>) -> Result<()> {
         let groups = Group::of(work.episodes, work.policy);
-        let next = AtomicUsize::new(0);
-        let thread = || {
-            // First takes buildings that no thread has taken, then remaining episodes in other threads' buildings.
-            let own = std::iter::from_fn(|| groups.get(next.fetch_add(1, Ordering::Relaxed)));
-            let outcome = own.chain(&groups).try_for_each(|group| self.work_on(group, work));
-            if outcome.is_err() {
-                work.failed.store(true, Ordering::Relaxed);
-            }
-            outcome
-        };
-        std::thread::scope(|scope| {
-            let threads: Vec<_> = (0..self.jobs.max(1)).map(|_| scope.spawn(thread)).collect();
-            let outcomes: Vec<_> = threads
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect();
-            // A thread that stopped because another failed reports an interruption, so the other's error takes
-            // precedence.
-            let interrupted = |outcome: &Result<()>| matches!(outcome, Err(Error::Interrupted));
-            let (halted, others): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(interrupted);
-            others.into_iter().chain(halted).collect()
-        })
+        // Every building once; then all of them again, for as many threads as run out of buildings and share the work on the
+        // remaining ones.
+        let shares: Vec<_> = groups.iter().cycle().take(groups.len() * (self.jobs + 1)).collect();
+        parallel::map_until(&work.halt, self.jobs, &shares, |group| self.work_on(group, work)).map(drop)
     }
 
     /// Runs the remaining sequences of a building.

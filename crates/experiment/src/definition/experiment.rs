@@ -58,9 +58,9 @@ pub struct Experiment {
     /// Agents.
     #[serde(default)]
     pub agents: Vec<Agent>,
-    /// Arguments of one `b2b` command with `--json` that measures something. Such an experiment has no agents.
+    /// The benchmark that it runs. Such an experiment has no agents.
     #[serde(default)]
-    pub measure: Vec<String>,
+    pub measure: Option<Benchmark>,
     /// Budget for two cores and a few hours.
     pub(super) quick: Budget,
     /// The paper's budget.
@@ -68,6 +68,14 @@ pub struct Experiment {
     /// Further budgets, by name.
     #[serde(default)]
     pub(super) budgets: BTreeMap<String, Budget>,
+}
+
+/// A benchmark of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Benchmark {
+    /// The time of a step, as `b2b bench speed` measures it.
+    Speed,
 }
 
 /// The kind of a report.

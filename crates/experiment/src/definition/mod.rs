@@ -8,4 +8,4 @@ mod validation;
 
 pub use agent::{Agent, Training};
 pub use budget::{Budget, Buildings};
-pub use experiment::{Experiment, Policy, RANDOM, REACTIVE, ReportKind, best_of};
+pub use experiment::{Benchmark, Experiment, Policy, RANDOM, REACTIVE, ReportKind, best_of};

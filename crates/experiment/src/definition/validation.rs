@@ -129,9 +129,9 @@ fn subjects(experiment: &Experiment) -> Result<(), String> {
     if runs && (tasks.is_empty() || periods.is_empty()) {
         return Err("it has agents or controllers, but `tasks` or `periods` is empty".into());
     }
-    if runs != measure.is_empty() {
+    if runs == measure.is_some() {
         return Err(
-            "it has either agents (or `controllers`, or `reactive = true`) or a command under `measure`"
+            "it has either agents (or `controllers`, or `reactive = true`) or a benchmark under `measure`"
                 .into(),
         );
     }

@@ -1,9 +1,11 @@
-//! A job of an experiment: commands in a folder.
+//! A job of an experiment: actions in a folder.
 
 use b2b_base::digest::sha256;
 use b2b_dataset::BuildingId;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use toml::{Table, Value};
+
+use crate::definition::Benchmark;
 
 /// Name of the folder of the agent that a job's training run keeps.
 pub const AGENT: &str = "agent";
@@ -19,7 +21,7 @@ pub struct Job {
     pub actions: Vec<Action>,
 }
 
-/// One `b2b` command.
+/// One part of a job, carried out by a process of its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Action {
     /// Trains an agent.
@@ -37,8 +39,31 @@ pub enum Action {
     EvaluateLast(Episodes),
     /// Enters the agents of the job, or a built-in policy, on a benchmark problem.
     Enter(Entry),
-    /// Runs a command whose JSON is the result.
-    Measure(Vec<String>),
+    /// Runs a benchmark whose JSON is the result.
+    Measure(#[serde(serialize_with = "as_words")] Measurement),
+}
+
+/// Serializes the words of the command, whose hash identifies the results.
+fn as_words<S: Serializer>(measurement: &Measurement, serializer: S) -> Result<S::Ok, S::Error> {
+    measurement.words().serialize(serializer)
+}
+
+/// A benchmark run for buildings of some types.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// The benchmark.
+    pub benchmark: Benchmark,
+    /// Building types.
+    pub types: Vec<String>,
+}
+
+impl Measurement {
+    /// Returns the words of the command that measures the same.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let Benchmark::Speed = self.benchmark;
+        let types = self.types.iter().flat_map(|each| ["--type", each]);
+        ["bench", "speed"].into_iter().chain(types).map(str::to_owned).collect()
+    }
 }
 
 /// Episodes: every building under every task in every period.
@@ -53,7 +78,7 @@ pub struct Episodes {
 }
 
 /// An entry on a benchmark problem.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// Name of the problem.
     pub problem: String,

@@ -4,9 +4,9 @@ use b2b_building::BuildingType;
 use b2b_dataset::BuildingId;
 use toml::{Table, Value};
 
-use super::action::{AGENT, Action, Episodes, Job, texts, train};
+use super::action::{AGENT, Action, Episodes, Job, Measurement, texts, train};
 use super::entry;
-use crate::definition::{Agent, Budget, Buildings, Experiment, RANDOM, REACTIVE, Training};
+use crate::definition::{Agent, Benchmark, Budget, Buildings, Experiment, RANDOM, REACTIVE, Training};
 
 /// The buildings that an agent is trained on.
 struct Subject {
@@ -21,8 +21,8 @@ struct Subject {
 impl Experiment {
     /// Returns the jobs of a budget, always in the same order.
     pub fn jobs(&self, budget: &Budget) -> Vec<Job> {
-        if !self.measure.is_empty() {
-            return vec![self.measurement()];
+        if let Some(benchmark) = self.measure {
+            return vec![self.measurement(benchmark)];
         }
         let mut jobs = self.controller_jobs(budget);
         for agent in self.agents_of(budget) {
@@ -37,10 +37,9 @@ impl Experiment {
         jobs
     }
 
-    fn measurement(&self) -> Job {
-        let mut arguments = self.measure.clone();
-        arguments.extend(self.types.iter().flat_map(|each| ["--type".to_owned(), each.to_string()]));
-        Job { key: "measure/all".into(), actions: vec![Action::Measure(arguments)] }
+    fn measurement(&self, benchmark: Benchmark) -> Job {
+        let types = self.types.iter().map(ToString::to_string).collect();
+        Job { key: "measure/all".into(), actions: vec![Action::Measure(Measurement { benchmark, types })] }
     }
 
     /// Returns the jobs of the controllers and, on problems, of the reactive controllers and random actions.

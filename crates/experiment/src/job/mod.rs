@@ -4,4 +4,4 @@ mod action;
 mod entry;
 mod expansion;
 
-pub use action::{AGENT, Action, Entry, Episodes, Job, LAST_AGENT};
+pub use action::{AGENT, Action, Entry, Episodes, Job, LAST_AGENT, Measurement};

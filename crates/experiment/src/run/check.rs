@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use b2b_agent::Agent;
-use b2b_base::machine;
+use b2b_base::{machine, parallel};
 use b2b_evaluate::EpisodeResult;
 
-use super::arguments::evaluate;
+use super::order::Order;
 use super::runner::Runner;
 use crate::definition::{Budget, Experiment, best_of};
 use crate::error::{Error, Result, at};
@@ -63,7 +63,7 @@ pub fn check(
     let kept = jobs.iter().filter_map(|job| Some((job, runner.folder.kept(job)?)));
     let to_check: Vec<Subject<'_>> =
         kept.flat_map(|(job, result)| subjects(runner, experiment, job, result)).collect();
-    let all = runner.each(&to_check, &|subject| {
+    let all = parallel::map(runner.parallel, &to_check, |subject| -> Result<Checked> {
         let checked = Checked { fault: fault(runner, subject, buildings)?, job: subject.name.clone() };
         done(&checked);
         Ok(checked)
@@ -131,8 +131,8 @@ fn fault(
     let is_own = |row: &&EpisodeResult| buildings.contains(&row.info.building);
     let there: Vec<EpisodeResult> = subject.rows.iter().filter(is_own).cloned().collect();
     let episodes = Episodes { buildings, ..(*episodes).clone() };
-    let arguments = evaluate(&episodes, &policy, EVALUATION);
-    if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
+    let order = Order::evaluate(&policy, &episodes, EVALUATION);
+    if let Some(error) = runner.carry_out(&order, again.path(), &again.path().join("log.txt"), None)? {
         return Ok(Some(error));
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;

@@ -1,8 +1,10 @@
 //! Runs jobs, and evaluates their agents again.
 
-mod arguments;
 mod check;
+mod order;
+mod program;
 mod runner;
 
 pub use check::{Checked, check};
-pub use runner::{Ended, OWNER, Runner};
+pub use program::Program;
+pub use runner::{ACTION, Runner};

@@ -1,33 +1,27 @@
-//! Runs jobs as processes of `b2b`.
+//! Runs jobs: each action in a process of its own, so that a crash ends nothing else.
 
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::io::Write;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::process::Stdio;
+use std::time::Instant;
 
 use b2b_base::aside::{append, write_whole};
-use rustix::process::{Pid, Signal, kill_process};
+use b2b_base::parallel;
+use b2b_workers::{ActionEnd, ActionProcess, Launcher};
 use toml::Table;
 
-use super::arguments;
+use super::order::Order;
 use crate::error::{Error, Result, at};
 use crate::folder::{CONFIG, Folder, JobFolder, MEASURED, State};
 use crate::job::{Action, Job};
 
-/// Environment variable with the process that owns a job's command. The command stops when its owner is gone.
-pub const OWNER: &str = "B2B_OWNER";
-/// Interval at which processes are polled.
-const POLL: Duration = Duration::from_millis(50);
-/// Number of bytes at the end of a log to search for an error.
-const TAIL: u64 = 4000;
+/// The name under which a program carries out the actions of jobs: see [`Program`](super::Program).
+pub const ACTION: &str = "job";
 
 /// Runs jobs, several at a time.
 pub struct Runner<'a> {
-    /// Makes a command that starts `b2b`.
-    pub command: fn() -> Command,
+    /// Starts the program that carries out [`ACTION`].
+    pub launcher: Launcher,
     /// The folder of results.
     pub folder: &'a Folder,
     /// Number of jobs at a time, each with one environment process.
@@ -36,60 +30,21 @@ pub struct Runner<'a> {
     pub interrupted: fn() -> bool,
 }
 
-/// How the jobs of a run ended.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Ended {
-    /// Number of jobs without an error, including jobs from earlier runs.
-    pub done: usize,
-    /// Number of jobs with an error.
-    pub failed: usize,
-}
-
 impl Runner<'_> {
-    /// Runs the unfinished jobs in order, and returns how all jobs ended. A failed job does not stop the others. `done`
-    /// is called with every job that ends and how it ended.
+    /// Runs the unfinished jobs in order. A failed job does not stop the others. `done` is called with every job that ends
+    /// and how it ended.
     ///
     /// # Errors
     /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::OtherJob`]; [`Error::Io`].
-    pub fn run(&self, jobs: &[Job], done: &(dyn Fn(&Job, &State) + Sync)) -> Result<Ended> {
+    pub fn run(&self, jobs: &[Job], done: &(dyn Fn(&Job, &State) + Sync)) -> Result<()> {
         self.folder.check(jobs)?;
         let left: Vec<&Job> = jobs.iter().filter(|job| !self.folder.is_done(job)).collect();
-        self.each(&left, &|job| {
+        parallel::map(self.parallel, &left, |job| {
             let state = self.run_job(job)?;
             done(job, &state);
             Ok(())
-        })?;
-        let done = jobs.iter().filter(|job| self.folder.is_done(job)).count();
-        Ok(Ended { done, failed: jobs.len() - done })
-    }
-
-    /// Works on the items, `parallel` at a time, and returns the results in the order of the items. Stops starting new
-    /// work after an error.
-    pub(crate) fn each<T: Sync, R: Send>(
-        &self,
-        items: &[T],
-        work: &(dyn Fn(&T) -> Result<R> + Sync),
-    ) -> Result<Vec<R>> {
-        let next = AtomicUsize::new(0);
-        let worker = || -> Result<Vec<(usize, R)>> {
-            let mut results = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some(item) = items.get(index) else { return Ok(results) };
-                let result = work(item).inspect_err(|_| next.store(items.len(), Ordering::Relaxed))?;
-                results.push((index, result));
-            }
-        };
-        let ended = std::thread::scope(|scope| {
-            let threads: Vec<_> = (0..self.parallel.min(items.len())).map(|_| scope.spawn(worker)).collect();
-            let join =
-                threads.into_iter().map(|thread| thread.join().expect("a thread of the runner panicked"));
-            join.collect::<Vec<_>>()
-        });
-        let mut results: Vec<_> =
-            ended.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
-        results.sort_by_key(|(index, _)| *index);
-        Ok(results.into_iter().map(|(_, result)| result).collect())
+        })
+        .map(drop)
     }
 
     /// Runs the remaining actions of a job, and writes how it ended.
@@ -121,54 +76,35 @@ impl Runner<'_> {
             own.set_config(config)?;
         }
         let result = matches!(action, Action::Measure(_)).then(|| own.path().join(MEASURED));
-        self.command(own.path(), &own.log(), &arguments::of(action, job), result.as_deref())
+        self.carry_out(&Order::of(action, job), own.path(), &own.log(), result.as_deref())
     }
 
-    /// Runs a command in a folder, and appends it and its output to a log, or writes its output to a result file.
-    /// Returns why it failed.
-    pub(super) fn command(
+    /// Carries out an order in a folder. Appends the command that does the same and the output to a log; the result goes to
+    /// the log, too, or to a file. Returns why it failed.
+    pub(super) fn carry_out(
         &self,
+        order: &Order,
         path: &Path,
         log: &Path,
-        arguments: &[String],
         result: Option<&Path>,
     ) -> Result<Option<String>> {
         let mut file = append(log).map_err(at(log))?;
-        writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(log))?;
-        let begin = file.metadata().map_err(at(log))?.len();
-        let mut printed = tempfile::tempfile().map_err(at(path))?;
-        let mut command = (self.command)();
-        command.args(arguments).current_dir(path).env(OWNER, std::process::id().to_string());
-        command.stdin(Stdio::null()).process_group(0);
-        command.stdout(printed.try_clone().map_err(at(log))?);
-        command.stderr(file.try_clone().map_err(at(log))?);
-        let mut child = command.spawn().map_err(at(Path::new("b2b")))?;
-        let status = self.wait(&mut child)?;
-        let error = if status.success() { None } else { Some(cause(status, log, begin).map_err(at(log))?) };
-        printed.rewind().map_err(at(log))?;
-        let mut text = Vec::new();
-        printed.read_to_end(&mut text).map_err(at(log))?;
-        match result.filter(|_| error.is_none()) {
-            Some(result) => write_whole(result, &text).map_err(at(result))?,
-            None => file.write_all(&text).map_err(at(log))?,
+        writeln!(file, "$ {}", order.command()).map_err(at(log))?;
+        let [output, errors] = [file.try_clone().map_err(at(log))?, file.try_clone().map_err(at(log))?];
+        let process = ActionProcess::start(&self.launcher, ACTION, order, |command| {
+            command.current_dir(path).stdin(Stdio::null()).stdout(output).stderr(errors);
+        });
+        let end = process.and_then(|process| process.wait(self.interrupted));
+        let text = match end.map_err(at(self.launcher.program()))? {
+            ActionEnd::Interrupted => return Err(Error::Interrupted),
+            ActionEnd::Failed(why) => return Ok(Some(why)),
+            ActionEnd::Done(text) => text + "\n",
+        };
+        match result {
+            Some(result) => write_whole(result, text.as_bytes()).map_err(at(result))?,
+            None => file.write_all(text.as_bytes()).map_err(at(log))?,
         }
-        Ok(error)
-    }
-
-    /// Waits for a process, and returns how it ended. An interrupt is passed on, so that a training writes its checkpoint.
-    fn wait(&self, child: &mut Child) -> Result<ExitStatus> {
-        let mut told = false;
-        loop {
-            if let Some(status) = child.try_wait().map_err(at(Path::new("b2b")))? {
-                return if told { Err(Error::Interrupted) } else { Ok(status) };
-            }
-            if !told && (self.interrupted)() {
-                told = true;
-                // The process may just have ended.
-                let _ = kill_process(Pid::from_child(child), Signal::TERM);
-            }
-            std::thread::sleep(POLL);
-        }
+        Ok(None)
     }
 }
 
@@ -186,38 +122,4 @@ fn other_training(own: &JobFolder, agent: &str, config: &Table) -> Option<String
             own.path().display()
         )
     })
-}
-
-/// Returns why a command failed: its signal, or its error or last line in the log after `begin`.
-fn cause(status: ExitStatus, log: &Path, begin: u64) -> std::io::Result<String> {
-    if let Some(signal) = status.signal() {
-        return Ok(format!("killed by signal {signal}"));
-    }
-    let mut file = File::open(log)?;
-    let length = file.metadata()?.len();
-    file.seek(SeekFrom::Start(begin.max(length.saturating_sub(TAIL))))?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let last = text.lines().rev().find(|line| !line.trim().is_empty());
-    let error = text.lines().rev().find_map(|line| line.strip_prefix("error: "));
-    Ok(error.or(last).map_or_else(|| status.to_string(), str::to_owned))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_cause_of_a_failure_comes_from_the_last_command() {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(file.path(), "error: of an earlier command\n$ b2b train\n").unwrap();
-        let begin = file.path().metadata().unwrap().len();
-        let cause_of = |status: i32| cause(ExitStatus::from_raw(status), file.path(), begin).unwrap();
-        assert_eq!(cause_of(9), "killed by signal 9");
-        assert_eq!(cause_of(1 << 8), "exit status: 1");
-        std::fs::write(file.path(), "error: of an earlier command\n$ b2b train\nerror: no space\n  help\n")
-            .unwrap();
-        assert_eq!(cause_of(1 << 8), "no space");
-    }
 }

@@ -24,5 +24,5 @@ pub use runner::RUNNERS;
 /// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called first in
 /// `main`, before a thread is started.
 pub fn run_if_worker() {
-    b2b_workers::run_if_worker_with(RUNNERS);
+    b2b_workers::run_if_worker_with(RUNNERS, b2b_workers::Actions::default());
 }

@@ -27,7 +27,7 @@ pub(crate) fn carry_out(job: Order, order: &Path, owner: &Owner) -> ! {
         Order::Convert(job) => reply(order, convert(&job)),
         Order::Simulate(job) => reply(order, simulate(job)),
         Order::Authority(job) => reply(order, authority(*job)),
-        Order::Episode(_) | Order::Fragment(_) => {
+        Order::Episode(_) | Order::Fragment(_) | Order::Action(_) => {
             reply::<()>(order, Err(Failure::Other(format!("the order `{}` is not a job", job.name()))))
         }
     }));
@@ -46,7 +46,7 @@ pub(crate) fn refuse(why: String, order: &Path) -> ! {
 }
 
 /// Writes a reply. Returns the exit code.
-fn reply<T: Serialize>(order: &Path, outcome: Result<T, Failure>) -> u8 {
+pub(super) fn reply<T: Serialize>(order: &Path, outcome: Result<T, Failure>) -> u8 {
     let reply = outcome.map_or_else(Reply::Failed, Reply::Done);
     let text = serde_json::to_vec(&reply).expect("a reply is plain data");
     match std::fs::write(reply_file(order), text) {

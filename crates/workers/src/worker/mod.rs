@@ -5,6 +5,7 @@
 //! its own slot and takes commands there like its original. The standard error of a worker goes to a log in the pool's
 //! folder, for error messages.
 
+pub(crate) mod action;
 pub(crate) mod entry;
 pub(crate) mod job;
 pub(crate) mod owner;

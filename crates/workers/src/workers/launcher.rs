@@ -41,18 +41,20 @@ impl Launcher {
     /// `folder`. It has its own process group, so that signals from a terminal or a job scheduler reach only the owner,
     /// which ends its workers.
     pub(crate) fn start(&self, input: Stdio, order: &Path, folder: &Path, log: File) -> io::Result<Child> {
-        Command::new(&self.program)
-            .args(&self.arguments)
-            .arg(FLAG)
-            .arg(std::process::id().to_string())
-            .arg(order)
-            .env("TMPDIR", folder)
+        self.command(order, folder)
             .env("GLIBC_TUNABLES", tunables())
             .stdin(input)
             .stdout(Stdio::null())
             .stderr(Stdio::from(log))
-            .process_group(0)
             .spawn()
+    }
+
+    /// Returns a command that carries out an order, with temporary files in `folder`.
+    pub(crate) fn command(&self, order: &Path, folder: &Path) -> Command {
+        let mut command = Command::new(&self.program);
+        command.args(&self.arguments).arg(FLAG).arg(std::process::id().to_string()).arg(order);
+        command.env("TMPDIR", folder).process_group(0);
+        command
     }
 
     /// The program.

@@ -1,5 +1,6 @@
 //! Environments in worker processes, on the real engine.
 
+mod actions;
 mod batch;
 #[path = "../../../env/tests/env/case.rs"]
 mod case;
