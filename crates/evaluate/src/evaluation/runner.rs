@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::bench::{Bench, Group};
+use super::bench::{Bench, BuildingGroup};
 use super::episode::Episode;
 use super::finished::{Lost, Outcome};
 use super::parallel::{Evaluation, Work};
@@ -59,7 +59,7 @@ impl Evaluation<'_> {
     }
 
     fn run_all(&self, work: &Work<'_>) -> Result<()> {
-        let groups = Group::of(work.episodes, work.policy);
+        let groups = BuildingGroup::of(work.episodes, work.policy);
         let next = AtomicUsize::new(0);
         let thread = || {
             // First takes buildings that no thread has taken, then remaining episodes in other threads' buildings.
@@ -85,7 +85,7 @@ impl Evaluation<'_> {
     }
 
     /// Runs the remaining sequences of a building.
-    fn work_on(&self, group: &Group<'_>, work: &Work<'_>) -> Result<()> {
+    fn work_on(&self, group: &BuildingGroup<'_>, work: &Work<'_>) -> Result<()> {
         let mut bench = None;
         while let Some(sequence) = group.take() {
             let (mut memory, mut lost) = (None, None);
@@ -108,7 +108,7 @@ impl Evaluation<'_> {
     /// Runs an episode. A panic, for example in a library reading a damaged network, loses it and its processes.
     fn outcome(
         &self,
-        group: &Group<'_>,
+        group: &BuildingGroup<'_>,
         bench: &mut Option<Bench>,
         memory: &mut SequenceController,
         episode: (usize, &Episode),
