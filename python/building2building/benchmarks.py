@@ -26,8 +26,8 @@ from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .evaluation.identity import identity_of
-from .learning import Agent
-from .rollouts import BuiltInController, Trajectory, rollout
+from .learning import Agent, AgentController
+from .rollouts import BuiltInController, Trajectory, record_of, rollout, run_episode
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -259,6 +259,10 @@ class Problem:
             (building, task, period) for building in self.test_building_ids() for task in tasks for period in periods
         ]
 
+    def _keeps_memory(self) -> bool:
+        """Whether policies keep their memory over the episodes in a building."""
+        return self.definition["protocol"].get("memory") == "building"
+
     def evaluate(
         self,
         policy: Callable[[Any], Any] | Agent,
@@ -274,35 +278,33 @@ class Problem:
 
         ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
-        Every episode begins without memory; :meth:`run` keeps it where the problem says so.
+        Known baselines do not run again. An agent keeps its memory where the problem says so; for other policies with
+        memory, there is :meth:`run`.
         """
-        if hasattr(policy, "next_episode") and self.definition["protocol"].get("memory") == "building":
+        if hasattr(policy, "next_episode") and self._keeps_memory():
             raise SettingError(
                 f"{name_of(policy)} has the method next_episode, and policies keep their memory in {self.name}; call "
                 "Problem.run, which runs consecutive episodes"
             )
-        episodes: list[dict[str, Any]] = []
-        strata: dict[tuple[str, str, str], list[list[float]]] = {}
-        resolved: dict[tuple[str, str, str], list[list[float]]] = {}
-        for building, task, period in self._tests()[:n]:
+        tests = self._tests()[:n]
+        # Other arguments make other episodes, whose baselines are not kept.
+        baselines = None if arguments else self._core.baselines(tests, len(os.sched_getaffinity(0)))
+        agent = _AgentWithMemory(policy) if isinstance(policy, Agent) and self._keeps_memory() else None
+        episodes = []
+        for number, (building, task, period) in enumerate(tests):
             made = self._make("test", building, task, **{"run_period": period, **arguments})
             try:
                 env = made if wrap is None else wrap(made)
-                baseline = rollout(made, BuiltInController(made, kind=unwrap(made).setting.baseline))
-                trajectory = rollout(env, _controller(policy, made))
+                baseline = _baseline(made) if baselines is None else baselines[number]
+                if agent is None:
+                    trajectory = rollout(env, _controller(policy, made))
+                else:
+                    trajectory = run_episode(env, agent.begin(building, task, made))
             finally:
                 made.close()
-            score, resolved_score = _scores(trajectory, baseline, 24 * unwrap(made).timesteps_per_hour)
-            row = {"building": building, "task": task, "period": period, "return": trajectory.episode_return}
-            row |= {"baseline_return": baseline.episode_return, "score": score, "resolved_score": resolved_score}
-            row["relative_energy"] = _energy(trajectory) / (_energy(baseline) or math.nan)
-            episodes.append({**(trajectory.metrics or {}), **row})
-            if score is not None and resolved_score is not None:
-                stratum = (building.split("-")[0], task, period)
-                strata.setdefault(stratum, []).append([score])
-                resolved.setdefault(stratum, []).append([resolved_score])
-        measures = _core.measures(list(strata.values()), list(resolved.values()))
-        return Result(self.name, episodes, json.loads(measures))
+            row = {"building": building, "task": task, "period": period}
+            episodes.append({**(trajectory.metrics or {}), **row, **_scores(trajectory, baseline)})
+        return Result(self.name, episodes, _measures(episodes))
 
     def run(
         self,
@@ -385,21 +387,51 @@ def _controller(policy: Callable[[Any], Any] | Agent, env: _Env) -> Callable[[An
     return policy(env) if isinstance(policy, type) else policy
 
 
-def _scores(trajectory: Trajectory, baseline: Trajectory, steps_per_day: int) -> tuple[float | None, float | None]:
-    """Returns the score and the resolved score; in a task of operation, both are the score at comfort."""
-    own, usual = trajectory.metrics or {}, baseline.metrics or {}
-    if own.get("tdis_tot") is None:
-        returns = (trajectory.episode_return, baseline.episode_return)
-        return _core.normalized_score(*returns), _core.resolved_score(*returns, len(trajectory))
-    # The penalty of the resource is proportional to its amount.
-    used, usually = ((each["energy_penalty"], each["tdis_tot"]) for each in (own, usual))
-    score = _core.score_at_comfort(used, usually, len(trajectory) / steps_per_day)
-    return score, score
+class _AgentWithMemory:
+    """An agent whose controller continues from one episode of a building and task to the next."""
+
+    def __init__(self, agent: Agent):
+        self._agent = agent
+        self._last: tuple[str, str, AgentController] | None = None
+
+    def begin(self, building: str, task: str, env: _Env) -> AgentController:
+        """Returns the controller for the next episode."""
+        if self._last is not None and self._last[:2] == (building, task):
+            self._last[2].next_episode()
+        else:
+            self._last = (building, task, self._agent.controller(env))
+            self._last[2].reset()
+        return self._last[2]
 
 
-def _energy(trajectory: Trajectory) -> float:
-    metrics = trajectory.metrics or {}
-    return metrics.get("electricity_wh_m2", math.nan) + metrics.get("gas_wh_m2", math.nan)
+def _scores(trajectory: Trajectory, baseline: _core.Baseline) -> dict[str, Any]:
+    """Returns the columns of an episode that compare it to its baseline."""
+    score, resolved_score, relative_energy = baseline.compare(record_of(trajectory)[0])
+    return {
+        "return": trajectory.episode_return,
+        "baseline_return": baseline.episode_return,
+        "score": score,
+        "resolved_score": resolved_score,
+        "relative_energy": math.nan if relative_energy is None else relative_energy,
+    }
+
+
+def _measures(episodes: list[dict[str, Any]]) -> dict[str, Any]:
+    """Aggregates scores; the episodes of a building type, task and run period are a stratum."""
+    strata: dict[tuple[str, str, str], list[list[float]]] = {}
+    resolved: dict[tuple[str, str, str], list[list[float]]] = {}
+    for each in episodes:
+        if each["score"] is not None and each["resolved_score"] is not None:
+            stratum = (each["building"].split("-")[0], each["task"], each["period"])
+            strata.setdefault(stratum, []).append([each["score"]])
+            resolved.setdefault(stratum, []).append([each["resolved_score"]])
+    return json.loads(_core.measures(list(strata.values()), list(resolved.values())))
+
+
+def _baseline(env: _Env) -> _core.Baseline:
+    """Runs the baseline in an environment."""
+    trajectory = rollout(env, BuiltInController(env, kind=unwrap(env).setting.baseline))
+    return _core.Baseline.of(record_of(trajectory)[0])
 
 
 _LISTS = {"buildings", "train", "test", "train_tasks", "test_tasks", "windows"}

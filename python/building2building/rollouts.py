@@ -236,9 +236,7 @@ class Trajectory:
         task's. Raises :class:`~building2building.errors.SettingError` for a trajectory that was loaded or pickled,
         which lacks the engine's report.
         """
-        if self._record is None:
-            raise SettingError("this trajectory was loaded or copied; write it in the process that ran its episode")
-        record, seconds = self._record
+        record, seconds = record_of(self)
         return record.write(
             folder,
             controller or self.controller or "policy",
@@ -303,9 +301,27 @@ def rollout(
     The built-in controllers observe f64 and act in physical units, so an episode equals ``b2b run`` bit for bit; other
     controllers see what the environment's wrappers return.
     """
-    core = unwrap(env)
     if isinstance(controller, Controller):
         controller.reset()
+    return run_episode(env, controller, steps=steps, seed=seed)
+
+
+def record_of(trajectory: Trajectory) -> tuple[_core.Record, float]:
+    """Returns the core's record of an episode that ran in this process, and the time that it took, s."""
+    if trajectory._record is None:
+        raise SettingError("this trajectory was loaded or copied; write it in the process that ran its episode")
+    return trajectory._record
+
+
+def run_episode(
+    env: gymnasium.Env[Any, Any],
+    controller: Controller | Callable[[Array], ArrayLike],
+    *,
+    steps: int | None = None,
+    seed: int | None = None,
+) -> Trajectory:
+    """Like :func:`rollout`, for a controller that has been reset or has begun another episode."""
+    core = unwrap(env)
     with core.finishing_runs():
         observation, _ = env.reset(seed=seed)
     began = time.monotonic()

@@ -44,7 +44,7 @@ mod _core {
     use super::env::record::{Record, trajectory_hash};
     #[pymodule_export]
     use super::evaluation::benchmarks::{
-        Problem, Restriction, measures, normalized_score, resolved_score, score_at_comfort,
+        Baseline, Problem, Restriction, measures, normalized_score, resolved_score,
     };
     #[pymodule_export]
     use super::evaluation::{baseline, baselines_folder, evaluate, evaluate_part};

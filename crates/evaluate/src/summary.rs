@@ -229,3 +229,29 @@ fn grouped<'a, K: PartialEq>(
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::{Episode, EpisodeInfo, Lost};
+    use crate::{BuiltIn, Subject};
+
+    #[test]
+    fn a_lost_episode_is_written_with_what_identifies_it_and_the_reason() {
+        let episode = Episode {
+            subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
+            task: "constant".parse().unwrap(),
+            period: "01-01..01-02".parse().unwrap(),
+            seed: 7,
+            steps_per_hour: 12,
+        };
+        let lost = Lost { reason: "it crashed".into() };
+        let row = EpisodeResult { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Err(lost) };
+        let summary = Results { rows: vec![row] }.summary(&BuiltIn::random());
+        let json = serde_json::to_string(&summary).unwrap();
+        let expected = r#""lost":[{"building":"OfficeSmall-0042","task":"constant","period":"01-01..01-02","seed":7,"why":"it crashed"}]"#;
+        assert!(json.contains(expected), "{json}");
+        let said = "OfficeSmall-0042, constant, 01-01..01-02, seed 7: it crashed";
+        assert_eq!(summary.lost[0].to_string(), said);
+    }
+}

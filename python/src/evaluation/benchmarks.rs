@@ -9,10 +9,14 @@ use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
-use b2b_evaluate::{Baselines, Operated};
+use b2b_energyplus::install::Quiet;
+use b2b_env::EpisodeMetrics;
+use b2b_evaluate::{Baselines, Episode, ReturnTerms, Scores, Subject};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
+use crate::buildings::catalog;
+use crate::env::record::Record;
 use crate::evaluation::{InPython, run_policy, running};
 use crate::interpreter::arrays;
 use crate::interpreter::error::{Exception, of_building};
@@ -97,6 +101,36 @@ impl Problem {
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))
     }
 
+    /// Returns the baselines of test episodes, which are given as building id, task and run period. Unknown ones are
+    /// computed, `jobs` at a time.
+    fn baselines(
+        &self,
+        py: Python<'_>,
+        episodes: Vec<(String, String, String)>,
+        jobs: usize,
+    ) -> PyResult<Vec<Baseline>> {
+        let _running = running()?;
+        let episode = |(building, task, period): (String, String, String)| {
+            Ok(Episode {
+                subject: Subject::at_home(building.parse().map_err(of_building)?),
+                task: catalog::read_task(&task)?,
+                period: period.parse().map_err(of_building)?,
+                seed: 0,
+                steps_per_hour: self.inner.protocol.steps_per_hour,
+            })
+        };
+        let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
+        let known = run_policy(py, jobs, &Mutex::new(None), None, |evaluation, counter| {
+            let located = episodes.into_iter().map(|episode| {
+                let site = episode.subject.locate(evaluation.catalog, &mut Quiet)?;
+                Ok((episode, site))
+            });
+            let located = located.collect::<b2b_evaluate::Result<Vec<_>>>()?;
+            Baselines::open()?.of_all(evaluation, &located, counter)
+        })?;
+        Ok(known.into_iter().map(Baseline).collect())
+    }
+
     /// Runs a policy written in Python on the problem, writes the result to a folder and returns it as JSON text.
     /// Episodes already in the folder are not run again.
     ///
@@ -176,6 +210,48 @@ impl Problem {
     }
 }
 
+/// The baseline of an episode.
+#[pyclass(frozen, module = "building2building._core")]
+pub struct Baseline(b2b_evaluate::Baseline);
+
+#[pymethods]
+impl Baseline {
+    /// Takes an episode of the baseline as it ran. Raises if it did not run to its end.
+    #[staticmethod]
+    fn of(record: &Record) -> PyResult<Self> {
+        let (metrics, terms) = ended(record)?;
+        let (episode_return, energy) = (metrics.episode_return, metrics.energy());
+        let resource = terms.used(record.spaces.episode.task.resource);
+        let discomfort = terms.discomfort;
+        Ok(Self(b2b_evaluate::Baseline { episode_return, energy, resource, discomfort }))
+    }
+
+    /// Its return.
+    #[getter]
+    fn episode_return(&self) -> f64 {
+        self.0.episode_return
+    }
+
+    /// Returns score, resolved score and relative energy of an episode. Raises if it did not run to its end.
+    fn compare(&self, record: &Record) -> PyResult<(Option<f64>, Option<f64>, Option<f64>)> {
+        let (metrics, terms) = ended(record)?;
+        let episode = &record.spaces.episode;
+        let used = terms.used(episode.task.resource);
+        let Scores { score, resolved } = self.0.scores(&metrics, used, episode.steps_per_hour);
+        let relative_energy = (self.0.energy > 0.0).then(|| metrics.energy() / self.0.energy);
+        Ok((score, resolved, relative_energy))
+    }
+}
+
+/// Returns the metrics of an episode and the sums of its return. Raises if it did not run to its end.
+fn ended(record: &Record) -> PyResult<(EpisodeMetrics, ReturnTerms)> {
+    let metrics = record
+        .metrics
+        .as_ref()
+        .ok_or_else(|| wrong("an episode that has not run to its end has no score"))?;
+    Ok((metrics.into(), metrics.into()))
+}
+
 /// An action space with a subset of the actuators.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Restriction {
@@ -230,14 +306,6 @@ pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64
 #[pyfunction]
 pub fn resolved_score(episode_return: f64, baseline_return: f64, steps: usize) -> Option<f64> {
     b2b_evaluate::resolved_score(episode_return, baseline_return, steps)
-}
-
-/// Returns the score at comfort of an episode of some days; `own` and `baseline` are the amount of the task's resource in
-/// any unit, and discomfort, K·h per zone. `None` if the ratio is undefined.
-#[pyfunction]
-pub fn score_at_comfort(own: (f64, f64), baseline: (f64, f64), days: f64) -> Option<f64> {
-    let [own, baseline] = [own, baseline].map(|(used, discomfort)| Operated { used, discomfort });
-    b2b_evaluate::score_at_comfort(own, baseline, days)
 }
 
 /// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds, and `resolved`

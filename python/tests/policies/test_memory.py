@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from pathlib import Path
 
 import building2building as b2b
 import numpy as np
@@ -52,6 +53,35 @@ def test_a_class_keeps_its_memory_in_a_building_and_nowhere_else(tmp_path):
     assert all(steps == [288] for group in seen.values() for steps, _ in group)
     with pytest.raises(b2b.errors.SettingError, match="next_episode.*call Problem.run"):
         problem.evaluate(Counting, n=1)
+
+
+class Remembering(b2b.ConstantController):
+    """Notes how its episodes begin."""
+
+    begun: list[str] = []
+
+    def reset(self):
+        self.begun.append("reset")
+        super().reset()
+
+    def next_episode(self):
+        self.begun.append("next")
+        super().next_episode()
+
+
+class RememberingAgent(b2b.Agent):
+    def controller(self, env):
+        return Remembering(env)
+
+
+@pytest.mark.parametrize("memory", ["building", "episode"])
+def test_an_agent_keeps_its_memory_in_an_evaluation_where_the_problem_says_so(memory):
+    Remembering.begun.clear()
+    problem = Problem("adapt-house", memory=memory, **{**SMALL, "test": HOUSES[:1]})
+    result = problem.evaluate(RememberingAgent(Path("agent"), {}))
+    assert len(result.episodes) == 4 and all(each["score"] > 0 for each in result.episodes)
+    second = "next" if memory == "building" else "reset"
+    assert Remembering.begun == ["reset", second] * 2
 
 
 class Climber:

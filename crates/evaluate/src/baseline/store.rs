@@ -152,7 +152,7 @@ impl Baselines {
     /// Returns the baseline of an episode's building, task and days, computed if unknown.
     ///
     /// # Errors
-    /// [`Error::NoBaseline`] if their episode is lost; [`Error::Interrupted`]; [`Error::Io`].
+    /// Same as [`Baselines::of_all`].
     pub fn baseline(
         &self,
         evaluation: &Evaluation<'_>,
@@ -160,20 +160,37 @@ impl Baselines {
         site: &SiteInfo,
         progress: &dyn Progress,
     ) -> Result<Baseline> {
-        let Episode { subject, task, period, steps_per_hour, .. } = episode;
-        let key = Key::of(episode, site)?;
-        let missing = self.missing([(key.clone(), episode.clone())]);
-        let mut lost = match &missing[..] {
+        Ok(self.of_all(evaluation, &[(episode.clone(), site.clone())], progress)?[0])
+    }
+
+    /// Returns the baselines of episodes at their sites. Unknown ones are computed in parallel.
+    ///
+    /// # Errors
+    /// [`Error::NoBaseline`] if an episode of the baseline is lost; [`Error::Interrupted`]; [`Error::Io`].
+    pub fn of_all(
+        &self,
+        evaluation: &Evaluation<'_>,
+        episodes: &[(Episode, SiteInfo)],
+        progress: &dyn Progress,
+    ) -> Result<Vec<Baseline>> {
+        let keys: Vec<Key> =
+            episodes.iter().map(|(episode, site)| Key::of(episode, site)).collect::<Result<_>>()?;
+        let keyed = keys.iter().zip(episodes).map(|(key, (episode, _))| (key.clone(), episode.clone()));
+        let lost = match &self.missing(keyed)[..] {
             [] => HashMap::new(),
             missing => self.compute(evaluation, missing, progress)?,
         };
-        let terms = self.get(&key, task.resource).ok_or_else(|| Error::NoBaseline {
-            building: subject.label(),
-            task: task.to_string(),
-            period: period.to_string(),
-            why: lost.remove(&key).map_or_else(String::new, |lost| lost.reason),
-        })?;
-        Ok(terms.baseline(&task_for(subject, site, task, *steps_per_hour)))
+        let known = |(key, (episode, site)): (&Key, &(Episode, SiteInfo))| {
+            let Episode { subject, task, period, steps_per_hour, .. } = episode;
+            let terms = self.get(key, task.resource).ok_or_else(|| Error::NoBaseline {
+                building: subject.label(),
+                task: task.to_string(),
+                period: period.to_string(),
+                why: lost.get(key).map_or_else(String::new, |lost| lost.reason.clone()),
+            })?;
+            Ok(terms.baseline(&task_for(subject, site, task, *steps_per_hour)))
+        };
+        keys.iter().zip(episodes).map(known).collect()
     }
 }
 

@@ -19,7 +19,7 @@ use crate::policy::Policy;
 use crate::subject::{SiteInfo, Subject};
 
 /// The episodes of one building that wait to be run, by [sequence](sequences).
-pub(super) struct Group<'a> {
+pub(super) struct BuildingGroup<'a> {
     subject: &'a Subject,
     waiting: Mutex<VecDeque<Vec<usize>>>,
     located: Mutex<Option<Arc<Located>>>,
@@ -50,7 +50,7 @@ pub(super) struct Bench {
     pub(super) inputs: Option<Inputs>,
 }
 
-impl<'a> Group<'a> {
+impl<'a> BuildingGroup<'a> {
     /// Groups episodes in list order: consecutive episodes in the same building form a group.
     pub(super) fn of(episodes: &[(usize, &'a Episode)], policy: &dyn Policy) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
@@ -110,7 +110,7 @@ impl Bench {
     pub(super) fn new(
         evaluation: &Evaluation<'_>,
         controls: Controls,
-        group: &Group<'_>,
+        group: &BuildingGroup<'_>,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let located = group.located(evaluation.catalog, controls, progress)?;

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use b2b_base::parallel::{self, Halt};
 
-use super::bench::{Bench, Group};
+use super::bench::{Bench, BuildingGroup};
 use super::episode::Episode;
 use super::finished::{Lost, Outcome};
 use super::parallel::{Evaluation, Work};
@@ -60,7 +60,7 @@ impl Evaluation<'_> {
     }
 
     fn run_all(&self, work: &Work<'_>) -> Result<()> {
-        let groups = Group::of(work.episodes, work.policy);
+        let groups = BuildingGroup::of(work.episodes, work.policy);
         // Every building once; then all of them again, for as many threads as run out of buildings and share the work on the
         // remaining ones.
         let shares: Vec<_> = groups.iter().cycle().take(groups.len() * (self.jobs + 1)).collect();
@@ -68,7 +68,7 @@ impl Evaluation<'_> {
     }
 
     /// Runs the remaining sequences of a building.
-    fn work_on(&self, group: &Group<'_>, work: &Work<'_>) -> Result<()> {
+    fn work_on(&self, group: &BuildingGroup<'_>, work: &Work<'_>) -> Result<()> {
         let mut bench = None;
         while let Some(sequence) = group.take() {
             let (mut memory, mut lost) = (None, None);
@@ -91,7 +91,7 @@ impl Evaluation<'_> {
     /// Runs an episode. A panic, for example in a library reading a damaged network, loses it and its processes.
     fn outcome(
         &self,
-        group: &Group<'_>,
+        group: &BuildingGroup<'_>,
         bench: &mut Option<Bench>,
         memory: &mut SequenceController,
         episode: (usize, &Episode),

@@ -2,7 +2,7 @@
 
 use super::config::SacConfig;
 use super::networks::{Networks, Parameters};
-use super::replay::{Replay, ReplayBatch};
+use super::replay::{ReplayBatch, ReplayBuffer};
 use super::worker::Worker;
 use crate::error::Result;
 use crate::nn::Adam;
@@ -18,7 +18,7 @@ pub struct Sac {
     pub(super) parameters: Parameters,
     /// Optimizers of actor, critics and temperature.
     pub(super) adams: [Adam; 3],
-    pub(super) replay: Replay,
+    pub(super) replay: ReplayBuffer,
     pub(super) random: Random,
     /// Minibatches still to do for the steps collected so far.
     pub(super) owed: f64,
@@ -47,7 +47,7 @@ impl Sac {
         Ok(Self {
             adams: sizes.map(|size| Adam::new(size, config.adam_epsilon)),
             gradients: [vec![0.0; sizes[0]], vec![0.0; sizes[1]]],
-            replay: Replay::new(widths, environments, config.capacity),
+            replay: ReplayBuffer::new(widths, environments, config.capacity),
             workers: vec![Worker::new(&networks)],
             batch: ReplayBatch::default(),
             owed: 0.0,

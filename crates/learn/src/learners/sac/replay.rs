@@ -7,7 +7,7 @@ use crate::state::State;
 
 /// The latest steps of every environment, in order, in one ring buffer per environment.
 #[derive(Clone, Debug)]
-pub struct Replay {
+pub struct ReplayBuffer {
     widths: Widths,
     environments: usize,
     /// Steps of each environment that the buffer holds.
@@ -58,7 +58,7 @@ pub struct ReplayBatch {
     pub normals: Vec<f32>,
 }
 
-impl Replay {
+impl ReplayBuffer {
     /// Returns an empty buffer for `capacity` steps over all environments.
     pub fn new(widths: Widths, environments: usize, capacity: usize) -> Self {
         let capacity = (capacity / environments.max(1)).max(1);
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn returns_are_sums_up_to_the_end_of_an_episode() {
         let mut known = [vec![], vec![]];
-        let mut replay = Replay::new(WIDTHS, 2, 2 * 17);
+        let mut replay = ReplayBuffer::new(WIDTHS, 2, 2 * 17);
         for (first, steps) in [(0, 7), (7, 7), (14, 9)] {
             replay.add(&rollout(first, steps, &mut known));
         }
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn returns_stop_at_a_cut() {
         let mut known = [vec![], vec![]];
-        let mut replay = Replay::new(WIDTHS, 2, 100);
+        let mut replay = ReplayBuffer::new(WIDTHS, 2, 100);
         replay.add(&rollout(0, 3, &mut known));
         replay.cut();
         replay.add(&rollout(30, 3, &mut known));
@@ -353,11 +353,11 @@ mod tests {
     fn a_restored_buffer_has_the_same_steps() {
         for steps in [5, 40] {
             let mut known = [vec![], vec![]];
-            let mut replay = Replay::new(WIDTHS, 2, 2 * 17);
+            let mut replay = ReplayBuffer::new(WIDTHS, 2, 2 * 17);
             replay.add(&rollout(0, steps, &mut known));
             let mut state = State::default();
             replay.save(&mut state);
-            let mut restored = Replay::new(WIDTHS, 2, 2 * 17);
+            let mut restored = ReplayBuffer::new(WIDTHS, 2, 2 * 17);
             restored.restore(&state).unwrap();
             assert_eq!(restored.added, replay.added);
             assert_eq!(restored.arrays(), replay.arrays());
