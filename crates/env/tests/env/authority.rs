@@ -104,6 +104,12 @@ fn every_actuator_of_an_imported_hotel_of_packaged_units_responds() {
     no_actuator_of_an_import_fails("RefBldgSmallHotelNew2004_Chicago.idf", 0.75);
 }
 
+/// Its fan coils share hot water for less than the highest supply temperature of all at once in winter.
+#[test]
+fn every_actuator_of_an_imported_hotel_of_fan_coils_responds() {
+    no_actuator_of_an_import_fails("ASHRAE901_HotelLarge_STD2019_Denver.idf", 0.55);
+}
+
 /// The house with its actuators tampered with, measured: verdicts of the rows of a quantity.
 fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
     let mut case = Case::at_home(BuildingType::SingleFamilyHouse);
