@@ -50,6 +50,9 @@ class Listed:
 
     def __init__(self, row: dict[str, str], checkouts: Path, b2b: str) -> None:
         self.path = checkouts / row["repository"] / row["path"]
+        if not self.path.exists():
+            message = f"{self.path} is missing: check out {row['repository']} into {checkouts}"
+            raise SystemExit(message)
         self.source = row["repository"]
         self.place = row["place"]
         self.reports = checkouts / "reports"
