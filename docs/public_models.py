@@ -1,13 +1,13 @@
-"""Imports public EnergyPlus models and writes how they are controlled: public-models.txt, and the tables of public-models.md and
-import.md.
+"""Imports public EnergyPlus models and writes how they are controlled: public-models.txt, and the tables of
+public-models.md and import.md.
 
 Usage: python docs/public_models.py CHECKOUTS [B2B]
 
 CHECKOUTS is a folder with the repositories of public_models.csv as OWNER/NAME, the engine's own models as `engine`
-(`data/model` beside the library that `b2b doctor` prints) and the output of openstudio_models.py as `openstudio`. The reports on
-every model are kept in CHECKOUTS/reports, so that an interrupted run continues; delete one to make it again. Models of two
-seasons also run a week of July and the response check. A week in which a model is more than 1 K from 21 °C runs again under the
-model's own controls. Two models run at a time.
+(`data/model` beside the library that `b2b doctor` prints) and the output of openstudio_models.py as `openstudio`. The
+reports on every model are kept in CHECKOUTS/reports, so that an interrupted run continues; delete one to make it again.
+Models of two seasons also run a week of July and the response check. A week in which a model is more than 1 K from 21
+°C runs again under the model's own controls. Two models run at a time.
 """
 
 import csv
@@ -78,7 +78,7 @@ class Listed:
         return report
 
     def week(self, name: str) -> dict[str, Any]:
-        """Returns the report on a week, with the deviation under the model's own controls if it is far from its target."""
+        """Returns the report on a week; far from the target, with the deviation under the model's own controls."""
         week = self.report(name, ["import"], ["--run", WEEKS[name]])
         if "error" in week or float(deviation(week["trial"])) < FAR:
             return week
@@ -110,7 +110,8 @@ class Listed:
         weeks = [self.january, self.july]
         deviations = [cell for week in weeks for cell in (deviation(week["trial"]), week.get("own", ""))]
         verdicts = [each["verdict"] for each in self.authority["rows"]]
-        counts = [verdicts.count("follows"), sum(isinstance(each, dict) for each in verdicts), verdicts.count("fails")]
+        at_capacity = sum(isinstance(each, dict) for each in verdicts)
+        counts = [verdicts.count("follows"), at_capacity, verdicts.count("fails")]
         severes = sum(week["trial"]["severes"] for week in weeks)
         return [self.path.name, *deviations, str(severes), *map(str, counts)]
 
@@ -222,16 +223,18 @@ def main(checkouts: Path, b2b: str) -> None:
         "public-models.md",
         table("model | January", [model.row_of_seasons() for model in usable if model.authority]),
         replaced(r"\d+ of \d+ can be\s+used", lambda _: f"{len(usable)} of {len(public)} can be used"),
-        replaced(r"\d+ are driven by actuators, \d+ through setpoints,\s+and \d+ \(", lambda _: (
-            f"{driven[0]} are driven by actuators, {driven[1]} through setpoints, and {driven[2]} ("
-        )),
+        replaced(
+            r"\d+ are driven by actuators, \d+ through setpoints,\s+and \d+ \(",
+            lambda _: (f"{driven[0]} are driven by actuators, {driven[1]} through setpoints, and {driven[2]} ("),
+        ),
     )
     edit(
         "import.md",
         table("model | 2019", prototypes(models)),
-        replaced(r"lists \d+ public files: \d+ can be used", lambda _: (
-            f"lists {len(public)} public files: {len(usable)} can be used"
-        )),
+        replaced(
+            r"lists \d+ public files: \d+ can be used",
+            lambda _: (f"lists {len(public)} public files: {len(usable)} can be used"),
+        ),
     )
 
 
