@@ -2,9 +2,12 @@
 
 Usage: python docs/conversions.py CHECKOUTS [B2B]
 
-CHECKOUTS is a folder with the repositories of conversions.csv as OWNER/NAME, and the folder of the engine's own models as
-`engine` (`data/model` beside the library that `b2b doctor` prints). Every model keeps its own controls, with weather of
-Chicago. Differences are from the newest version of the example. Reports are kept in CHECKOUTS/conversions.
+CHECKOUTS is a folder with the repositories of conversions.csv as OWNER/NAME, the engine's own models as `engine`
+(`data/model` beside the library that `b2b doctor` prints), the models in the packages besos 2.2.3
+(`data/example_idf.idf`) and besos_examples 0.1.0 (`Evaluators`) as `besos/examples`, and the output of
+openstudio_models.py with openstudio 3.11.0 as `openstudio`, with 3.7.0 as `openstudio-3.7`. Every model keeps its own
+controls, with weather of Chicago. Differences are from the newest version of the example. Reports are kept in
+CHECKOUTS/conversions.
 """
 
 import csv

@@ -55,7 +55,7 @@ def main(folder: Path) -> None:
             for served in [[zone] for zone in zones] if name in ZONE_LOOPS else [zones]:
                 add_loop(building, add, served)
         workspace = openstudio.energyplus.ForwardTranslator().translateModel(building)
-        workspace.save(openstudio.path(str(folder / f"{name}.idf")), True)
+        (folder / f"{name}.idf").write_text(str(workspace))
 
 
 if __name__ == "__main__":

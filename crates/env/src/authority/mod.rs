@@ -27,10 +27,11 @@
 //!
 //! - **supply temperature**: after each missed step the command moves halfway to the reached value for one step, and the
 //!   outlet changes with it by less than a fifth of the command change, relative to the mean of the steps before and after (plus a
-//!   quarter of its drift between these): a coil with capacity left would follow. If the nearer command is met at once, the
+//!   quarter of its drift between these, and what it moves back and forth under the same command, as with a plant that cycles):
+//!   a coil with capacity left would follow. If the nearer command is met at once, the
 //!   coil is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
-//!   command by the end of the hold. An outlet that never moves fails: some other command at the same flow and in the same
-//!   season must be followed.
+//!   command by the end of the hold. An outlet that never moves fails: at the same flow and in the same season, some hold must
+//!   end at its command.
 //! - **damper**: the total flow of the loop's terminals equals the fan's design flow, and more was commanded.
 //! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
 //!   zones of the loop, within their design flow, and less was commanded.

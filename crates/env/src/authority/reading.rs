@@ -44,8 +44,12 @@ pub(super) struct Reading {
     caught_up: bool,
     /// Whether any probe was missed.
     held: bool,
-    /// Whether any missed probe moved the outlet.
-    moves: bool,
+    /// The largest move of the outlet with a missed probe, beyond what a coil at capacity allows, K.
+    moved: f64,
+    /// All changes of the outlet between steps under the unchanged command, K.
+    travel: f64,
+    /// The outlet at the first step, °C.
+    first: f64,
     pub(super) limit: Option<Limit>,
 }
 
@@ -75,7 +79,9 @@ impl Reading {
             probed: None,
             caught_up: false,
             held: false,
-            moves: false,
+            moved: 0.0,
+            travel: 0.0,
+            first: f64::NAN,
             limit: None,
         }
     }
@@ -95,7 +101,9 @@ impl Reading {
             self.caught_up |= met;
             self.held |= !met;
             let drift = DRIFT + CURVATURE * (self.last - effect).abs();
-            self.moves |= !met && moved > little + drift;
+            if !met {
+                self.moved = self.moved.max(moved - little - drift);
+            }
         }
         self.add(actuator, effect);
         let misses = deviation(actuator, self.row.command, effect) > self.row.tolerance;
@@ -110,6 +118,10 @@ impl Reading {
         row.highest = row.highest.max(effect);
         row.mean = (row.mean * self.steps as f64 + effect) / (self.steps + 1) as f64;
         row.error = row.error.max(deviation(actuator, row.command, effect));
+        match self.steps {
+            0 => self.first = effect,
+            _ => self.travel += (effect - self.last).abs(),
+        }
         self.steps += 1;
         self.last = effect;
     }
@@ -121,8 +133,18 @@ impl Reading {
 
     /// Returns [`Limit::Coil`] if the coil was shown to be at capacity, throughout or at first.
     pub(super) fn coil_limit(&self) -> Option<Limit> {
-        let ended_well = (self.last - self.row.command).abs() <= self.row.tolerance;
-        (!self.moves && (self.held || self.caught_up && ended_well)).then_some(Limit::Coil)
+        let still = self.moved <= self.unrest();
+        (still && (self.held || self.caught_up && self.ended_well())).then_some(Limit::Coil)
+    }
+
+    /// Returns how far the outlet moves back and forth while the command is the same, K: a plant that cycles moves it.
+    fn unrest(&self) -> f64 {
+        (0.5 * (self.travel - (self.last - self.first).abs())).max(0.0)
+    }
+
+    /// Returns whether the last response met the command.
+    fn ended_well(&self) -> bool {
+        (self.last - self.row.command).abs() <= self.row.tolerance
     }
 
     fn misses(&self) -> bool {
@@ -156,8 +178,8 @@ impl Reading {
     }
 }
 
-/// Returns one row per actuator, level and condition, over all holds. A coil is at capacity only if it follows some other
-/// command.
+/// Returns one row per actuator, level and condition, over all holds. A coil is at capacity only if some hold at the same flow
+/// ends at its command.
 pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
     let mut merged: Vec<Reading> = Vec::new();
     for reading in readings {
@@ -171,8 +193,10 @@ pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
         }
     }
     let alive = |reading: &Reading| {
-        merged.iter().any(|r| {
-            r.row.actuator == reading.row.actuator && r.row.condition == reading.row.condition && !r.misses()
+        readings.iter().any(|r| {
+            r.row.actuator == reading.row.actuator
+                && r.row.condition == reading.row.condition
+                && r.ended_well()
         })
     };
     let judged = merged.iter().map(|reading| {
@@ -183,4 +207,42 @@ pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
         Row { verdict, ..reading.row.clone() }
     });
     judged.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use b2b_building::hvac::EngineVariable;
+
+    use super::*;
+
+    /// The verdict on a supply temperature of 45 °C at full flow, for the outlet under each command, and on others at the same flow.
+    fn verdict(outlet: impl Fn(usize, f64) -> f64, other: f64) -> Verdict {
+        let effect = EngineVariable::new("", "");
+        let quantity = Quantity::SupplyAirTemperature;
+        let actuator = Actuator::of_schedule(String::new(), String::new(), quantity, [10.0, 45.0], effect);
+        let new = |level| Reading::new(&actuator, Season::Winter, Condition::FullFlow, level);
+        let [mut high, mut middle] = [Level::High, Level::Middle].map(new);
+        for step in 1..11 {
+            high.see(&actuator, outlet(step, high.nearer.unwrap_or(high.row.command)));
+            middle.see(&actuator, other);
+        }
+        high.limit = high.coil_limit();
+        rows(&[high, middle])[0].verdict
+    }
+
+    #[test]
+    fn a_coil_whose_plant_cycles_is_at_capacity_and_one_that_moves_with_its_command_is_not() {
+        let cycles = |step: usize, _| 40.3 + [0.0, 0.1, 0.7, 0.2, 0.9, 0.3, -0.1, 0.7, 0.0, -0.2][step - 1];
+        assert_eq!(verdict(cycles, 27.5), Verdict::AtCapacity(Limit::Coil));
+        let offset = |step: usize, sent: f64| 0.9 * sent + 0.3 * (step / 2 % 2) as f64;
+        assert_eq!(verdict(offset, 27.5), Verdict::Fails, "it has capacity left");
+        let lags = |step: usize, sent: f64| sent - 20.0 * 0.8_f64.powi(step as i32);
+        assert_eq!(verdict(lags, 27.5), Verdict::Fails, "a slow control is not a limit");
+    }
+
+    #[test]
+    fn an_outlet_at_capacity_must_end_at_some_other_command() {
+        assert_eq!(verdict(|_, _| 40.0, 27.4), Verdict::AtCapacity(Limit::Coil));
+        assert_eq!(verdict(|_, _| 40.0, 40.0), Verdict::Fails, "it never moves");
+    }
 }

@@ -98,10 +98,16 @@ fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_respo
     no_actuator_of_an_import_fails("RefBldgPrimarySchoolNew2004_Chicago.idf", 0.8);
 }
 
-/// The coils of its 35 packaged units do not reach the highest supply temperature in winter.
+/// The coils of its packaged units reach neither 10 °C in summer nor 45 °C: 183 of the 223 commands at capacity, of 1018.
 #[test]
 fn every_actuator_of_an_imported_hotel_of_packaged_units_responds() {
     no_actuator_of_an_import_fails("RefBldgSmallHotelNew2004_Chicago.idf", 0.75);
+}
+
+/// Its fan coils share hot water for less than the highest supply temperature of all at once in winter.
+#[test]
+fn every_actuator_of_an_imported_hotel_of_fan_coils_responds() {
+    no_actuator_of_an_import_fails("ASHRAE901_HotelLarge_STD2019_Denver.idf", 0.55);
 }
 
 /// The house with its actuators tampered with, measured: verdicts of the rows of a quantity.

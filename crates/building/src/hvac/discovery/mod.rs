@@ -87,22 +87,19 @@ pub(crate) fn discover(
         remove_ems_programs(model, sets_a_schedule);
     }
     let before = objects(model);
-    zone_controls::split(model);
-    let thermostats = Thermostats::of(model);
-    let found = Discovery::default();
-    let mut search = Search { model, air_density, kinds, unsupported, absent, found };
-    for air_loop in search.model.names("AirLoopHVAC") {
-        search.air_loop(&air_loop)?;
-    }
-    for zone in search.model.names("Zone") {
-        search.zone(&zone)?;
-    }
-    if unsupported == Unsupported::LeftAlone {
-        search.thermostats()?;
-    }
-    let found = search.found;
-    silence_sensors(model, &before);
-    Ok(Discovery { notes: thermostats.notes(model, &found.systems), ..found })
+    Search { model, air_density, kinds, unsupported, absent, found: Discovery::default() }.run(|search| {
+        for air_loop in search.model.names("AirLoopHVAC") {
+            search.air_loop(&air_loop)?;
+        }
+        for zone in search.model.names("Zone") {
+            search.zone(&zone)?;
+        }
+        if unsupported == Unsupported::LeftAlone {
+            search.thermostats()?;
+        }
+        silence_sensors(search.model, &before);
+        Ok(())
+    })
 }
 
 /// Makes the thermostat of every zone of a hard-sized model controllable, and nothing else.
@@ -110,14 +107,9 @@ pub(crate) fn discover(
 /// # Errors
 /// [`Error::MissingObject`] for a dangling reference.
 pub(crate) fn discover_setpoints(model: &mut Model, air_density: f64) -> Result<Discovery> {
-    zone_controls::split(model);
-    let thermostats = Thermostats::of(model);
     let (kinds, unsupported) = (&[Kind::of::<SetpointZone>()], Unsupported::LeftAlone);
-    let found = Discovery::default();
-    let mut search = Search { model, air_density, kinds, unsupported, absent: &[], found };
-    search.thermostats()?;
-    let found = search.found;
-    Ok(Discovery { notes: thermostats.notes(model, &found.systems), ..found })
+    Search { model, air_density, kinds, unsupported, absent: &[], found: Discovery::default() }
+        .run(Search::thermostats)
 }
 
 impl Discovery {
@@ -162,6 +154,15 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Returns the systems that a search finds, with notes on what it changes in the thermostats.
+    fn run(mut self, find: impl FnOnce(&mut Self) -> Result<()>) -> Result<Discovery> {
+        zone_controls::split(self.model);
+        let thermostats = Thermostats::of(self.model);
+        find(&mut self)?;
+        let notes = thermostats.notes(self.model, &self.found.systems);
+        Ok(Discovery { notes, ..self.found })
+    }
+
     fn air_loop(&mut self, air_loop: &str) -> Result<()> {
         let candidate = Candidate::AirLoop(air_loop);
         let own = belongings(self.model, air_loop)?;
