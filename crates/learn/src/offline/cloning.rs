@@ -134,12 +134,10 @@ impl CloneConfig {
             }
         };
         let selected: Vec<_> = dataset.episodes.iter().enumerate().filter(is_selected).collect();
-        let values: [(&str, fn(&CorpusEpisode) -> &str); 2] =
-            [("type", |of| &of.building_type), ("task", |of| &of.task)];
-        for (option, value) in values {
-            let found = different(&selected, value);
+        let types = different(&selected, |of| &of.building_type);
+        let tasks = different(&selected, |of| &of.task);
+        for (option, found) in [("type", types), ("task", tasks)] {
             if found.len() > 1 {
-                let found: Vec<&str> = found.into_iter().collect();
                 return Err(Error::Invalid(format!(
                     "the dataset has episodes of {}; choose one with --{option}",
                     found.join(", ")
@@ -157,8 +155,9 @@ impl CloneConfig {
 fn different<'a>(
     selected: &[(usize, &'a EpisodeMetadata)],
     value: fn(&CorpusEpisode) -> &str,
-) -> BTreeSet<&'a str> {
-    selected.iter().filter_map(|(_, episode)| episode.corpus.as_ref()).map(value).collect()
+) -> Vec<&'a str> {
+    let values = selected.iter().filter_map(|(_, episode)| episode.corpus.as_ref()).map(value);
+    values.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 fn training(episodes: &[(usize, &EpisodeMetadata)], dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {

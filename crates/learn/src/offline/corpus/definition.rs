@@ -128,15 +128,19 @@ impl Definition {
     /// [`Error::Env`] for an invalid task.
     pub(super) fn plan(&self) -> Result<Vec<Planned<'_>>> {
         let mut planned = Vec::with_capacity(self.len());
+        let mut policies = Vec::new();
+        for (task, policy) in self.policies() {
+            policies.push((task.parse::<Task>()?, task, policy));
+        }
         for (building, id) in self.ids().into_iter().enumerate() {
             for week in 0..self.weeks {
                 let period = self.week(building as u32 % self.buildings, week);
-                for (task, policy) in self.policies() {
+                for &(ref parsed, task, policy) in &policies {
                     let number = planned.len();
                     let subject = Subject { name: BuildingName::Id(id), placement: Placement::default() };
                     let episode = Episode {
                         subject,
-                        task: task.parse::<Task>()?,
+                        task: parsed.clone(),
                         period: period.into(),
                         seed: number as u64,
                         steps_per_hour: STEPS_PER_HOUR,
