@@ -1,6 +1,6 @@
 //! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if they
-//! stay empty, lists of work in parallel, digests, random streams, even samples, the calendar, energy carriers, suggestions for misspelled names, and
-//! the fingerprint of the machine's arithmetic.
+//! stay empty, lists of work in parallel and in parts, digests, random streams, even samples, the calendar, energy carriers,
+//! suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
 
 #[cfg(not(target_os = "linux"))]
 compile_error!("building2building runs on Linux only");
@@ -11,12 +11,13 @@ pub mod carrier;
 pub mod digest;
 pub mod digest_list;
 pub mod folder_lock;
+mod jobs;
 pub mod machine;
 pub mod new_folders;
-pub mod parallel;
 pub mod random;
 pub mod scratch;
 pub mod seal;
-pub mod shard;
 pub mod spread;
 pub mod suggestion;
+
+pub use jobs::{parallel, shard};

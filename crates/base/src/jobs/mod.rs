@@ -1,0 +1,4 @@
+//! Lists of jobs.
+
+pub mod parallel;
+pub mod shard;
