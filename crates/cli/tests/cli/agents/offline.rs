@@ -138,7 +138,7 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     let dataset = Dataset::open(&path.join("whole/b2b/tiny-v0")).unwrap();
     let of = |number: usize| dataset.episodes[number].corpus.as_ref().unwrap();
     assert_eq!(
-        (&of(0).building_type[..], of(0).action_width, &of(0).expert[..]),
+        (&of(3).building_type[..], of(3).action_width, &of(3).expert[..]),
         ("OfficeSmall", 10, "reactive")
     );
     assert_eq!((of(5).action_width, &of(5).expert[..], of(5).task.as_str()), (0, "", "operate+preview"));
