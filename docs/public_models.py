@@ -72,7 +72,9 @@ class Listed:
             run = [self.b2b, *command, "--place", self.place, "--json", *last, str(self.path)]
             done = subprocess.run(run, capture_output=True, text=True, check=False)
             written = kept.with_suffix(".part")
-            written.write_text(done.stdout or json.dumps({"error": done.stderr}))
+            # Without the place of the checkouts on this machine.
+            error = done.stderr.replace(f"{self.reports.parent}/", "")
+            written.write_text(done.stdout or json.dumps({"error": error}))
             written.rename(kept)
         report: dict[str, Any] = json.loads(kept.read_text())
         return report
