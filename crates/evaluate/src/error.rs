@@ -64,6 +64,12 @@ pub enum Error {
         /// The name given.
         text: String,
     },
+    /// Noise on a policy without actuators.
+    #[error("`{policy}` has no actuators that noise could move; leave out the noise")]
+    NoiseWithoutActuators {
+        /// Name of the policy.
+        policy: String,
+    },
     /// A level of noise that is not from 0 to 2.
     #[error("the level of noise is `{text}`; expected a share of half of each actuator's range, from 0 to 2")]
     NoiseLevel {

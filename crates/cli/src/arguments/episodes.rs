@@ -31,19 +31,8 @@ impl Episodes {
     /// Returns the episodes, grouped by building so that each building is prepared only once. Errors if there is no
     /// building.
     pub fn list(&self, tasks: &[Task]) -> Result<Vec<Episode>> {
-        let mut episodes = Vec::new();
-        for name in self.buildings.names()? {
-            let subject = Subject { name, placement: self.location.placement() };
-            for period in &self.periods {
-                for task in tasks {
-                    for seed in &self.seeds {
-                        let (subject, task) = (subject.clone(), task.clone());
-                        let (period, seed, steps_per_hour) = (*period, *seed, self.steps_per_hour);
-                        episodes.push(Episode { subject, task, period, seed, steps_per_hour });
-                    }
-                }
-            }
-        }
-        Ok(episodes)
+        let subject = |name| Subject { name, placement: self.location.placement() };
+        let subjects: Vec<Subject> = self.buildings.names()?.into_iter().map(subject).collect();
+        Ok(Episode::combinations(&subjects, &self.periods, tasks, &self.seeds, self.steps_per_hour))
     }
 }

@@ -186,7 +186,7 @@ impl Arguments {
             Some(acting) => acting.is_supervision(),
         };
         let default = match (supervises, self.building_type.is_empty()) {
-            (false, _) => "residual",
+            (false, _) => TrainConfig::DEFAULT_PRESET,
             (true, true) => "supervisory",
             (true, false) => "supervisory-graph",
         };

@@ -23,6 +23,32 @@ pub struct Episode {
 }
 
 impl Episode {
+    /// Returns every combination, grouped by building so that each building is prepared only once.
+    pub fn combinations(
+        subjects: &[Subject],
+        periods: &[Period],
+        tasks: &[Task],
+        seeds: &[u64],
+        steps_per_hour: u32,
+    ) -> Vec<Self> {
+        let mut all = Vec::new();
+        for subject in subjects {
+            for period in periods {
+                for task in tasks {
+                    let of_seed = |seed: &u64| Self {
+                        subject: subject.clone(),
+                        task: task.clone(),
+                        period: *period,
+                        seed: *seed,
+                        steps_per_hour,
+                    };
+                    all.extend(seeds.iter().map(of_seed));
+                }
+            }
+        }
+        all
+    }
+
     /// Returns the number of simulated days.
     pub fn days(&self) -> u64 {
         u64::from(self.period.days())

@@ -13,7 +13,8 @@ impl dyn Policy {
     /// scale `scale`; `NAME+noise0.2` adds [noise](b2b_control::Noise) to the actions of any of them.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); [`Error::NoiseLevel`](crate::Error::NoiseLevel); errors from [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); [`Error::NoiseLevel`](crate::Error::NoiseLevel);
+    /// [`Error::NoiseWithoutActuators`](crate::Error::NoiseWithoutActuators); errors from [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
         let path = Path::new(name);
         if is_onnx(path) {
@@ -23,7 +24,7 @@ impl dyn Policy {
             return Ok(Box::new(Agent::read(path)?));
         }
         if let Some((name, level)) = NoisyPolicy::parts(name)? {
-            return Ok(Box::new(NoisyPolicy::new(Self::named(name, scale)?, level)));
+            return Ok(Box::new(NoisyPolicy::new(Self::named(name, scale)?, level)?));
         }
         Ok(Box::new(name.parse::<BuiltIn>()?))
     }

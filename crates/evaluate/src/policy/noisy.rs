@@ -30,8 +30,15 @@ impl NoisyPolicy {
         Ok(Some((name, level)))
     }
 
-    pub(super) fn new(policy: Box<dyn Policy>, level: f64) -> Self {
-        Self { policy, level }
+    /// Adds noise to a policy.
+    ///
+    /// # Errors
+    /// [`Error::NoiseWithoutActuators`] for a policy whose buildings have none.
+    pub(super) fn new(policy: Box<dyn Policy>, level: f64) -> Result<Self> {
+        match policy.controls() {
+            Controls::Own => Err(Error::NoiseWithoutActuators { policy: policy.name() }),
+            Controls::Actuators | Controls::Setpoints => Ok(Self { policy, level }),
+        }
     }
 
     fn noise(&self, spaces: &Spaces, seed: u64) -> Noise {
@@ -100,9 +107,12 @@ mod tests {
         assert!(noisy.identity().starts_with("guideline36") && noisy.identity() != "guideline36");
         let task = "operate".parse().unwrap();
         assert!(named("guideline36").unwrap().is_baseline(&task) && !noisy.is_baseline(&task));
-        for (wrong, word) in
-            [("reactive+noise-1", "-1"), ("reactive+noisex", "`x`"), ("reactiv+noise0.1", "reactiv")]
-        {
+        for (wrong, word) in [
+            ("reactive+noise-1", "-1"),
+            ("reactive+noisex", "`x`"),
+            ("reactiv+noise0.1", "reactiv"),
+            ("own+noise0.1", "`own` has no actuators"),
+        ] {
             let said = named(wrong).err().unwrap().to_string();
             assert!(said.contains(word), "{said}");
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use b2b_benchmark::Problem;
 use b2b_benchmark::entry::{EntryPolicy, RunOutcome};
 use b2b_benchmark::problem::{Changes, Stage};
-use b2b_dataset::{Catalog, Placement};
+use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Task;
 use b2b_evaluate::{ActionScale, Baselines, Episode, Evaluation, Folder, Policy, Results, Subject};
@@ -21,8 +21,6 @@ use crate::job::{Entry, Episodes, Measurement};
 /// Any error of an action.
 type Fault = Box<dyn std::error::Error + Send + Sync>;
 
-/// The preset of a training run whose options name none.
-const PRESET: &str = "residual";
 const STEPS_PER_HOUR: u32 = 12;
 
 /// A program that carries out the actions of jobs.
@@ -50,7 +48,7 @@ impl Program {
     }
 
     fn train(&self, config: &Path, out: &Path) -> Result<String, Fault> {
-        let config = TrainConfig::preset(PRESET)?.with_file(config, &[])?;
+        let config = TrainConfig::preset(TrainConfig::DEFAULT_PRESET)?.with_file(config, &[])?;
         config.check()?;
         let options = RunOptions {
             out: out.to_owned(),
@@ -134,24 +132,16 @@ impl Monitor for Log {
     }
 }
 
-/// Returns the episodes, grouped by building, so that each building is prepared only once.
+/// Returns the episodes of a job.
 fn list(episodes: &Episodes) -> Result<Vec<Episode>, Fault> {
     let Episodes { buildings, tasks, periods } = episodes;
-    let mut list = Vec::new();
-    for building in buildings {
-        for period in periods {
-            for task in tasks {
-                list.push(Episode {
-                    subject: Subject { name: building.parse()?, placement: Placement::default() },
-                    task: Task::from_text(task)?,
-                    period: period.parse()?,
-                    seed: 0,
-                    steps_per_hour: STEPS_PER_HOUR,
-                });
-            }
-        }
-    }
-    Ok(list)
+    let subjects = buildings
+        .iter()
+        .map(|name| Ok(Subject::at_home(name.parse()?)))
+        .collect::<Result<Vec<_>, Fault>>()?;
+    let periods = periods.iter().map(|text| Ok(text.parse()?)).collect::<Result<Vec<_>, Fault>>()?;
+    let tasks = tasks.iter().map(|text| Ok(Task::from_text(text)?)).collect::<Result<Vec<_>, Fault>>()?;
+    Ok(Episode::combinations(&subjects, &periods, &tasks, &[0], STEPS_PER_HOUR))
 }
 
 fn json(result: &impl Serialize) -> Result<String, Fault> {

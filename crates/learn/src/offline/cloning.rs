@@ -145,7 +145,11 @@ impl CloneConfig {
             }
         }
         if selected.is_empty() {
-            return Err(Error::Invalid("the dataset has no such episodes with actions".into()));
+            let wanted = [&self.building_type, &self.task].map(|it| it.as_deref().unwrap_or("any"));
+            return Err(Error::Invalid(format!(
+                "the dataset has no episode with actions of the type {} under the task {}",
+                wanted[0], wanted[1]
+            )));
         }
         Ok(selected)
     }

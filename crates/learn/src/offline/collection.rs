@@ -79,21 +79,13 @@ impl Collection<'_> {
         new: &NewDataset,
         shape: &Mutex<Option<Shape>>,
     ) -> Result<Vec<EpisodeMetadata>> {
-        let policy = &self.policies[part];
         let numbered: Vec<(usize, &Episode)> = self.episodes.iter().enumerate().collect();
-        progress.begin(&policy.name(), numbered.len(), self.episodes.iter().map(Episode::days).sum());
-        let (written, failure) = (Mutex::new(Vec::new()), Mutex::new(None));
-        let recorded = evaluation.record(&numbered, policy.as_ref(), progress, &|number, recorded| {
-            let outcome = match recorded {
-                Ok(recorded) => self.write((part, number), recorded, new, shape),
-                Err(lost) => Err(Error::Invalid(format!("{} was lost: {lost}", self.episodes[number]))),
-            };
-            outcome.map(|metadata| lock(&written).push(metadata)).map_err(|error| {
-                lock(&failure).get_or_insert(error);
-                b2b_evaluate::Error::Interrupted
-            })
-        });
-        recorded.map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))?;
+        let written = Mutex::new(Vec::new());
+        record_each(&numbered, self.policies[part].as_ref(), evaluation, progress, &|number, recorded| {
+            let metadata = self.write((part, number), recorded, new, shape)?;
+            lock(&written).push(metadata);
+            Ok(())
+        })?;
         Ok(written.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -154,6 +146,36 @@ impl Collection<'_> {
         names.dedup();
         names.len()
     }
+}
+
+/// Runs episodes, which are given with their numbers, and passes the steps of each to `write`.
+///
+/// # Errors
+/// The first error of `write`; [`Error::Invalid`] for a lost episode; errors from [`Evaluation::record`].
+pub(super) fn record_each(
+    episodes: &[(usize, &Episode)],
+    policy: &dyn Policy,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+    write: &(dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
+) -> Result<()> {
+    progress.begin(&policy.name(), episodes.len(), episodes.iter().map(|(_, episode)| episode.days()).sum());
+    let failure = Mutex::new(None);
+    let recorded = evaluation.record(episodes, policy, progress, &|number, recorded| {
+        let outcome = match recorded {
+            Ok(recorded) => write(number, recorded),
+            Err(lost) => {
+                let own = episodes.iter().find(|(known, _)| *known == number);
+                let name = own.map_or_else(|| number.to_string(), |(_, episode)| episode.to_string());
+                Err(Error::Invalid(format!("{name} was lost: {lost}")))
+            }
+        };
+        outcome.map_err(|error| {
+            lock(&failure).get_or_insert(error);
+            b2b_evaluate::Error::Interrupted
+        })
+    });
+    recorded.map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))
 }
 
 /// The spaces of a dataset: names, and the bounds of all of its buildings.

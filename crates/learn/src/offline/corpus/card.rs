@@ -25,7 +25,7 @@ pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[Ep
          - `SHA256SUMS`: digests of all files.\n\n\
          ## Policies\n\n\
          `reactive` are the paper's tuned controllers, `guideline36` the sequences of ASHRAE Guideline 36, `own` the model's \
-         own thermostats and schedules (no actions), `random` uniform actions. `+noiseX` adds noise, uniform within X of \
+         own thermostats and schedules (without actuators, actions and labels are zeros), `random` uniform actions. `+noiseX` adds noise, uniform within X of \
          half of each actuator's range and held for an hour. The expert is `reactive` in tasks with targets and \
          `guideline36` in operation.\n\n\
          ## Use\n\n\

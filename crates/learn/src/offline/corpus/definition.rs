@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use b2b_building::{BuildingType, Date, RunPeriod};
-use b2b_dataset::{BuildingId, BuildingName, Placement, Split};
+use b2b_dataset::{BuildingId, BuildingName, Split};
 use b2b_env::Task;
 use b2b_evaluate::{Episode, Subject};
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ const DAYS: u32 = 7;
 /// Whole weeks of a year.
 const WEEKS: u32 = 52;
 /// Zone time steps per hour.
-const STEPS_PER_HOUR: u32 = 12;
+pub(super) const STEPS_PER_HOUR: u32 = 12;
 
 /// The definition of a corpus.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,18 +100,13 @@ impl Definition {
     }
 
     /// Returns the number of episodes.
-    pub fn len(&self) -> usize {
+    pub(super) fn episode_count(&self) -> usize {
         self.all_buildings() * self.weeks as usize * self.policies().count()
-    }
-
-    /// Returns whether there are no episodes.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Returns the number of transitions.
     pub fn transitions(&self) -> usize {
-        self.len() * (DAYS * 24 * STEPS_PER_HOUR) as usize
+        self.episode_count() * (DAYS * 24 * STEPS_PER_HOUR) as usize
     }
 
     /// Returns the tasks and policies, in the order of the episodes of a week.
@@ -127,7 +122,7 @@ impl Definition {
     /// # Errors
     /// [`Error::Env`] for an invalid task.
     pub(super) fn plan(&self) -> Result<Vec<Planned<'_>>> {
-        let mut planned = Vec::with_capacity(self.len());
+        let mut planned = Vec::with_capacity(self.episode_count());
         let mut policies = Vec::new();
         for (task, policy) in self.policies() {
             policies.push((task.parse::<Task>()?, task, policy));
@@ -137,9 +132,8 @@ impl Definition {
                 let period = self.week(building as u32 % self.buildings, week);
                 for &(ref parsed, task, policy) in &policies {
                     let number = planned.len();
-                    let subject = Subject { name: BuildingName::Id(id), placement: Placement::default() };
                     let episode = Episode {
-                        subject,
+                        subject: Subject::at_home(BuildingName::Id(id)),
                         task: parsed.clone(),
                         period: period.into(),
                         seed: number as u64,
@@ -188,7 +182,7 @@ mod tests {
         assert!(full.all_buildings() >= 1000);
         for definition in [quick, full] {
             let planned = definition.plan().unwrap();
-            assert_eq!(planned.len(), definition.len());
+            assert_eq!(planned.len(), definition.episode_count());
             assert!(planned.iter().enumerate().all(|(number, each)| each.number == number));
             let weeks: HashSet<String> = planned.iter().map(|each| each.episode.period.to_string()).collect();
             assert!(weeks.len() >= 24 && weeks.contains("01-01..01-07"), "{weeks:?}");

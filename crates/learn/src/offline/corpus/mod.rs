@@ -10,19 +10,18 @@ mod graph;
 mod writer;
 
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use b2b_base::shard::Shard;
-use b2b_evaluate::{ActionScale, BuiltIn, Episode, Evaluation, Policy, Progress, Recorded};
+use b2b_evaluate::{ActionScale, BuiltIn, Evaluation, Policy, Progress, Recorded};
 
 use definition::Planned;
 pub use definition::{Behavior, Definition};
 use graph::Graph;
 use writer::Writer;
 
-use super::collection::{file_of, unscaled};
+use super::collection::{file_of, record_each, unscaled};
 use super::dataset::{CorpusEpisode, EpisodeMetadata};
-use crate::{Error, Result};
+use crate::Result;
 
 /// A part of a corpus to collect.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +55,7 @@ impl Collected {
 /// Runs the remaining episodes of a part, and completes the corpus if no other part has episodes left.
 ///
 /// # Errors
-/// [`Error::Invalid`] for an unknown name, a folder of another corpus, a vector wider than the corpus, and when an episode
+/// [`Error::Invalid`](crate::Error::Invalid) for an unknown name, a folder of another corpus, a vector wider than the corpus, and when an episode
 /// is lost; errors from [`Evaluation::record`].
 pub fn collect_corpus(
     part: &CorpusPart<'_>,
@@ -65,17 +64,20 @@ pub fn collect_corpus(
     progress: &dyn Progress,
 ) -> Result<Collected> {
     let definition = Definition::named(part.name)?;
-    let writer = Writer::open(destination, part.name, &definition)?;
     let planned = definition.plan()?;
+    let named = |name: &str| <dyn Policy>::named(name, ActionScale::Rescaled);
+    let policies = definition.policies().map(|(_, name)| named(name));
+    let policies = policies.collect::<b2b_evaluate::Result<Vec<_>>>()?;
+    let writer = Writer::open(destination, &definition, &policies)?;
     let is_left = |each: &&Planned<'_>| part.shard.contains(each.building) && !writer.has(each.number);
     let left: Vec<_> = planned.iter().filter(is_left).collect();
-    for (task, name) in definition.policies() {
-        let policy = <dyn Policy>::named(name, ActionScale::Rescaled)?;
-        let of_policy = |each: &&&Planned<'_>| (each.task, each.policy) == (task, name);
-        let episodes: Vec<_> =
-            left.iter().filter(of_policy).map(|each| (each.number, &each.episode)).collect();
+    for (own, policy) in definition.policies().zip(&policies) {
+        let of_policy = left.iter().filter(|each| (each.task, each.policy) == own);
+        let episodes: Vec<_> = of_policy.map(|each| (each.number, &each.episode)).collect();
         if !episodes.is_empty() {
-            record(&episodes, policy.as_ref(), &writer, evaluation, progress)?;
+            record_each(&episodes, policy.as_ref(), evaluation, progress, &|number, recorded| {
+                write(&planned[number], recorded, &writer)
+            })?;
         }
     }
     let episodes = planned.iter().filter(|each| writer.has(each.number)).count();
@@ -87,54 +89,22 @@ pub fn collect_corpus(
     Ok(collected)
 }
 
-/// Runs and writes the episodes of a policy.
-fn record(
-    episodes: &[(usize, &Episode)],
-    policy: &dyn Policy,
-    writer: &Writer<'_>,
-    evaluation: &Evaluation<'_>,
-    progress: &dyn Progress,
-) -> Result<()> {
-    progress.begin(&policy.name(), episodes.len(), episodes.iter().map(|(_, episode)| episode.days()).sum());
-    let episode_of = |number: usize| episodes.iter().find(|(known, _)| *known == number).map(|(_, it)| *it);
-    let failure = Mutex::new(None);
-    let recorded = evaluation.record(episodes, policy, progress, &|number, recorded| {
-        let episode = episode_of(number).expect("it is one of them");
-        let outcome = match recorded {
-            Ok(recorded) => write(number, episode, recorded, policy, writer),
-            Err(lost) => Err(Error::Invalid(format!("{episode} was lost: {lost}"))),
-        };
-        outcome.map_err(|error| {
-            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-            b2b_evaluate::Error::Interrupted
-        })
-    });
-    let failure = failure.into_inner().unwrap_or_else(PoisonError::into_inner);
-    recorded.map_err(|error| failure.unwrap_or_else(|| error.into()))
-}
-
 /// Writes an episode with its labels and its graph.
-fn write(
-    number: usize,
-    episode: &Episode,
-    recorded: &Recorded<'_>,
-    policy: &dyn Policy,
-    writer: &Writer<'_>,
-) -> Result<()> {
-    let spaces = recorded.spaces;
+fn write(planned: &Planned<'_>, recorded: &Recorded<'_>, writer: &Writer<'_>) -> Result<()> {
+    let (episode, spaces) = (&planned.episode, recorded.spaces);
     let expert = BuiltIn::baseline_of(&episode.task);
     let mut file = file_of(recorded, true);
     if !spaces.action.is_empty() {
         file.expert = unscaled(&expert.labels(recorded)?, spaces);
     }
     let metadata = EpisodeMetadata {
-        id: number,
+        id: planned.number,
         total_steps: file.rewards.len(),
         seed: episode.seed,
         building: episode.subject.label(),
         place: None,
         weather: None,
-        policy: policy.name(),
+        policy: planned.policy.to_owned(),
         episode_return: file.rewards.iter().sum(),
         corpus: Some(CorpusEpisode {
             building_type: episode.subject.building_type().to_owned(),

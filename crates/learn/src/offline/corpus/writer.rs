@@ -7,10 +7,11 @@ use b2b_base::aside::write_whole;
 use b2b_base::scratch::folder_in;
 use b2b_building::morphology::Universe;
 use b2b_control::Versions;
+use b2b_evaluate::Policy;
 use serde_json::json;
 
 use super::card::card;
-use super::definition::Definition;
+use super::definition::{Definition, STEPS_PER_HOUR};
 use crate::error::at;
 use crate::offline::collection::box_space;
 use crate::offline::dataset::{
@@ -19,7 +20,7 @@ use crate::offline::dataset::{
 use crate::offline::episodes::{self, EpisodeFile};
 use crate::{Error, Result};
 
-/// Definition and versions, which tell one corpus from another.
+/// Definition, identities of the policies, and versions, which tell one corpus from another.
 const CORPUS: &str = "corpus.json";
 /// The description for people.
 const CARD: &str = "README.md";
@@ -39,15 +40,21 @@ impl<'a> Writer<'a> {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a folder with something else.
-    pub(super) fn open(folder: &Path, name: &str, definition: &'a Definition) -> Result<Self> {
-        let expected = json!({ "corpus": name, "definition": definition, "versions": Versions::current() });
+    pub(super) fn open(
+        folder: &Path,
+        definition: &'a Definition,
+        policies: &[Box<dyn Policy>],
+    ) -> Result<Self> {
+        let policies: Vec<String> = policies.iter().map(|policy| policy.identity()).collect();
+        let expected =
+            json!({ "definition": definition, "policies": policies, "versions": Versions::current() });
         let path = folder.join(CORPUS);
         let writer = Self { folder: folder.to_owned(), definition };
         if path.exists() {
             let found: serde_json::Value = read_json(folder, CORPUS, None)?;
             if found != expected {
                 return Err(Error::Invalid(format!(
-                    "{} is another corpus, or of other versions; choose another name or version, or remove it",
+                    "{} is another corpus, or of other policies or versions; choose another name or version, or remove it",
                     folder.display()
                 )));
             }
@@ -118,13 +125,14 @@ impl<'a> Writer<'a> {
     /// Writes the description, the card and the digests, which make the folder a dataset.
     pub(super) fn finish(&self, id: &str, name: &str) -> Result<()> {
         let read = |number: usize| read_json(&self.folder, &format!("data/{number}/{METADATA}"), None);
-        let episodes = (0..self.definition.len()).map(read).collect::<Result<Vec<EpisodeMetadata>>>()?;
+        let episodes =
+            (0..self.definition.episode_count()).map(read).collect::<Result<Vec<EpisodeMetadata>>>()?;
         let tasks: Vec<&str> = self.definition.episodes.iter().map(|behavior| &*behavior.task).collect();
         let contents = Contents {
             building_type: "all".into(),
             task: tasks.join(", "),
             period: "a week of each episode".into(),
-            steps_per_hour: 12,
+            steps_per_hour: STEPS_PER_HOUR,
             rescaled: true,
             observation_names: Vec::new(),
             action_names: Vec::new(),

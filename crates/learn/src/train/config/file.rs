@@ -36,6 +36,9 @@ const PERMISSION: &str = "allow_external";
 type Read<T> = std::result::Result<T, String>;
 
 impl TrainConfig {
+    /// The preset of a run that names none and does not supervise.
+    pub const DEFAULT_PRESET: &str = "residual";
+
     /// Returns the names of the presets.
     pub fn presets() -> impl Iterator<Item = &'static str> {
         PRESETS.into_iter().map(|(name, _)| name)
