@@ -123,9 +123,9 @@ class Listed:
             return ["none", ""]
         trial = self.january["trial"]
         actuators, setpoints, neither = self.counts()
-        driven = f"{actuators} + {setpoints}" if setpoints else str(actuators)
+        driven = f"{actuators}+{setpoints}" if setpoints else str(actuators)
         return [
-            f"{driven} / {actuators + setpoints + neither}",
+            f"{driven}/{actuators + setpoints + neither}",
             f"{deviation(trial)}, {trial['worst_zone_rms_k']:.2f}",
         ]
 
