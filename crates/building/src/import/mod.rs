@@ -201,7 +201,7 @@ fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>>
     }
     problems.extend(references::dangling(model, schema));
     problems.extend(setpoint_nodes::without_setpoint(model));
-    problems.extend(tank_nodes::unconnected(model));
+    problems.extend(tank_nodes::unconnected(model, schema));
     problems.extend(functions::unknown(model, schema));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }

@@ -1,29 +1,27 @@
 //! Tanks on a branch that do not name its nodes: the engine, for which the nodes of a tank are optional, ends the run.
 
 use crate::model::{Model, items, text};
+use crate::schema::Schema;
 
-/// Tanks whose nodes are fields of their own.
-const TANKS: [&str; 4] = [
-    "WaterHeater:Mixed",
-    "WaterHeater:Stratified",
-    "ThermalStorage:ChilledWater:Mixed",
-    "ThermalStorage:ChilledWater:Stratified",
-];
-
-/// The fields of a tank with the nodes where water of a plant enters it.
-const INLETS: [&str; 2] = ["use_side_inlet_node_name", "source_side_inlet_node_name"];
+/// The field that a tank has, and no other class: the node where water that it gives enters.
+const USE: &str = "use_side_inlet_node_name";
+/// The end of the fields with the nodes where water enters a tank.
+const INLET: &str = "_side_inlet_node_name";
 
 /// Returns a problem for every tank on a branch whose node it does not name.
-pub(super) fn unconnected(model: &Model) -> Vec<String> {
+pub(super) fn unconnected(model: &Model, schema: &Schema) -> Vec<String> {
     let mut problems = Vec::new();
     for (branch, fields) in model.objects("Branch") {
         for component in items(fields, "components") {
             let part = |field: &str| text(component, field).unwrap_or_default();
             let [class, name] = ["component_object_type", "component_name"].map(part);
             let [inlet, outlet] = ["component_inlet_node_name", "component_outlet_node_name"].map(part);
-            let Some(tank) = model.get(class, name).filter(|_| is_tank(class)) else { continue };
-            let named = |field: &str| text(tank, field).is_some_and(|node| node.eq_ignore_ascii_case(inlet));
-            if !INLETS.iter().any(|field| named(field)) {
+            let Some(tank) = model.get(class, name).filter(|_| schema.field(class, USE).is_some()) else {
+                continue;
+            };
+            let named =
+                |field: &String| text(tank, field).is_some_and(|node| node.eq_ignore_ascii_case(inlet));
+            if !tank.keys().filter(|field| field.ends_with(INLET)).any(named) {
                 problems.push(format!(
                     "{class} `{name}` is on Branch `{branch}` between the nodes `{inlet}` and `{outlet}`, but names neither: \
                      enter them as its use side nodes if the branch draws hot water, as its source side nodes if it heats the \
@@ -35,10 +33,6 @@ pub(super) fn unconnected(model: &Model) -> Vec<String> {
     problems
 }
 
-fn is_tank(class: &str) -> bool {
-    TANKS.iter().any(|tank| tank.eq_ignore_ascii_case(class))
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
@@ -47,14 +41,19 @@ mod tests {
 
     #[test]
     fn a_tank_on_a_branch_names_its_nodes() {
+        let fields = json!({"properties": {USE: {}, "source_side_inlet_node_name": {}}});
+        let schema = Schema::of_json(&json!({"properties": {
+            "WaterHeater:Mixed": {"patternProperties": {".*": fields}}, "Pipe:Adiabatic": {},
+        }}));
         let tank = |inlet: &str| {
             let branch = json!({"component_object_type": "WaterHeater:Mixed", "component_name": "Tank",
                 "component_inlet_node_name": "Cold", "component_outlet_node_name": "Hot"});
+            let pipe = json!({"component_object_type": "Pipe:Adiabatic", "component_name": "Pipe"});
             let model = json!({
-                "Branch": {"Equipment": {"components": [branch]}},
+                "Branch": {"Equipment": {"components": [branch, pipe]}}, "Pipe:Adiabatic": {"Pipe": {}},
                 "WaterHeater:Mixed": {"Tank": {"use_side_inlet_node_name": inlet, "tank_volume": 0.1}},
             });
-            unconnected(&Model::from_epjson(&model.to_string(), "tank.epJSON".as_ref()).unwrap())
+            unconnected(&Model::from_epjson(&model.to_string(), "tank.epJSON".as_ref()).unwrap(), &schema)
         };
         assert_eq!(tank("COLD"), Vec::<String>::new());
         let problem = &tank("")[0];

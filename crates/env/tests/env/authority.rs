@@ -104,6 +104,12 @@ fn every_actuator_of_an_imported_hotel_of_packaged_units_responds() {
     no_actuator_of_an_import_fails("RefBldgSmallHotelNew2004_Chicago.idf", 0.75);
 }
 
+/// Another air loop gives outdoor air to its rooms.
+#[test]
+fn every_actuator_of_an_imported_hotel_with_a_loop_of_outdoor_air_responds() {
+    no_actuator_of_an_import_fails("RefBldgLargeHotelNew2004_Chicago.idf", 0.65);
+}
+
 /// Its fan coils share hot water for less than the highest supply temperature of all at once in winter.
 #[test]
 fn every_actuator_of_an_imported_hotel_of_fan_coils_responds() {

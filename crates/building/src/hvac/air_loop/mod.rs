@@ -65,7 +65,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         // Heat recovery upstream of the mixer aims at the setpoint of the mixed air.
         supply_temperature::follow_schedule(model, air_loop, "Mixed Air", mixed, &supply_temperature.key);
     }
-    let zones: Vec<_> = terminals.iter().map(|(zone, _)| zone.clone()).collect();
+    let zones: Vec<_> = terminals.iter().map(|served| served.zone.clone()).collect();
     let exhaust_flow = exhaust_flow(model, &zones)? * air_density;
     let outdoor_air = match exhaust_flow > 0.0 {
         true => outdoor_air::schedule(model, air_loop, &controller, fan_flow, air_density)?,
@@ -73,7 +73,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     };
     let terminals = terminals
         .into_iter()
-        .map(|(zone, terminal)| terminal::make_controllable(model, zone, &terminal, air_density))
+        .map(|served| terminal::make_controllable(model, served, air_density))
         .collect::<Result<_>>()?;
     let name = air_loop.to_owned();
     Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, ventilation, terminals })

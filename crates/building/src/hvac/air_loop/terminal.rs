@@ -10,7 +10,7 @@ use crate::hvac::heating_only;
 use crate::hvac::references::{Reference, is_one_of, reference};
 use crate::hvac::schedules::constant_schedule;
 use crate::hvac::thermostat::{OUT_OF_REACH, own_thermostat};
-use crate::hvac::zone_equipment::{HEATERS, zone_equipment};
+use crate::hvac::zone_equipment::{HEATERS, put_first, zone_equipment};
 use crate::model::text;
 use crate::{Error, Model, Result};
 
@@ -24,22 +24,21 @@ pub(super) const REHEAT: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 pub(super) const NO_REHEAT: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
 
 /// Returns the terminals of an air loop, each with its zone, in model order of the zones.
-pub(super) fn find(model: &Model, air_loop: &str) -> Result<Vec<(String, Reference)>> {
-    let mut terminals = Vec::new();
-    for ServedZone { zone, terminal, .. } in served_zones(model, air_loop)? {
+pub(super) fn find(model: &Model, air_loop: &str) -> Result<Vec<ServedZone>> {
+    let served = served_zones(model, air_loop)?;
+    for ServedZone { terminal, .. } in &served {
         if !is_one_of(&terminal.class, &[REHEAT, NO_REHEAT]) {
             let why = format!("unsupported terminal; expected {REHEAT} or {NO_REHEAT}");
             return Err(Error::unsupported(&terminal.class, &terminal.name, &why));
         }
-        if let Some(coil) = coil(model, &terminal)?
+        if let Some(coil) = coil(model, terminal)?
             && !is_one_of(&coil.class, &HEATING)
         {
             let why = format!("unsupported reheat coil; expected {}", HEATING.join(" or "));
             return Err(Error::unsupported(&terminal.class, &terminal.name, &why));
         }
-        terminals.push((zone, terminal));
     }
-    Ok(terminals)
+    Ok(served)
 }
 
 /// Returns the reheat coil of a terminal.
@@ -50,12 +49,9 @@ fn coil(model: &Model, terminal: &Reference) -> Result<Option<Reference>> {
 
 /// Makes the damper of a terminal follow a schedule, and its reheat coil or the heater of the zone the zone's own heating
 /// setpoint.
-pub(super) fn make_controllable(
-    model: &mut Model,
-    zone: String,
-    terminal: &Reference,
-    air_density: f64,
-) -> Result<Terminal> {
+pub(super) fn make_controllable(model: &mut Model, served: ServedZone, air_density: f64) -> Result<Terminal> {
+    let ServedZone { zone, unit, ref terminal } = served;
+    put_first(model, &zone, &unit)?;
     switch_on(model, terminal)?;
     let Reference { class, name } = terminal;
     let design_flow = model.require_size(class, name, "maximum_air_flow_rate")? * air_density;

@@ -7,6 +7,7 @@ use crate::hvac::distribution::ServedZone;
 use crate::hvac::references::{Reference, is_one_of, required};
 use crate::hvac::schedules::{ALWAYS_ON, constant_schedule};
 use crate::hvac::setpoint_managers::remove_setpoint_managers;
+use crate::hvac::zone_equipment::put_first;
 use crate::model::Model;
 use crate::{Error, Result};
 
@@ -69,7 +70,7 @@ pub(super) fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &
 /// Makes the minimum flow of the terminal of a zone follow the command: with the cooling setpoint of the zone out of reach, it
 /// never requests more.
 pub(super) fn follow_flow(model: &mut Model, served: &ServedZone, schedule: &str) -> Result<Terminal> {
-    let ServedZone { unit: distribution, terminal: Reference { class, name }, .. } = served;
+    let ServedZone { zone, unit: distribution, terminal: Reference { class, name } } = served;
     if !is_one_of(class, &TERMINALS) {
         return Err(Error::unsupported(
             class,
@@ -78,6 +79,7 @@ pub(super) fn follow_flow(model: &mut Model, served: &ServedZone, schedule: &str
         ));
     }
     let design_flow = model.require_size(class, name, "maximum_air_flow_rate")?;
+    put_first(model, zone, distribution)?;
     let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", distribution)?;
     fields.insert("air_terminal_object_type".into(), json!(VARIABLE));
     let old = model.take(class, name)?;
