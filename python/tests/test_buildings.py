@@ -173,6 +173,32 @@ def test_a_morphology_converts_to_networkx(office):
     assert networkx.is_weakly_connected(graph.subgraph({node for edge in adjacent for node in edge}))
 
 
+def test_graph_observations_are_in_one_space_for_all_buildings():
+    made = [b2b.make_env(name, run_period=DAY) for name in ("OfficeSmall", "OfficeMedium")]
+    environments = [b2b.wrappers.GraphObservation(env) for env in made]
+    small, medium = environments
+    assert small.observation_space == medium.observation_space and small.node_columns == medium.node_columns
+    for env in environments:
+        graph = env.unwrapped.morphology
+        observed, _ = env.reset()
+        assert observed in env.observation_space and len(observed.nodes) == len(graph.nodes)
+        moved, *_ = env.step(env.action_space.sample())
+        np.testing.assert_array_equal(moved.edge_links, observed.edge_links)
+        assert np.isfinite(moved.nodes).all() and (moved.nodes != observed.nodes).any()
+        assert observed.edges[:, :-1].sum() == len(observed.edge_links) >= len(graph.edges)
+        for node, row in zip(graph.nodes, observed.nodes):
+            assert row[env.node_columns.index(node.node_type)] == 1
+            foreign = [not column.startswith(node.node_type) for column in env.node_columns]
+            assert not row[foreign].any(), node.name
+        zone = next(node for node in graph.nodes if node.node_type in ("unitary_zone", "vav_zone"))
+        column = env.node_columns.index(f"{zone.node_type} air_temperature")
+        assert 10 < observed.nodes[graph.nodes.index(zone), column] < 35
+        env.close()
+    padded = b2b.wrappers.PadObservation(b2b.make_env("OfficeSmall", run_period=DAY), width=200)
+    with pytest.raises(errors.SettingError, match="GraphObservation first"):
+        b2b.wrappers.GraphObservation(padded)
+
+
 def test_trajectories_are_read_by_name(office, tmp_path):
     trajectory = b2b.rollout(office, b2b.ReactiveController(office))
     assert len(trajectory) == 288 and trajectory.truncated

@@ -194,8 +194,8 @@ impl AgentController {
         Self { row: vec![0.0; scratch.actions()], scratch, pilot, actor }
     }
 
-    /// Returns the number of actuators that the agent controls or corrects.
-    pub fn actuators(&self) -> usize {
+    /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36 chooses.
+    pub fn actions(&self) -> usize {
         self.row.len()
     }
 }

@@ -143,7 +143,7 @@ pub enum Error {
         "unknown task `{text}`{why}; expected operate, optionally followed by a tariff of `b2b list tariffs`, for example \
          operate+tou; constant, occupancy or random, optionally followed by +deadband or +pmv, by a resource with a weight W \
          ({}), for example occupancy+energy0.5, by +free-ventilation, by +presenceH with a time H in hours, and by faults such \
-         as +noise0.2; or the path of a JSON file",
+         as +noise0.2, the same in all buildings without +own-faults; or the path of a JSON file",
         Resource::spelled()
     )]
     UnknownTask {
@@ -166,6 +166,9 @@ pub enum Error {
         /// The part.
         part: &'static str,
     },
+    /// Own faults of every building, in a task without faults.
+    #[error("`own-faults` has no faults to draw; add one, such as +bias0.5+own-faults, or remove it")]
+    OwnFaults,
     /// A weather file with several rows an hour, and another number of steps.
     #[error("{weather} has {rows} rows an hour, so an episode needs {rows} steps per hour")]
     WeatherRows {

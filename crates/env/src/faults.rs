@@ -1,21 +1,25 @@
 //! Faults of sensors and equipment.
 //!
-//! Faults depend only on seed, step and location, so equal tasks have equal faults in every episode.
+//! Faults depend only on seed, step and location, and with [`Faults::own`] on the building's name, so equal tasks have equal
+//! faults in every episode of a building.
 
+use b2b_base::digest::sha256;
 use b2b_base::random::{standard_normal, uniform};
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
 use crate::limits::within;
 use crate::random::stream;
+use crate::{Error, Result};
 
 /// Temperature toward which fouling moves the bounds of supply temperatures, °C.
 const NEUTRAL: f64 = 20.0;
 /// Streams of biases and stuck actuators. The stream of the noise is the step.
 const BIASES: u64 = u64::MAX;
 const STUCK: u64 = u64::MAX - 1;
+/// Stream of a building's own share of fouling.
+const FOULING: u64 = u64::MAX - 2;
 
 /// Faults of sensors and equipment. None by default.
 ///
@@ -25,6 +29,9 @@ const STUCK: u64 = u64::MAX - 1;
 pub struct Faults {
     /// Random seed.
     pub seed: u64,
+    /// Whether every building has faults of its own: drawn with its name, and a share of fouling from 0 to `fouling`.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub own: bool,
     /// Standard deviation of the noise of every zone temperature sensor, K: independent from step to step.
     pub noise: f64,
     /// Standard deviation of the bias of the zone temperature sensors, K: constant, drawn for each zone.
@@ -39,12 +46,12 @@ pub struct Faults {
 impl Faults {
     /// Returns whether there is no fault.
     pub fn is_none(&self) -> bool {
-        Self { seed: 0, ..*self } == Self::default()
+        Self { seed: 0, own: false, ..*self } == Self::default()
     }
 
     /// The faults, by their words in the text form of a task.
     pub(crate) fn parts(&mut self) -> [(&'static str, &mut f64); 4] {
-        let Self { seed: _, noise, bias, stuck, fouling } = self;
+        let Self { seed: _, own: _, noise, bias, stuck, fouling } = self;
         [("noise", noise), ("bias", bias), ("stuck", stuck), ("fouling", fouling)]
     }
 
@@ -52,7 +59,21 @@ impl Faults {
         within("noise", self.noise, 0.0, 10.0)?;
         within("bias", self.bias, 0.0, 10.0)?;
         within("stuck", self.stuck, 0.0, 1.0)?;
-        within("fouling", self.fouling, 0.0, 1.0)
+        within("fouling", self.fouling, 0.0, 1.0)?;
+        match self.own && self.is_none() {
+            true => Err(Error::OwnFaults),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns the faults as a building has them.
+    fn of(&self, building: &str) -> Self {
+        if !self.own {
+            return *self;
+        }
+        let of_name = u64::from_str_radix(&sha256(building)[..16], 16).unwrap_or_default();
+        let seed = self.seed.wrapping_add(of_name);
+        Self { seed, fouling: self.fouling * uniform(&mut stream(seed, FOULING)), ..*self }
     }
 }
 
@@ -73,7 +94,7 @@ impl Impairment {
         if faults.is_none() {
             return None;
         }
-        let Faults { seed, noise, bias, stuck, fouling } = *faults;
+        let Faults { seed, own: _, noise, bias, stuck, fouling } = faults.of(&building.name);
         let mut random = stream(seed, BIASES);
         let biases = building.zones.iter().map(|_| bias * standard_normal(&mut random)).collect();
         let mut random = stream(seed, STUCK);
@@ -107,5 +128,34 @@ impl Impairment {
                 *temperature += self.noise * standard_normal(random);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn own_faults_depend_on_name_and_seed_and_lose_at_most_the_given_share() {
+        let faults = Faults { own: true, bias: 0.5, fouling: 0.4, ..Faults::default() };
+        let names: Vec<String> = (0..100).map(|number| format!("OfficeSmall-{number:04}")).collect();
+        let own: Vec<Faults> = names.iter().map(|name| faults.of(name)).collect();
+        for (number, one) in own.iter().enumerate() {
+            assert_eq!(faults.of(&names[number]), *one);
+            assert!(own[..number].iter().all(|other| (other.seed, other.fouling) != (one.seed, one.fouling)));
+            assert!((0.0..0.4).contains(&one.fouling) && one.bias == 0.5);
+        }
+        let mean = own.iter().map(|each| each.fouling).sum::<f64>() / 100.0;
+        assert!((0.17..0.23).contains(&mean), "{mean}");
+        assert_ne!(Faults { seed: 1, ..faults }.of(&names[0]), own[0]);
+        assert_eq!(Faults { own: false, ..faults }.of(&names[0]), Faults { own: false, ..faults });
+    }
+
+    #[test]
+    fn tasks_without_own_faults_are_written_as_before() {
+        let text = |faults: Faults| serde_json::to_string(&faults).unwrap();
+        let faults = Faults { bias: 0.5, ..Faults::default() };
+        assert_eq!(text(faults), r#"{"seed":0,"noise":0.0,"bias":0.5,"stuck":0.0,"fouling":0.0}"#);
+        assert!(text(Faults { own: true, ..faults }).starts_with(r#"{"seed":0,"own":true,"#));
     }
 }

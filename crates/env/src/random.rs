@@ -1,6 +1,6 @@
 //! Random streams of a seed.
 //!
-//! Setpoints use one stream per zone and day, sensor noise one per step, other faults the last two, and presence the
+//! Setpoints use one stream per zone and day, sensor noise one per step, other faults the last three, and presence the
 //! streams from 2^40 on.
 
 use rand::SeedableRng;

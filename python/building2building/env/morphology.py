@@ -72,6 +72,8 @@ class Morphology:
         self._observation = {name: each.observation_block for name, each in self.node_types.items()}
         self._action = {name: each.action_block for name, each in self.node_types.items()}
         self._action_length = sum(nodes * slots for _, nodes, slots in self._action.values())
+        #: Kinds of edges.
+        self.edge_kinds = core.edge_kinds()
         #: Number of nodes of each type.
         self.counts = {name: sum(node.node_type == name for node in self.nodes) for name in self.node_types}
 
@@ -108,7 +110,7 @@ class Morphology:
     def attributes(self, node_type: str) -> Array:
         """Returns the attributes of the nodes of a type, ``[nodes, attributes]``."""
         rows = [node.attributes for node in self.nodes if node.node_type == node_type]
-        return np.array(rows, dtype=np.float64).reshape(len(rows), -1)
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self.node_types[node_type].attributes))
 
     def to_networkx(self) -> Any:
         """Returns a ``networkx.MultiDiGraph``, with undirected edges in both directions."""
@@ -118,7 +120,7 @@ class Morphology:
             names = [slot.quantity for slot in self.node_types[node.node_type].attributes]
             attributes = dict(zip(names, node.attributes))
             graph.add_node(number, name=node.name, node_type=node.node_type, **attributes)
-        for kind, source, target, attribute in self._directed_edges():
+        for kind, source, target, attribute in self.directed_edges():
             graph.add_edge(source, target, kind=kind, attribute=attribute)
         return graph
 
@@ -127,7 +129,7 @@ class Morphology:
         ``edge_index[source type, kind, target type]`` (two rows of row numbers) and ``edge_attr``. Undirected edges
         are included in both directions."""
         edges: dict[tuple[str, str, str], list[tuple[int, int, float]]] = {}
-        for kind, source, target, attribute in self._directed_edges():
+        for kind, source, target, attribute in self.directed_edges():
             a, b = self.nodes[source], self.nodes[target]
             edges.setdefault((a.node_type, kind, b.node_type), []).append((a.row, b.row, attribute))
         present = [name for name, count in self.counts.items() if count]
@@ -137,9 +139,9 @@ class Morphology:
             "edge_attr": {key: np.array([[edge[2]] for edge in each], dtype=np.float32) for key, each in edges.items()},
         }
 
-    def _directed_edges(self) -> Iterator[tuple[str, int, int, float]]:
+    def directed_edges(self) -> Iterator[tuple[str, int, int, float]]:
         """Yields kind, source, target and attribute of every edge; undirected edges in both directions."""
-        for kind in self._core.edge_kinds():
+        for kind in self.edge_kinds:
             edges = [edge for edge in self.edges if edge.kind == kind]
             for edge in edges:
                 yield kind, edge.source, edge.target, edge.attribute

@@ -17,12 +17,14 @@ from ..env.layout import index_of
 from ..errors import ActionError, SettingError
 from ..rollouts import BuiltInController, ReactiveController
 from ..scaling import Scale
+from .graph import GraphObservation
 from .hours_ahead import PriceSignal, WeatherForecast
 from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
 from .previous_step import PreviousStepObservation
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
+    "GraphObservation",
     "NormalizeObservation",
     "PadObservation",
     "PreviousStepObservation",

@@ -169,7 +169,7 @@ fn nodes_of_unknown_types_follow_the_reactive_controllers() {
         let agent = Agent::read(folder.path()).unwrap();
         let spaces = Arc::clone(env.spaces());
         let mut controller = agent.controller(&spaces).unwrap();
-        let corrected = controller.actuators();
+        let corrected = controller.actions();
         let first = rollout(env, &mut controller, &mut ()).unwrap().episode_return;
         // As created in a worker, which has no model.
         let mut again = agent.description(&spaces).unwrap().unwrap().controller(&spaces).unwrap();

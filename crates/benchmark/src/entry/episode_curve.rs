@@ -3,7 +3,7 @@
 use b2b_building::Period;
 use serde::{Deserialize, Serialize};
 
-use super::scores::{Performance, by_building, clusters};
+use super::scores::{Performance, SEED, by_building, clusters, over_periods, paired};
 use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Interval, aggregate_clusters};
 
@@ -28,28 +28,51 @@ pub struct EpisodePoint {
     pub performance: Performance,
 }
 
+/// Resolved scores of a policy minus those of a reference in the same episodes, interquartile mean over buildings and tasks;
+/// above 0, the reference is better.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EpisodeDifference {
+    /// Of the mean over the episodes in a building.
+    pub all: Interval,
+    /// Of each episode, in order.
+    pub points: Vec<Interval>,
+}
+
+impl EpisodeDifference {
+    /// Returns the difference in the episodes of a curve; `None` if the two have no episode in common.
+    pub fn of(curve: &EpisodeCurve, rows: &[EpisodeResult], reference: &[EpisodeResult]) -> Option<Self> {
+        let interval = |groups: &[_]| Some(aggregate_clusters(&clusters(groups), SEED)?.interquartile_mean);
+        let in_period = |point: &EpisodePoint| interval(&paired(rows_in(rows, &point.period), reference));
+        Some(Self {
+            all: interval(&over_periods(paired(rows, reference)))?,
+            points: curve.points.iter().map(in_period).collect::<Option<_>>()?,
+        })
+    }
+}
+
 impl EpisodeCurve {
     /// Returns the curve over rows of consecutive run periods; `None` without such periods.
-    pub(super) fn of(rows: &[EpisodeResult], periods: &[Period], seed: u64) -> Option<Self> {
+    pub(super) fn of(rows: &[EpisodeResult], periods: &[Period]) -> Option<Self> {
         let (mut points, mut days_before) = (Vec::new(), 0);
         for period in periods {
-            let performance = Performance::of(rows_in(rows, period), seed)?;
-            points.push(EpisodePoint { period: period.to_string(), days_before, performance });
+            let name = period.to_string();
+            let performance = Performance::of(rows_in(rows, &name), SEED)?;
+            points.push(EpisodePoint { period: name, days_before, performance });
             days_before += period.days();
         }
-        let scores = |period: &Period| by_building(rows_in(rows, period), EpisodeResult::resolved_score);
-        let (first, last) = (scores(periods.first()?), scores(periods.last()?));
+        let scores =
+            |point: &EpisodePoint| by_building(rows_in(rows, &point.period), EpisodeResult::resolved_score);
+        let (first, last) = (scores(points.first()?), scores(points.last()?));
         let improvements: Vec<_> =
             first.iter().zip(&last).map(|(first, last)| first.improvement(last)).collect();
-        let improvement = aggregate_clusters(&clusters(&improvements), seed)?.interquartile_mean;
+        let improvement = aggregate_clusters(&clusters(&improvements), SEED)?.interquartile_mean;
         Some(Self { points, improvement })
     }
 }
 
 fn rows_in<'a>(
     rows: &'a [EpisodeResult],
-    period: &Period,
+    period: &'a str,
 ) -> impl Iterator<Item = &'a EpisodeResult> + Clone {
-    let period = period.to_string();
     rows.iter().filter(move |row| row.info.period == period)
 }

@@ -7,14 +7,11 @@ use serde_json::{Value, json};
 use super::adaptation::Adaptation;
 use super::episode_curve::EpisodeCurve;
 use super::scores::{
-    Performance, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
+    Performance, SEED, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
 };
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
-
-/// Seed of the bootstrap.
-const SEED: u64 = 0;
 
 /// The measures of a run.
 ///
@@ -91,7 +88,7 @@ impl Measures {
             train: performance_of(Stage::Train),
             upper_bound: performance_of(Stage::UpperBound),
             adaptation: Adaptation::of(stages, &test, SEED),
-            by_episode: EpisodeCurve::of(test_rows, consecutive, SEED),
+            by_episode: EpisodeCurve::of(test_rows, consecutive),
         })
     }
 }
@@ -123,6 +120,7 @@ pub fn measure_scores(strata: &[Vec<Cluster>], resolved: &[Vec<Cluster>]) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use super::super::episode_curve::EpisodeDifference;
     use super::*;
     use b2b_evaluate::{BuiltIn, Subject};
     use b2b_evaluate::{Episode, EpisodeInfo, Scored};
@@ -244,6 +242,27 @@ mod tests {
         near(last.performance.scores.interquartile_mean.value, trimmed(&means(late)));
         near(curve.improvement.value, 0.5);
         assert_eq!(Measures::of(&[(Stage::Test, rows(early))], &[]).unwrap().by_episode, None);
+    }
+
+    #[test]
+    fn policies_in_the_same_episodes_are_compared_by_building_and_seed() {
+        let periods = ["01-01..01-02", "01-03..01-09"].map(|period| period.parse::<Period>().unwrap());
+        let episodes = |above: [f64; 2]| {
+            let of = |(period, above): (&Period, f64)| {
+                let mut rows = rows(|number, seed| 1.0 + above + noise(number, seed));
+                rows.iter_mut().for_each(|row| row.info.period = period.to_string());
+                rows
+            };
+            periods.iter().zip(above).flat_map(of).collect::<Vec<_>>()
+        };
+        let (policy, reference) = (episodes([0.3, 0.1]), episodes([0.0, 0.0]));
+        let curve = EpisodeCurve::of(&policy, &periods).unwrap();
+        let EpisodeDifference { all, points } = EpisodeDifference::of(&curve, &policy, &reference).unwrap();
+        for (found, expected) in [(points[0], 0.3), (points[1], 0.1), (all, 0.2)] {
+            near(found.value, expected);
+            assert!(found.high - found.low < 1e-9, "what both have in common cancels: {found}");
+        }
+        assert_eq!(EpisodeDifference::of(&curve, &policy, &[]), None);
     }
 
     #[test]

@@ -21,7 +21,7 @@ mod verify;
 pub use adaptation::{Adaptation, Point};
 pub use definition::Entry;
 pub use entry_policy::{EntryPolicy, PolicyDescription};
-pub use episode_curve::{EpisodeCurve, EpisodePoint};
+pub use episode_curve::{EpisodeCurve, EpisodeDifference, EpisodePoint};
 pub use external::External;
 pub use measures::{Measures, Stratum, mean_from_random, measure_scores};
 pub use result::{RunResult, Stages, read_result};

@@ -4,7 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use b2b_evaluate::any_number;
 use b2b_evaluate::statistics::{Aggregate, Cluster, aggregate_clusters};
-use b2b_evaluate::{EpisodeResult, relative_energy};
+use b2b_evaluate::{EpisodeInfo, EpisodeResult, relative_energy};
+
+/// Seed of the bootstrap.
+pub(super) const SEED: u64 = 0;
 
 /// Building type, task and run period.
 pub(super) type StratumKey = (String, String, String);
@@ -113,7 +116,7 @@ impl SeedScores {
 /// Groups the scores of rows by building, task and run period, in the order of the rows.
 pub(super) fn by_building<'a>(
     rows: impl IntoIterator<Item = &'a EpisodeResult>,
-    score: fn(&EpisodeResult) -> Option<f64>,
+    score: impl Fn(&EpisodeResult) -> Option<f64>,
 ) -> Vec<SeedScores> {
     let mut groups: Vec<SeedScores> = Vec::new();
     for row in rows {
@@ -131,6 +134,42 @@ pub(super) fn by_building<'a>(
         }
     }
     groups
+}
+
+/// Returns the resolved scores of rows minus those of a reference with the same building, task, run period and seed.
+pub(super) fn paired<'a>(
+    rows: impl IntoIterator<Item = &'a EpisodeResult>,
+    reference: &[EpisodeResult],
+) -> Vec<SeedScores> {
+    let key = |row: &EpisodeResult| {
+        let EpisodeInfo { building, task, period, seed, .. } = row.info.clone();
+        (building, task, period, seed)
+    };
+    by_building(rows, |row| {
+        let same = reference.iter().find(|other| key(other) == key(row))?;
+        Some(row.resolved_score()? - same.resolved_score()?)
+    })
+}
+
+/// Returns the scores of every building under a task, each seed's the mean over its run periods. Leaves out seeds that not
+/// all of these have.
+pub(super) fn over_periods(groups: Vec<SeedScores>) -> Vec<SeedScores> {
+    let mut all: Vec<(SeedScores, f64)> = Vec::new();
+    for group in groups {
+        let is_same = |sum: &SeedScores| sum.building == group.building && sum.task == group.task;
+        match all.iter_mut().find(|(sum, _)| is_same(sum)) {
+            Some((sum, count)) => {
+                sum.seeds = sum.seeds.iter().zip(&group.seeds).map(|(sum, score)| sum + score).collect();
+                *count += 1.0;
+            }
+            None => all.push((SeedScores { period: String::new(), ..group }, 1.0)),
+        }
+    }
+    let mean = |(sum, count): (SeedScores, f64)| {
+        let seeds = sum.seeds.iter().map(|sum| sum / count).collect();
+        SeedScores { seeds, ..sum }
+    };
+    all.into_iter().map(mean).collect()
 }
 
 /// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the

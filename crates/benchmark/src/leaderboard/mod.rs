@@ -7,7 +7,8 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use crate::entry::{
-    EpisodeCurve, Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random,
+    EpisodeCurve, EpisodeDifference, Measures, Performance, PolicyDescription, RunResult, Stages,
+    mean_from_random,
 };
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
@@ -98,6 +99,7 @@ fn section(board: &[&Ranked]) -> Value {
     tables.extend(strata(board));
     tables.extend(adaptation(board));
     tables.extend(by_episode(board));
+    tables.extend(differences(board));
     json!({
         "title": format!("{}, version {}{changed}", problem.name, problem.version),
         "note": format!("{}. {} Test buildings: {}. Run periods: {}.{memory} Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
@@ -127,6 +129,11 @@ fn remark(result: &RunResult) -> String {
     }
 }
 
+/// Returns the test episodes of a result.
+fn test_rows((_, stages): &Ranked) -> &[EpisodeResult] {
+    stages.iter().find(|(stage, _)| *stage == Stage::Test).map_or(&[], |(_, rows)| rows)
+}
+
 /// Returns the test episodes under random actions, from a result of the random policy or a result that measures
 /// adaptation.
 fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [EpisodeResult] {
@@ -142,9 +149,8 @@ fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [EpisodeResult] {
 
 fn scores(board: &[&Ranked]) -> Value {
     let random = random_rows(board);
-    let row = |(rank, (result, stages)): (usize, &&Ranked)| {
-        let test_rows = stages.iter().find(|(stage, _)| *stage == Stage::Test).map(|(_, rows)| rows);
-        let from_random = test_rows.and_then(|rows| mean_from_random(rows, random));
+    let row = |(rank, entry): (usize, &&Ranked)| {
+        let (result, from_random) = (&entry.0, mean_from_random(test_rows(entry), random));
         let Measures { test, generalization_gap, .. } = &result.measures;
         let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
         json!([
@@ -250,14 +256,18 @@ fn adaptation(board: &[&Ranked]) -> Option<Value> {
     (!rows.is_empty()).then(|| table("adaptation", &header, rows))
 }
 
+/// Returns the header of a table by episode in a building.
+fn header_of_episodes(curve: &EpisodeCurve, last: &str) -> Vec<String> {
+    let days = curve.points.iter().map(|point| format!("after {} days", point.days_before));
+    std::iter::once("entry".to_owned()).chain(days).chain([last.to_owned()]).collect()
+}
+
 /// Returns the scores of every entry by episode in a building.
 fn by_episode(board: &[&Ranked]) -> Option<Value> {
     let curves = board.iter().filter_map(|(result, _)| Some((result, result.measures.by_episode.as_ref()?)));
     let curves: Vec<_> = curves.collect();
     let (_, first) = curves.first()?;
-    let days = first.points.iter().map(|point| format!("after {} days", point.days_before));
-    let mut header = vec!["entry".to_owned()];
-    header.extend(days.chain(["first minus last".to_owned()]));
+    let header = header_of_episodes(first, "first minus last");
     let row = |(result, curve): &(&RunResult, &EpisodeCurve)| {
         let scores = curve.points.iter().map(|point| point.performance.resolved.interquartile_mean);
         let cells = scores.chain([curve.improvement]).map(|each| Value::from(each.to_string()));
@@ -266,6 +276,24 @@ fn by_episode(board: &[&Ranked]) -> Option<Value> {
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let title = "resolved score by days in the building, interquartile mean";
     Some(table(title, &header, curves.iter().map(row).collect()))
+}
+
+/// Returns by how much every entry's scores by episode are above the first entry's.
+fn differences(board: &[&Ranked]) -> Option<Value> {
+    let [first, others @ ..] = board else { return None };
+    let row = |entry: &&Ranked| {
+        let curve = entry.0.measures.by_episode.as_ref()?;
+        let EpisodeDifference { all, points } =
+            EpisodeDifference::of(curve, test_rows(entry), test_rows(first))?;
+        let cells = points.into_iter().chain([all]).map(|each| Value::from(each.to_string()));
+        Some(Value::from_iter(std::iter::once(Value::from(entry.0.name.clone())).chain(cells)))
+    };
+    let rows: Vec<Value> = others.iter().filter_map(row).collect();
+    let header = header_of_episodes(first.0.measures.by_episode.as_ref()?, "all episodes");
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let title =
+        format!("resolved score minus {}'s, paired by building and seed, interquartile mean", first.0.name);
+    (!rows.is_empty()).then(|| table(&title, &header, rows))
 }
 
 fn footer(results: &[Ranked], rank_by: RankBy) -> String {

@@ -5,9 +5,11 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use b2b_agent::{Agent, AgentController};
+use b2b_agent::{Acting, Agent, AgentController};
 use b2b_building::Controls;
-use b2b_control::{Case, Controller, KINDS, Kind, Reactive, ReactiveParameters};
+use b2b_control::{
+    Case, Controller, Guideline36, Guideline36Parameters, KINDS, Kind, Reactive, ReactiveParameters,
+};
 use b2b_env::{Spaces, Task};
 use serde_json::Value;
 
@@ -194,14 +196,22 @@ impl Parameters {
     }
 }
 
-/// Returns the controller of the agent in a folder.
+/// Returns the controller of the agent in a folder, and says what of the building it leaves to others.
 fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
-    let controller = Agent::read(folder)?.controller(spaces)?;
-    let (corrected, actuators) = (controller.actuators(), spaces.action.len());
-    if corrected < actuators {
+    let agent = Agent::read(folder)?;
+    let controller = agent.controller(spaces)?;
+    let (moved, info) = (controller.actions(), agent.info());
+    let (all, what, others) = match info.interface.acting {
+        Acting::Supervisory { .. } => {
+            let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
+            (guideline.supervisory_points().len(), "supervisory points", "guideline36 chooses")
+        }
+        _ => (spaces.action.len(), "actuators", "the reactive controllers control"),
+    };
+    // A flat network is trained with all actions of its buildings; an action may be shared by several points.
+    if !info.node_types.is_empty() && moved < all {
         eprintln!(
-            "the agent {} corrects {corrected} of the {actuators} actuators of {}; the reactive controllers control the others, whose \
-             node types it was not trained with",
+            "the agent {} acts on {moved} of the {all} {what} of {}; {others} the others, whose node types it was not trained with",
             folder.display(),
             spaces.building.name
         );

@@ -98,7 +98,7 @@ are constant, occupancy and random, each with and without +energy0.5.
   PRESENCE     the number of people follows the model's schedules (default); +presenceH: each person comes and
                goes at random, with a correlation time of H hours
   FAULT        +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with
-               probability P; +foulingS: coils lose a share S of their range
+               probability P; +foulingS: coils lose a share S of their range; +own-faults: every building has its own
 
 On one machine, the same arguments give the same episode bit for bit: compare trajectory_hash.";
 

@@ -44,7 +44,7 @@ pub use tariff::DataFile;
 /// | CO₂ | none, `co2` (concentration in every zone), with bands only |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 /// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
-/// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
+/// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share), `own-faults` (each building's own): see [`Faults`] |
 ///
 /// All other options require JSON: see [`Task::read`]. Omitted fields keep their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -23,6 +23,8 @@ const PREVIEW: &str = "preview";
 const CARBON_DIOXIDE: &str = "co2";
 /// The part of a task without the ventilation interlock.
 const FREE_VENTILATION: &str = "free-ventilation";
+/// The part of a task whose faults differ between buildings.
+const OWN_FAULTS: &str = "own-faults";
 
 impl Task {
     /// The numbers of random presence and faults, by keyword.
@@ -39,6 +41,7 @@ impl Task {
             }
             PREVIEW => Some(self.preview.replace(Preview::default()).is_none()),
             CARBON_DIOXIDE => Some(self.carbon_dioxide.replace(CarbonDioxide::default()).is_none()),
+            OWN_FAULTS => Some(!std::mem::replace(&mut self.faults.own, true)),
             _ => None,
         }
     }
@@ -76,7 +79,8 @@ impl Task {
         let mut task = self.clone();
         let disturbances = task.disturbances().into_iter().filter(|(_, value)| **value != 0.0);
         let disturbances: String = disturbances.map(|(word, value)| format!("+{word}{value}")).collect();
-        format!("{setpoints}{comfort}{resource}{tariff}{preview}{air}{ventilation}{disturbances}")
+        let own = if self.faults.own { format!("+{OWN_FAULTS}") } else { String::new() };
+        format!("{setpoints}{comfort}{resource}{tariff}{preview}{air}{ventilation}{disturbances}{own}")
     }
 }
 
@@ -159,7 +163,7 @@ fn spelled_band(band: &Band) -> String {
 }
 
 /// Every word of a text form.
-const WORDS: [&str; 19] = [
+const WORDS: [&str; 20] = [
     PREVIEW,
     CARBON_DIOXIDE,
     "constant",
@@ -179,6 +183,7 @@ const WORDS: [&str; 19] = [
     "bias",
     "stuck",
     "fouling",
+    OWN_FAULTS,
 ];
 
 /// Returns a question with the word most similar to a misspelled one; empty if none is similar.
@@ -269,6 +274,7 @@ mod tests {
             "occupancy+energy0.5+noise0.2+bias0.5",
             "occupancy+presence2+noise0.2",
             "constant+stuck0.1+fouling0.25",
+            "random+bias0.5+fouling0.25+own-faults",
             "random:3+deadband+energy0.5+free-ventilation",
             "operate",
             "operate:21-24/15.6-28",
@@ -300,6 +306,9 @@ mod tests {
             ("occupancy+presnce2", "unknown part `presnce2`"),
             ("occupancy+presence2h", "unknown part `presence2h`"),
             ("occupancy+noise1+noise2", "`noise` is given twice"),
+            ("occupancy+own-faults", "`own-faults` has no faults to draw; add one, such as +bias0.5"),
+            ("occupancy+bias1+own-faults+own-faults", "`own-faults` is given twice"),
+            ("occupancy+bias1+own-fault", "did you mean own-faults?"),
             ("occupancy+cost1+energy2", "`energy` is a second comfort or resource"),
         ] {
             let said = text.parse::<Task>().unwrap_err().to_string();

@@ -1,5 +1,7 @@
 //! Faults on the engine: sensors err without touching the reward, and faulty equipment does not follow.
 
+use std::sync::Arc;
+
 use crate::case::{Case, random_episode};
 use b2b_building::BuildingType;
 use b2b_building::hvac::Quantity;
@@ -43,7 +45,7 @@ fn sensors_have_the_given_noise_and_bias_and_rewards_do_not() {
 fn equal_tasks_have_equal_faults_and_seeds_differ() {
     let office = office();
     let task = |seed| {
-        let faults = Faults { seed, noise: 0.1, bias: 0.3, stuck: 0.3, fouling: 0.2 };
+        let faults = Faults { seed, own: false, noise: 0.1, bias: 0.3, stuck: 0.3, fouling: 0.2 };
         Task { faults, ..Task::default() }
     };
     let mut env = office.env_with(DAY, task(1));
@@ -52,6 +54,20 @@ fn equal_tasks_have_equal_faults_and_seeds_differ() {
     let run = |seed| random_episode(&mut office.env_with(DAY, task(seed)), 3).hash();
     assert_eq!(run(1), first);
     assert_ne!(run(2), first);
+}
+
+#[test]
+fn own_faults_are_those_of_the_building_s_name() {
+    let mut house = Case::at_home(BuildingType::SingleFamilyHouse);
+    let mut run = |name: &str, task: &str| {
+        Arc::make_mut(&mut house.building).name = name.into();
+        random_episode(&mut house.env_for(DAY, task), 3).hash()
+    };
+    let (own, same) = ("constant+bias0.5+fouling0.5+own-faults", "constant+bias0.5+fouling0.5");
+    let [first, second] = ["SingleFamilyHouse-0001", "SingleFamilyHouse-0002"].map(|name| run(name, own));
+    assert_ne!(first, second);
+    assert_eq!(run("SingleFamilyHouse-0001", own), first, "in every episode");
+    assert_eq!(run("SingleFamilyHouse-0001", same), run("SingleFamilyHouse-0002", same));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::error::at;
 use crate::{Error, Result};
 
 /// The shipped problems.
-pub(super) const SHIPPED: [&str; 26] = [
+pub(super) const SHIPPED: [&str; 28] = [
     include_str!("../../data/problems/operate-office-small.json"),
     include_str!("../../data/problems/operate-office-medium.json"),
     include_str!("../../data/problems/operate-retail.json"),
@@ -25,6 +25,8 @@ pub(super) const SHIPPED: [&str; 26] = [
     include_str!("../../data/problems/adapt-house.json"),
     include_str!("../../data/problems/adapt-office-small.json"),
     include_str!("../../data/problems/adapt-all.json"),
+    include_str!("../../data/problems/adapt-house-faults.json"),
+    include_str!("../../data/problems/adapt-office-small-faults.json"),
     include_str!("../../data/problems/goal-energy-weight.json"),
     include_str!("../../data/problems/goal-setpoint-mode.json"),
     include_str!("../../data/problems/goal-leave-one-out.json"),

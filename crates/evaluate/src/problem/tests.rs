@@ -65,6 +65,8 @@ fn sides_have_the_documented_numbers_of_buildings() {
     assert_eq!(counts("operate-all"), (5400, 48));
     assert_eq!(counts("operate-goal"), (1, 1));
     assert_eq!(counts("adapt-house"), (900, 8));
+    assert_eq!(counts("adapt-house-faults"), (900, 20));
+    assert_eq!(counts("adapt-office-small-faults"), (900, 20));
     let custom = Problem::cross_domain(
         &[BuildingType::RetailStandalone, BuildingType::RestaurantFastFood],
         &[BuildingType::OfficeSmall, BuildingType::OfficeMedium],

@@ -9,7 +9,7 @@ use super::validation;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 14] = [
+const SHIPPED: [(&str, &str); 15] = [
     ("ppo", include_str!("../../data/ppo.toml")),
     ("direct", include_str!("../../data/direct.toml")),
     ("residual", include_str!("../../data/residual.toml")),
@@ -20,6 +20,7 @@ const SHIPPED: [(&str, &str); 14] = [
     ("climates", include_str!("../../data/climates.toml")),
     ("cross-domain", include_str!("../../data/cross-domain.toml")),
     ("board", include_str!("../../data/board.toml")),
+    ("memory", include_str!("../../data/memory.toml")),
     ("weights", include_str!("../../data/weights.toml")),
     ("operation", include_str!("../../data/operation.toml")),
     ("foresight", include_str!("../../data/foresight.toml")),

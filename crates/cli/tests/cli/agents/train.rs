@@ -297,7 +297,7 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     assert!(score.unwrap() > 0.0);
     let output = b2b(path, "run OfficeMedium-0007 --controller run --period 01-10..01-10");
     let said = stderr(&output);
-    assert!(output.status.success() && said.contains("corrects 0 of the 36 actuators"), "{said}");
+    assert!(output.status.success() && said.contains("acts on 0 of the 36 actuators"), "{said}");
     let problem = "cross-domain --train-type SingleFamilyHouse --test-type OfficeSmall --test OfficeSmall-0011 \
                    --train SingleFamilyHouse-0001 --period 01-10..01-10 --seed 0";
     let output = b2b(path, &format!("benchmark run {problem} --policy run --out entered"));
