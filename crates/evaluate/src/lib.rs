@@ -2,7 +2,7 @@
 //!
 //! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any other
 //!    implementation.
-//! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
+//! 2. [`Evaluation`] runs a list of [`EpisodePlan`]s under a policy, in parallel worker processes, and keeps each as it ends.
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed. [`normalized_score`]
 //!    is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
@@ -31,7 +31,7 @@ pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
-    Deviations, Episode, EpisodeInfo, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
+    Deviations, EpisodeInfo, EpisodePlan, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
     KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, read_episodes,
     read_kept, read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
 };

@@ -168,12 +168,12 @@ mod tests {
     use b2b_env::EpisodeMetrics;
 
     use super::*;
-    use crate::evaluation::{Episode, EpisodeInfo, Scored};
+    use crate::evaluation::{EpisodeInfo, EpisodePlan, Scored};
     use crate::{BuiltIn, Subject};
 
     /// Two weeks of a building at a cost per m² and a discomfort in K·h per zone.
     fn row(building: &str, cost: f64, discomfort: f64) -> EpisodeResult {
-        let episode = Episode {
+        let episode = EpisodePlan {
             subject: Subject::at_home(building.parse().unwrap()),
             task: "operate".parse().unwrap(),
             period: "peak-heating".parse().unwrap(),

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use crate::Result;
 use crate::baseline::{Baselines, Key};
 use crate::evaluation::{
-    Episode, EpisodeInfo, EpisodeResult, Evaluation, Finished, Folder, Lost, Progress, sequences,
+    EpisodeInfo, EpisodePlan, EpisodeResult, Evaluation, Finished, Folder, Lost, Progress, sequences,
 };
 use crate::policy::Policy;
 use crate::tuned::task_for;
@@ -37,14 +37,14 @@ impl Results {
     pub fn of(
         evaluation: &Evaluation<'_>,
         folder: &Folder,
-        episodes: &[Episode],
+        episodes: &[EpisodePlan],
         policy: &dyn Policy,
         baselines: &Baselines,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let all: Vec<_> = episodes.iter().enumerate().collect();
         let Ran { episodes: ran, mut lost } = run(evaluation, folder, &all, policy, baselines, progress)?;
-        let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
+        let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &EpisodePlan))| match ran {
             Some(ran) => scored(ran, episode, baselines),
             None => {
                 let unreadable = || Lost { reason: "its file cannot be read".to_owned() };
@@ -65,7 +65,7 @@ impl Results {
 pub fn run_part(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
-    part: &[(usize, &Episode)],
+    part: &[(usize, &EpisodePlan)],
     policy: &dyn Policy,
     collected: &Baselines,
     progress: &dyn Progress,
@@ -86,12 +86,12 @@ pub fn run_part(
 fn run(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
-    episodes: &[(usize, &Episode)],
+    episodes: &[(usize, &EpisodePlan)],
     policy: &dyn Policy,
     baselines: &Baselines,
     progress: &dyn Progress,
 ) -> Result<Ran> {
-    let read = |(number, episode): (usize, &Episode)| {
+    let read = |(number, episode): (usize, &EpisodePlan)| {
         folder.read(number).map(|finished| unscored(episode, finished, policy, baselines)).transpose()
     };
     let Parts { mut kept, missing } = parts(episodes, policy, read)?;
@@ -116,14 +116,14 @@ struct Parts<'a> {
     /// Those of complete sequences in the folder.
     kept: HashMap<usize, Unscored>,
     /// Those that are to be run.
-    missing: Vec<(usize, &'a Episode)>,
+    missing: Vec<(usize, &'a EpisodePlan)>,
 }
 
 /// Reads the sequences of which a folder contains every episode.
 fn parts<'a>(
-    episodes: &[(usize, &'a Episode)],
+    episodes: &[(usize, &'a EpisodePlan)],
     policy: &dyn Policy,
-    read: impl Fn((usize, &Episode)) -> Result<Option<Unscored>>,
+    read: impl Fn((usize, &EpisodePlan)) -> Result<Option<Unscored>>,
 ) -> Result<Parts<'a>> {
     let (mut kept, mut missing) = (HashMap::new(), Vec::new());
     for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
@@ -141,7 +141,7 @@ fn parts<'a>(
 fn run_missing(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
-    missing: &[(usize, &Episode)],
+    missing: &[(usize, &EpisodePlan)],
     policy: &dyn Policy,
     progress: &dyn Progress,
 ) -> Result<HashMap<usize, Lost>> {
@@ -159,7 +159,7 @@ fn run_missing(
 
 /// Returns the result of a finished episode without a score. An episode of the baseline is cached.
 fn unscored(
-    episode: &Episode,
+    episode: &EpisodePlan,
     finished: Finished,
     policy: &dyn Policy,
     baselines: &Baselines,
@@ -173,8 +173,8 @@ fn unscored(
 }
 
 /// Returns the result with its score, if the baseline is known.
-fn scored((mut result, key): Unscored, episode: &Episode, baselines: &Baselines) -> EpisodeResult {
-    let Episode { subject, task, steps_per_hour, .. } = episode;
+fn scored((mut result, key): Unscored, episode: &EpisodePlan, baselines: &Baselines) -> EpisodeResult {
+    let EpisodePlan { subject, task, steps_per_hour, .. } = episode;
     if let Some(terms) = baselines.get(&key, task.resource) {
         let task = task_for(subject, &result.info.site(), task, *steps_per_hour);
         result.score_against(terms.baseline(&task));

@@ -233,12 +233,12 @@ fn grouped<'a, K: PartialEq>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::{Episode, EpisodeInfo, Lost};
+    use crate::evaluation::{EpisodeInfo, EpisodePlan, Lost};
     use crate::{BuiltIn, Subject};
 
     #[test]
     fn a_lost_episode_is_written_with_what_identifies_it_and_the_reason() {
-        let episode = Episode {
+        let episode = EpisodePlan {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: "constant".parse().unwrap(),
             period: "01-01..01-02".parse().unwrap(),

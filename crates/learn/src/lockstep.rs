@@ -18,7 +18,7 @@ use crate::collector::{Collector, count_lost};
 use crate::credit::Credit;
 use crate::error::Result;
 use crate::fragments::{RewardScale, spaces_of, stream};
-use crate::random::{Noise, Random};
+use crate::random::{Noise, RandomStream};
 use crate::rollout::{End, Rollout, Scene, Widths};
 
 /// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled). A reward
@@ -101,7 +101,7 @@ impl LockstepCollector {
                 starts: Vec::new(),
                 episodes: 1,
                 is_new: true,
-                noise: Noise::new(own.action, correlation, Random::new(seed, 0)),
+                noise: Noise::new(own.action, correlation, RandomStream::new(seed, 0)),
                 scale: scale(spaces)? as f32,
                 done: 0,
                 fragments: 0,
@@ -187,7 +187,7 @@ impl LockstepCollector {
     /// Begins the exploration noise of a fragment.
     fn begin_fragment(&mut self, environment: usize) {
         let env = &mut self.progress[environment];
-        let random = Random::new(self.seed, stream(self.rollouts, environment, env.fragments));
+        let random = RandomStream::new(self.seed, stream(self.rollouts, environment, env.fragments));
         env.noise = Noise::new(env.pilot.widths().1, self.correlation, random);
         env.fragments += 1;
     }

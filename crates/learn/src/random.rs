@@ -5,9 +5,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
-pub struct Random(ChaCha8Rng);
+pub struct RandomStream(ChaCha8Rng);
 
-impl Random {
+impl RandomStream {
     /// Number of words of [`Random::words`].
     pub const WORDS: usize = 7;
 
@@ -78,7 +78,7 @@ impl Random {
 pub struct Noise {
     /// Correlation ρ between consecutive steps, from 0 to 1.
     pub correlation: f32,
-    random: Random,
+    random: RandomStream,
     values: Vec<f32>,
     /// 1, or -1 for mirrored noise.
     sign: f32,
@@ -86,7 +86,7 @@ pub struct Noise {
 
 impl Noise {
     /// Returns the noise of `actions` actions.
-    pub fn new(actions: usize, correlation: f32, mut random: Random) -> Self {
+    pub fn new(actions: usize, correlation: f32, mut random: RandomStream) -> Self {
         let mut values = vec![0.0; actions];
         random.normals(&mut values);
         Self { correlation, random, values, sign: 1.0 }
@@ -115,11 +115,11 @@ mod tests {
 
     #[test]
     fn a_restored_stream_continues() {
-        let mut random = Random::new(5, 2);
+        let mut random = RandomStream::new(5, 2);
         for _ in 0..37 {
             random.normal();
         }
-        let mut restored = Random::from_words(random.words());
+        let mut restored = RandomStream::from_words(random.words());
         for _ in 0..100 {
             assert_eq!(random.uniform(), restored.uniform());
         }
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn normal_numbers_have_mean_0_and_deviation_1() {
-        let mut random = Random::new(1, 0);
+        let mut random = RandomStream::new(1, 0);
         let numbers: Vec<f64> = (0..20_000).map(|_| random.normal()).collect();
         let mean = numbers.iter().sum::<f64>() / 20_000.0;
         let variance = numbers.iter().map(|number| (number - mean).powi(2)).sum::<f64>() / 20_000.0;
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn correlated_noise_has_variance_1_and_its_correlation() {
-        let mut noise = Noise::new(1, 0.8, Random::new(3, 0));
+        let mut noise = Noise::new(1, 0.8, RandomStream::new(3, 0));
         let numbers: Vec<f32> = (0..50_000).map(|_| noise.draw()[0]).collect();
         let product = |lag: usize| {
             numbers.iter().zip(&numbers[lag..]).map(|(a, b)| f64::from(a * b)).sum::<f64>() / 50_000.0
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn a_shuffle_keeps_all_values() {
         let mut values: Vec<usize> = (0..100).collect();
-        Random::new(0, 0).shuffle(&mut values);
+        RandomStream::new(0, 0).shuffle(&mut values);
         assert_ne!(values, (0..100).collect::<Vec<_>>());
         values.sort_unstable();
         assert_eq!(values, (0..100).collect::<Vec<_>>());

@@ -11,7 +11,7 @@ use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
 use b2b_energyplus::install::Quiet;
 use b2b_env::EpisodeMetrics;
-use b2b_evaluate::{Baselines, Episode, ReturnTerms, Scores, Subject};
+use b2b_evaluate::{Baselines, EpisodePlan, ReturnTerms, Scores, Subject};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -111,7 +111,7 @@ impl Problem {
     ) -> PyResult<Vec<Baseline>> {
         let _running = running()?;
         let episode = |(building, task, period): (String, String, String)| {
-            Ok(Episode {
+            Ok(EpisodePlan {
                 subject: Subject::at_home(building.parse().map_err(of_building)?),
                 task: catalog::read_task(&task)?,
                 period: period.parse().map_err(of_building)?,

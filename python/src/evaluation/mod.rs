@@ -17,8 +17,8 @@ use b2b_dataset::Placement;
 use b2b_energyplus::install::{Quiet, cache_dir};
 use b2b_env::ActionSpace;
 use b2b_evaluate::{
-    ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
-    episode_table, run_part,
+    ActionScale, Baselines, EpisodeContext, EpisodePlan, Evaluation, Folder, Policy, Progress, Results,
+    Subject, episode_table, run_part,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -62,7 +62,7 @@ impl Request<'_> {
         py: Python<'_>,
         jobs: usize,
         progress: Option<&Py<PyAny>>,
-        run: impl FnOnce(&Evaluation<'_>, &dyn Policy, &[Episode], &Counter) -> b2b_evaluate::Result<T> + Send,
+        run: impl FnOnce(&Evaluation<'_>, &dyn Policy, &[EpisodePlan], &Counter) -> b2b_evaluate::Result<T> + Send,
     ) -> PyResult<T> {
         let _running = running()?;
         let keys: Vec<EpisodeKey> = self.episodes.extract()?;
@@ -232,13 +232,13 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
     })
 }
 
-fn episode(key: EpisodeKey) -> PyResult<Episode> {
+fn episode(key: EpisodeKey) -> PyResult<EpisodePlan> {
     let (name, place, weather, allow_external, control, keep_design_days, task, period, seed, steps_per_hour) =
         key;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let name = name.parse().map_err(of_building)?;
     let control = catalog::read_control(control.as_deref())?;
-    Ok(Episode {
+    Ok(EpisodePlan {
         subject: Subject {
             name,
             placement: Placement {

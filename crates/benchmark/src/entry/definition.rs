@@ -7,7 +7,7 @@ use super::entry_policy::EntryPolicy;
 use crate::Result;
 use crate::problem::{Problem, Stage};
 use b2b_evaluate::BuiltIn;
-use b2b_evaluate::Episode;
+use b2b_evaluate::EpisodePlan;
 
 /// A policy entered for a problem.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ impl Entry {
     }
 
     /// Returns the episodes of a stage.
-    pub fn episodes(&self, stage: Stage) -> Vec<Episode> {
+    pub fn episodes(&self, stage: Stage) -> Vec<EpisodePlan> {
         let seeds = self.policy_of(stage).seeds(&self.problem.protocol.seeds);
         self.problem.episodes(stage, &seeds)
     }

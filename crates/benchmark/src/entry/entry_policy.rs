@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use super::external::External;
 use crate::{Error, Result};
-use b2b_evaluate::Episode;
+use b2b_evaluate::EpisodePlan;
 use b2b_evaluate::hash_of;
 use b2b_evaluate::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_agent, is_onnx};
 
@@ -132,7 +132,7 @@ impl EntryPolicy {
     /// # Errors
     /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); errors from [`OnnxPolicy::read`] and
     /// [`Agent::read`].
-    pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[Episode]) -> Result<Self> {
+    pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[EpisodePlan]) -> Result<Self> {
         let format = match text.parse() {
             Ok(built_in) => return Ok(Self::BuiltIn(built_in)),
             Err(_) if is_onnx(Path::new(text)) => Format::Onnx(scale),
@@ -216,9 +216,9 @@ impl EntryPolicy {
     }
 
     /// Returns the name of a missing file that one of these episodes needs.
-    pub fn missing(&self, episodes: &[Episode]) -> Option<String> {
+    pub fn missing(&self, episodes: &[EpisodePlan]) -> Option<String> {
         let Self::Files(Files { pattern, files, .. }) = self else { return None };
-        let name = |episode: &Episode| {
+        let name = |episode: &EpisodePlan| {
             fill(pattern, episode.seed, &episode.subject.name.to_string(), &episode.task.to_string())
         };
         episodes.iter().map(name).find(|name| !files.contains_key(name))
@@ -312,7 +312,7 @@ impl Files {
         pattern: String,
         format: Format,
         seeds: &[u64],
-        episodes: &[Episode],
+        episodes: &[EpisodePlan],
         path_of: impl Fn(&str) -> PathBuf,
     ) -> Result<Self> {
         let mut files = BTreeMap::new();

@@ -123,14 +123,14 @@ mod tests {
     use super::super::episode_curve::EpisodeDifference;
     use super::*;
     use b2b_evaluate::{BuiltIn, Subject};
-    use b2b_evaluate::{Episode, EpisodeInfo, Scored};
+    use b2b_evaluate::{EpisodeInfo, EpisodePlan, Scored};
 
     /// Rows of 11 small and 6 medium offices with two seeds each, whose scores are a function of building and seed.
     fn rows(score: impl Fn(usize, u64) -> f64) -> Vec<EpisodeResult> {
         let places = (0..17).flat_map(|number| [0, 1].map(|seed| (number, seed)));
         let row = |(number, seed): (usize, u64)| {
             let building_type = if number < 11 { "OfficeSmall" } else { "OfficeMedium" };
-            let episode = Episode {
+            let episode = EpisodePlan {
                 subject: Subject::at_home(format!("{building_type}-{}", number + 1).parse().unwrap()),
                 task: "constant".parse().unwrap(),
                 period: "01-01..01-02".parse().unwrap(),

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use b2b_building::Period;
 use b2b_env::Task;
-use b2b_evaluate::{Episode, Subject};
+use b2b_evaluate::{EpisodePlan, Subject};
 
 use super::buildings::Buildings;
 use super::location::Location;
@@ -30,9 +30,9 @@ pub struct Episodes {
 impl Episodes {
     /// Returns the episodes, grouped by building so that each building is prepared only once. Errors if there is no
     /// building.
-    pub fn list(&self, tasks: &[Task]) -> Result<Vec<Episode>> {
+    pub fn list(&self, tasks: &[Task]) -> Result<Vec<EpisodePlan>> {
         let subject = |name| Subject { name, placement: self.location.placement() };
         let subjects: Vec<Subject> = self.buildings.names()?.into_iter().map(subject).collect();
-        Ok(Episode::combinations(&subjects, &self.periods, tasks, &self.seeds, self.steps_per_hour))
+        Ok(EpisodePlan::combinations(&subjects, &self.periods, tasks, &self.seeds, self.steps_per_hour))
     }
 }

@@ -11,7 +11,7 @@ use b2b_env::{Spaces, Task};
 use b2b_learn::credit::Credit;
 use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{Ppo, PpoConfig};
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::{Rollout, Scene, Widths};
 use b2b_learn::train::{PolicyConfig, TrainConfig};
 use cpu_time::ProcessTime;
@@ -156,7 +156,7 @@ impl MeasuredLearner {
     fn forward(&self) -> f64 {
         let mut scratch = self.actor.scratch(self.graph.as_ref());
         let mut observation = vec![0.0; self.widths.observation];
-        Random::new(0, 0).normals(&mut observation);
+        RandomStream::new(0, 0).normals(&mut observation);
         let mut action = vec![0.0; self.widths.action];
         let mut block = |_| {
             let before = ProcessTime::now();
@@ -180,7 +180,7 @@ impl MeasuredLearner {
     }
 
     fn rollout(&self) -> Rollout {
-        let mut random = Random::new(1, 0);
+        let mut random = RandomStream::new(1, 0);
         let mut draw = |count: usize| {
             let mut values = vec![0.0; count];
             random.normals(&mut values);

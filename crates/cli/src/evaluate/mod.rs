@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_env::Task;
-use b2b_evaluate::{Baselines, Episode, Folder, Policy, Results, Summary};
+use b2b_evaluate::{Baselines, EpisodePlan, Folder, Policy, Results, Summary};
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
@@ -109,7 +109,7 @@ fn evaluate_into(
     folder: &Folder,
     arguments: &Run,
     policy: &dyn Policy,
-    episodes: &[Episode],
+    episodes: &[EpisodePlan],
 ) -> Result<ExitCode> {
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     fetch_weather(episodes, arguments.json)?;

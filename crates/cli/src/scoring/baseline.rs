@@ -8,7 +8,7 @@ use b2b_building::{Period, RunPeriod};
 use b2b_dataset::Catalog;
 use b2b_env::Resource;
 use b2b_env::Task;
-use b2b_evaluate::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
+use b2b_evaluate::{Baselines, EpisodePlan, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -105,7 +105,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
 
 impl Arguments {
     /// Returns the episodes with their keys.
-    fn episodes(&self, catalog: &Catalog) -> Result<Vec<(Key, Episode)>> {
+    fn episodes(&self, catalog: &Catalog) -> Result<Vec<(Key, EpisodePlan)>> {
         let mut episodes = Vec::new();
         for name in self.buildings.names()? {
             interrupt::check()?;
@@ -113,7 +113,7 @@ impl Arguments {
             let site: SiteInfo = subject.locate(catalog, &mut Download::new(false))?;
             for period in &self.periods {
                 for task in &self.tasks {
-                    let episode = Episode {
+                    let episode = EpisodePlan {
                         subject: subject.clone(),
                         task: task.clone(),
                         period: *period,

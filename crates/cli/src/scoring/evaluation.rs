@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use anyhow::Result;
 use b2b_dataset::{BuildingName, Catalog};
-use b2b_evaluate::{Episode, Evaluation, Progress};
+use b2b_evaluate::{EpisodePlan, Evaluation, Progress};
 use indicatif::ProgressBar;
 
 use crate::program::{self, weather};
@@ -19,8 +19,8 @@ pub fn evaluation(catalog: &Catalog, jobs: usize) -> Evaluation<'_> {
 
 /// Downloads the weather of dataset buildings in advance, with a progress bar and interrupts. The weather of types and
 /// model files is fetched later.
-pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
-    let of_dataset = |episode: &Episode| match episode.subject.name {
+pub fn fetch_weather(episodes: &[EpisodePlan], quiet: bool) -> Result<()> {
+    let of_dataset = |episode: &EpisodePlan| match episode.subject.name {
         BuildingName::Id(id) => Some(&b2b_dataset::row(id).building),
         BuildingName::Type(_) | BuildingName::Model(_) => None,
     };

@@ -9,7 +9,7 @@ use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_env::{Comfort, EpisodeMetrics, Task};
-use b2b_evaluate::{Baseline, Baselines, Episode, SiteInfo, Subject, task_for};
+use b2b_evaluate::{Baseline, Baselines, EpisodePlan, SiteInfo, Subject, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
@@ -94,8 +94,13 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let Trajectory { subject, period, .. } = &trajectory;
     let site = find_site(&catalog, &trajectory, arguments.json)?;
     let task = trajectory.task.clone();
-    let episode =
-        Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
+    let episode = EpisodePlan {
+        subject: subject.clone(),
+        task: task.clone(),
+        period: *period,
+        seed: 0,
+        steps_per_hour,
+    };
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
     let evaluation = evaluation(&catalog, 1);

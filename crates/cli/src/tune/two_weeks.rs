@@ -7,7 +7,7 @@ use b2b_building::Period;
 use b2b_climate::TwoWeeks;
 use b2b_dataset::{BuildingId, BuildingName};
 use b2b_env::{Band, Task};
-use b2b_evaluate::{Baselines, Episode, EpisodeResult, Evaluation, Folder, Policy, Results, Subject};
+use b2b_evaluate::{Baselines, EpisodePlan, EpisodeResult, Evaluation, Folder, Policy, Results, Subject};
 
 use crate::scoring::evaluation::{Bars, fetch_weather};
 
@@ -20,14 +20,14 @@ pub fn two_weeks(
     folder: &Path,
     quiet: bool,
 ) -> Result<Vec<EpisodeResult>> {
-    let episode = |id: &BuildingId, period: TwoWeeks| Episode {
+    let episode = |id: &BuildingId, period: TwoWeeks| EpisodePlan {
         subject: Subject::at_home(BuildingName::Id(*id)),
         task: Task::operate(Band::Own),
         period: Period::TwoWeeks(period),
         seed: 0,
         steps_per_hour: 12,
     };
-    let episodes: Vec<Episode> =
+    let episodes: Vec<EpisodePlan> =
         ids.iter().flat_map(|id| TwoWeeks::ALL.map(|period| episode(id, period))).collect();
     if episodes.is_empty() {
         return Ok(Vec::new());

@@ -7,7 +7,7 @@ use b2b_energyplus::install::ENGINE_VERSION;
 use b2b_env::{Band, DataFile, Task};
 use serde::{Deserialize, Serialize};
 
-use crate::evaluation::Episode;
+use crate::evaluation::EpisodePlan;
 use crate::policy::BuiltIn;
 use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
@@ -46,7 +46,7 @@ impl Key {
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) for a user's file that cannot be read.
-    pub fn of(episode: &Episode, site: &SiteInfo) -> Result<Self> {
+    pub fn of(episode: &EpisodePlan, site: &SiteInfo) -> Result<Self> {
         let task = &episode.task;
         let (objective, controller, revision) = match task.is_operation() {
             true => {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::key::{Key, baseline_task};
 use super::table;
 use crate::error::at;
-use crate::evaluation::{Episode, Evaluation, Lost, Outcome, Progress};
+use crate::evaluation::{EpisodePlan, Evaluation, Lost, Outcome, Progress};
 use crate::return_terms::ReturnTerms;
 use crate::scores::Baseline;
 use crate::tuned::task_for;
@@ -110,7 +110,7 @@ impl Baselines {
     pub fn compute(
         &self,
         evaluation: &Evaluation<'_>,
-        episodes: &[(Key, Episode)],
+        episodes: &[(Key, EpisodePlan)],
         progress: &dyn Progress,
     ) -> Result<HashMap<Key, Lost>> {
         let days = episodes.iter().map(|(_, episode)| episode.days()).sum();
@@ -127,7 +127,7 @@ impl Baselines {
             Ok(())
         };
         for policy in BuiltIn::baselines() {
-            let is_own = |(_, episode): &(usize, &Episode)| BuiltIn::baseline_of(&episode.task) == policy;
+            let is_own = |(_, episode): &(usize, &EpisodePlan)| BuiltIn::baseline_of(&episode.task) == policy;
             let numbered = episodes.iter().map(|(_, episode)| episode).enumerate().filter(is_own);
             evaluation.run(&numbered.collect::<Vec<_>>(), &policy, progress, &keep)?;
         }
@@ -136,7 +136,7 @@ impl Baselines {
 
     /// Returns the episodes whose baselines are unknown, once each and with the energy term of their
     /// objective, in their order.
-    pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, Episode)>) -> Vec<(Key, Episode)> {
+    pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, EpisodePlan)>) -> Vec<(Key, EpisodePlan)> {
         let mut seen = HashSet::new();
         let unknown = episodes.into_iter().filter(|(key, episode)| {
             self.get(key, episode.task.resource).is_none() && seen.insert(key.clone())
@@ -144,7 +144,7 @@ impl Baselines {
         unknown
             .map(|(key, episode)| {
                 let task = baseline_task(&episode.task, key.objective);
-                (key, Episode { task, seed: 0, ..episode })
+                (key, EpisodePlan { task, seed: 0, ..episode })
             })
             .collect()
     }
@@ -156,7 +156,7 @@ impl Baselines {
     pub fn baseline(
         &self,
         evaluation: &Evaluation<'_>,
-        episode: &Episode,
+        episode: &EpisodePlan,
         site: &SiteInfo,
         progress: &dyn Progress,
     ) -> Result<Baseline> {
@@ -170,7 +170,7 @@ impl Baselines {
     pub fn of_all(
         &self,
         evaluation: &Evaluation<'_>,
-        episodes: &[(Episode, SiteInfo)],
+        episodes: &[(EpisodePlan, SiteInfo)],
         progress: &dyn Progress,
     ) -> Result<Vec<Baseline>> {
         let keys: Vec<Key> =
@@ -180,8 +180,8 @@ impl Baselines {
             [] => HashMap::new(),
             missing => self.compute(evaluation, missing, progress)?,
         };
-        let known = |(key, (episode, site)): (&Key, &(Episode, SiteInfo))| {
-            let Episode { subject, task, period, steps_per_hour, .. } = episode;
+        let known = |(key, (episode, site)): (&Key, &(EpisodePlan, SiteInfo))| {
+            let EpisodePlan { subject, task, period, steps_per_hour, .. } = episode;
             let terms = self.get(key, task.resource).ok_or_else(|| Error::NoBaseline {
                 building: subject.label(),
                 task: task.to_string(),
@@ -205,8 +205,8 @@ mod tests {
     use super::*;
     use crate::Subject;
 
-    fn episode(task: &str) -> Episode {
-        Episode {
+    fn episode(task: &str) -> EpisodePlan {
+        EpisodePlan {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: task.parse().unwrap(),
             period: Period::WINTER,

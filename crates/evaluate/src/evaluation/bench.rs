@@ -10,7 +10,7 @@ use b2b_energyplus::install::Quiet;
 use b2b_env::Inputs;
 use b2b_workers::{EpisodeSetting, RolloutMemory, Source, WorkerOptions, Workers};
 
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use super::parallel::Evaluation;
 use super::progress::Progress;
 use super::sequence::sequences;
@@ -52,7 +52,7 @@ pub(super) struct Bench {
 
 impl<'a> BuildingGroup<'a> {
     /// Groups episodes in list order: consecutive episodes in the same building form a group.
-    pub(super) fn of(episodes: &[(usize, &'a Episode)], policy: &dyn Policy) -> Vec<Self> {
+    pub(super) fn of(episodes: &[(usize, &'a EpisodePlan)], policy: &dyn Policy) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
         for sequence in sequences(episodes.iter().map(|(_, episode)| *episode), policy) {
             let subject = &episodes[sequence[0]].1.subject;
@@ -136,7 +136,7 @@ impl Bench {
     }
 
     /// An episode of the building.
-    pub(super) fn setting(&self, episode: &Episode) -> Result<EpisodeSetting> {
+    pub(super) fn setting(&self, episode: &EpisodePlan) -> Result<EpisodeSetting> {
         let episode = b2b_env::EpisodeConfig {
             weather: self.located.weather.clone(),
             period: episode.period.in_weather(&self.located.weather).map_err(b2b_env::Error::building)?,

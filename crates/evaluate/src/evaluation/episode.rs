@@ -9,7 +9,7 @@ use crate::subject::Subject;
 
 /// An episode to run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Episode {
+pub struct EpisodePlan {
     /// The building.
     pub subject: Subject,
     /// The task.
@@ -22,7 +22,7 @@ pub struct Episode {
     pub steps_per_hour: u32,
 }
 
-impl Episode {
+impl EpisodePlan {
     /// Returns every combination, grouped by building so that each building is prepared only once.
     pub fn combinations(
         subjects: &[Subject],
@@ -60,7 +60,7 @@ impl Episode {
     }
 }
 
-impl fmt::Display for Episode {
+impl fmt::Display for EpisodePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, {}, {}, seed {}", self.subject.label(), self.task, self.period, self.seed)
     }

@@ -12,7 +12,7 @@ use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use super::finished::Finished;
 use crate::error::at;
 use crate::policy::Policy;
@@ -48,7 +48,7 @@ impl Folder {
     /// # Errors
     /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];
     /// [`Error::Io`].
-    pub fn open(path: &Path, policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
+    pub fn open(path: &Path, policy: &dyn Policy, episodes: &[EpisodePlan]) -> Result<Self> {
         if episodes.is_empty() {
             return Err(Error::NoEpisode);
         }
@@ -199,8 +199,8 @@ pub fn read_kept(folder: &Path, number: usize) -> Option<Finished> {
 }
 
 impl Definition {
-    fn of(policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
-        let definition = |episode: &Episode| {
+    fn of(policy: &dyn Policy, episodes: &[EpisodePlan]) -> Result<Self> {
+        let definition = |episode: &EpisodePlan| {
             Ok(json!({
                 "building": episode.subject.identity()?,
                 "task": episode.task.to_string(),
@@ -270,8 +270,8 @@ mod tests {
     use super::*;
     use crate::{BuiltIn, Subject};
 
-    fn episodes(buildings: &[&str]) -> Vec<Episode> {
-        let episode = |name: &&str| Episode {
+    fn episodes(buildings: &[&str]) -> Vec<EpisodePlan> {
+        let episode = |name: &&str| EpisodePlan {
             subject: Subject::at_home(name.parse().unwrap()),
             task: "constant".parse().unwrap(),
             period: "01-01..01-02".parse().unwrap(),
@@ -289,7 +289,7 @@ mod tests {
         drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
         std::fs::write(episode_path(&path, 0), "").unwrap();
         drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
-        let refused = |policy: BuiltIn, episodes: &[Episode]| {
+        let refused = |policy: BuiltIn, episodes: &[EpisodePlan]| {
             Folder::open(&path, &policy, episodes).unwrap_err().to_string()
         };
         let said = refused(BuiltIn::constant(), &houses);

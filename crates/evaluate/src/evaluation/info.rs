@@ -5,12 +5,12 @@ use std::fmt;
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use crate::SiteInfo;
 use crate::policy::Policy;
 
 /// The description of an episode in results: building, task, run period, policy and seed. A type of its own beside
-/// [`Episode`], because it contains only text and numbers: results are read where the files of a user's model are not.
+/// [`EpisodePlan`], because it contains only text and numbers: results are read where the files of a user's model are not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
     /// Name of the building.
@@ -39,8 +39,8 @@ pub struct EpisodeInfo {
 
 impl EpisodeInfo {
     /// Returns the info of an episode that has not run: its site is unknown.
-    pub fn of(episode: &Episode, policy: &dyn Policy) -> Self {
-        let Episode { subject, task, period, seed, steps_per_hour } = episode;
+    pub fn of(episode: &EpisodePlan, policy: &dyn Policy) -> Self {
+        let EpisodePlan { subject, task, period, seed, steps_per_hour } = episode;
         Self {
             building: subject.label(),
             building_type: subject.building_type().to_owned(),
@@ -57,7 +57,12 @@ impl EpisodeInfo {
     }
 
     /// Returns the info of an episode that ran at a site.
-    pub(super) fn of_run(episode: &Episode, policy: &dyn Policy, spaces: &Spaces, site: &SiteInfo) -> Self {
+    pub(super) fn of_run(
+        episode: &EpisodePlan,
+        policy: &dyn Policy,
+        spaces: &Spaces,
+        site: &SiteInfo,
+    ) -> Self {
         Self {
             building: spaces.building.name.clone(),
             climate_zone: site.climate_zone.clone(),

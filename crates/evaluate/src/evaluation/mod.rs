@@ -18,7 +18,7 @@ mod runner;
 mod sequence;
 mod step_rewards;
 
-pub use episode::Episode;
+pub use episode::EpisodePlan;
 pub use finished::{EpisodeRecord, Finished, Lost, Outcome};
 pub use folder::{Folder, read_kept};
 pub use info::EpisodeInfo;

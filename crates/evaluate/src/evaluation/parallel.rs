@@ -4,7 +4,7 @@ use b2b_base::parallel::Halt;
 use b2b_dataset::Catalog;
 use b2b_workers::Launcher;
 
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use super::finished::Outcome;
 use super::progress::Progress;
 use super::recording::Recorded;
@@ -26,7 +26,7 @@ pub struct Evaluation<'a> {
 
 /// State shared by the threads of an evaluation.
 pub(super) struct Work<'a> {
-    pub(super) episodes: &'a [(usize, &'a Episode)],
+    pub(super) episodes: &'a [(usize, &'a EpisodePlan)],
     pub(super) policy: &'a dyn Policy,
     pub(super) progress: &'a dyn Progress,
     pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),

@@ -7,7 +7,7 @@ use b2b_control::Controller;
 use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout, rollout_next};
 
 use super::bench::{Bench, Located};
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
@@ -22,7 +22,7 @@ pub(super) type SequenceController = Option<Box<dyn Controller>>;
 /// Runs an episode.
 pub(super) fn run(
     bench: &mut Bench,
-    (number, episode): (usize, &Episode),
+    (number, episode): (usize, &EpisodePlan),
     memory: &mut SequenceController,
     work: &Work<'_>,
 ) -> Result<Finished> {

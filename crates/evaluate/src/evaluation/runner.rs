@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use b2b_base::parallel::{self, Halt};
 
 use super::bench::{Bench, BuildingGroup};
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use super::finished::{Lost, Outcome};
 use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
@@ -29,7 +29,7 @@ impl Evaluation<'_> {
     /// [`Error::Interrupted`]; errors of `keep`.
     pub fn run(
         &self,
-        episodes: &[(usize, &Episode)],
+        episodes: &[(usize, &EpisodePlan)],
         policy: &dyn Policy,
         progress: &dyn Progress,
         keep: &(dyn Fn(usize, Outcome) -> Result<()> + Sync),
@@ -45,7 +45,7 @@ impl Evaluation<'_> {
     /// Same as [`Evaluation::run`].
     pub fn record(
         &self,
-        episodes: &[(usize, &Episode)],
+        episodes: &[(usize, &EpisodePlan)],
         policy: &dyn Policy,
         progress: &dyn Progress,
         keep: &KeepRecorded<'_>,
@@ -94,7 +94,7 @@ impl Evaluation<'_> {
         group: &BuildingGroup<'_>,
         bench: &mut Option<Bench>,
         memory: &mut SequenceController,
-        episode: (usize, &Episode),
+        episode: (usize, &EpisodePlan),
         work: &Work<'_>,
     ) -> Result<Outcome> {
         let finish = || {

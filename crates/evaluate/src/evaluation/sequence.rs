@@ -1,18 +1,18 @@
 //! Sequences: episodes of a building that one controller runs, one after another.
 
-use super::episode::Episode;
+use super::episode::EpisodePlan;
 use crate::policy::Policy;
 
 /// Returns the sequences of a list of episodes, each as positions in the list: the episodes with the same building, task and
 /// seed for a policy that [keeps its memory](Policy::keeps_memory), otherwise every episode alone. A sequence is the unit of
 /// work: if one of its episodes has not ended, all of them are run. Episodes of one building should be adjacent in the list.
 pub fn sequences<'a>(
-    episodes: impl IntoIterator<Item = &'a Episode>,
+    episodes: impl IntoIterator<Item = &'a EpisodePlan>,
     policy: &dyn Policy,
 ) -> Vec<Vec<usize>> {
-    let mut sequences: Vec<(&Episode, Vec<usize>)> = Vec::new();
+    let mut sequences: Vec<(&EpisodePlan, Vec<usize>)> = Vec::new();
     for (position, episode) in episodes.into_iter().enumerate() {
-        let of_building = |(first, _): &&mut (&Episode, _)| first.subject == episode.subject;
+        let of_building = |(first, _): &&mut (&EpisodePlan, _)| first.subject == episode.subject;
         let mut known = sequences.iter_mut().rev().take_while(of_building);
         match known.find(|(first, _)| policy.keeps_memory() && continues(first, episode)) {
             Some((_, sequence)) => sequence.push(position),
@@ -23,7 +23,7 @@ pub fn sequences<'a>(
 }
 
 /// Returns whether two episodes of a building belong to one sequence.
-fn continues(first: &Episode, next: &Episode) -> bool {
+fn continues(first: &EpisodePlan, next: &EpisodePlan) -> bool {
     first.task == next.task && first.seed == next.seed && first.steps_per_hour == next.steps_per_hour
 }
 
@@ -61,7 +61,7 @@ mod tests {
             for period in ["01-01..01-07", "01-08..01-14"] {
                 for task in ["constant", "occupancy"] {
                     for seed in [0, 1] {
-                        episodes.push(Episode {
+                        episodes.push(EpisodePlan {
                             subject: Subject::at_home(building.parse().unwrap()),
                             task: task.parse().unwrap(),
                             period: period.parse().unwrap(),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::protocol::Protocol;
 use super::side::Side;
 use super::stage::Stage;
-use crate::Episode;
+use crate::EpisodePlan;
 use crate::{Error, Result};
 
 /// A benchmark problem: a question about generalization, and the protocol to answer it.
@@ -63,7 +63,7 @@ impl Problem {
     }
 
     /// Returns the episodes of a stage with these seeds.
-    pub fn episodes(&self, stage: Stage, seeds: &[u64]) -> Vec<Episode> {
+    pub fn episodes(&self, stage: Stage, seeds: &[u64]) -> Vec<EpisodePlan> {
         let Protocol { windows, steps_per_hour, train_sample, .. } = &self.protocol;
         let side = self.side(stage);
         let buildings = match stage {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::as_text;
 use super::buildings::Buildings;
 use super::restriction::Restriction;
-use crate::{Episode, Subject};
+use crate::{EpisodePlan, Subject};
 
 /// One side of a problem: training or test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,13 +51,13 @@ impl Side {
         windows: &[Period],
         seeds: &[u64],
         steps_per_hour: u32,
-    ) -> Vec<Episode> {
+    ) -> Vec<EpisodePlan> {
         let mut episodes = Vec::new();
         for id in buildings {
             for period in windows {
                 for task in &self.tasks {
                     for seed in seeds {
-                        episodes.push(Episode {
+                        episodes.push(EpisodePlan {
                             subject: Subject::at_home(BuildingName::Id(*id)),
                             task: task.clone(),
                             period: *period,

@@ -188,11 +188,11 @@ fn ratio(ratio: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BuiltIn, Episode, Subject};
+    use crate::{BuiltIn, EpisodePlan, Subject};
 
     fn compared(name: &str, numbers: &[u32]) -> Compared {
         let row = |number: &u32| {
-            let episode = Episode {
+            let episode = EpisodePlan {
                 subject: Subject::at_home(format!("OfficeSmall-{number}").parse().unwrap()),
                 task: "constant".parse().unwrap(),
                 period: "01-01..01-02".parse().unwrap(),

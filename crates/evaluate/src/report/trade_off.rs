@@ -138,11 +138,11 @@ fn traces(series: &[Series<'_>], form: &Form) -> Vec<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BuiltIn, Episode, Subject};
+    use crate::{BuiltIn, EpisodePlan, Subject};
     use b2b_env::{EpisodeMetrics, Term};
 
     fn episode() -> EpisodeInfo {
-        let episode = Episode {
+        let episode = EpisodePlan {
             subject: Subject::at_home("OfficeSmall-1".parse().unwrap()),
             task: "constant".parse().unwrap(),
             period: "01-01..01-02".parse().unwrap(),

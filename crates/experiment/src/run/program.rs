@@ -10,7 +10,7 @@ use b2b_benchmark::problem::{Changes, Stage};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Task;
-use b2b_evaluate::{ActionScale, Baselines, Episode, Evaluation, Folder, Policy, Results, Subject};
+use b2b_evaluate::{ActionScale, Baselines, EpisodePlan, Evaluation, Folder, Policy, Results, Subject};
 use b2b_learn::train::{Monitor, RunOptions, TrainConfig};
 use b2b_workers::{Jobs, Launcher, WorkerOptions};
 use serde::Serialize;
@@ -133,7 +133,7 @@ impl Monitor for Log {
 }
 
 /// Returns the episodes of a job.
-fn list(episodes: &Episodes) -> Result<Vec<Episode>, Fault> {
+fn list(episodes: &Episodes) -> Result<Vec<EpisodePlan>, Fault> {
     let Episodes { buildings, tasks, periods } = episodes;
     let subjects = buildings
         .iter()
@@ -141,7 +141,7 @@ fn list(episodes: &Episodes) -> Result<Vec<Episode>, Fault> {
         .collect::<Result<Vec<_>, Fault>>()?;
     let periods = periods.iter().map(|text| Ok(text.parse()?)).collect::<Result<Vec<_>, Fault>>()?;
     let tasks = tasks.iter().map(|text| Ok(Task::from_text(text)?)).collect::<Result<Vec<_>, Fault>>()?;
-    Ok(Episode::combinations(&subjects, &periods, &tasks, &[0], STEPS_PER_HOUR))
+    Ok(EpisodePlan::combinations(&subjects, &periods, &tasks, &[0], STEPS_PER_HOUR))
 }
 
 fn json(result: &impl Serialize) -> Result<String, Fault> {

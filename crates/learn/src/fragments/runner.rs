@@ -9,7 +9,7 @@ use b2b_workers::{ControllerRunner, ROLLOUT, RolloutOrder, Runner, RunnerError, 
 
 use super::order::{FragmentOrder, Purpose};
 use crate::credit::part_places;
-use crate::random::{Noise, Random};
+use crate::random::{Noise, RandomStream};
 use crate::travel::TravelCost;
 use crate::widths::mismatch;
 
@@ -72,7 +72,7 @@ impl Runner for FragmentRunner {
         self.read_parameters(&order, memory);
         memory.read(order.block.state(), self.scratch.state_mut());
         let (seed, stream) = order.random;
-        let mut noise = Noise::new(self.action.len(), order.correlation, Random::new(seed, stream));
+        let mut noise = Noise::new(self.action.len(), order.correlation, RandomStream::new(seed, stream));
         if order.mirrored {
             noise = noise.mirrored();
         }

@@ -2,7 +2,7 @@
 
 use b2b_agent::network::{Layer, Mlp};
 
-use crate::random::Random;
+use crate::random::RandomStream;
 
 /// Gains of the weights of a network.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct InitialGains {
 }
 
 /// Returns initial parameters: weights are orthogonal matrices times a gain, and biases are 0.
-pub fn orthogonal(shape: &Mlp, gains: InitialGains, random: &mut Random) -> Vec<f32> {
+pub fn orthogonal(shape: &Mlp, gains: InitialGains, random: &mut RandomStream) -> Vec<f32> {
     let mut parameters = vec![0.0; shape.parameters()];
     let last = shape.widths.len() - 2;
     for (index, layer) in shape.layers().enumerate() {
@@ -25,7 +25,7 @@ pub fn orthogonal(shape: &Mlp, gains: InitialGains, random: &mut Random) -> Vec<
 }
 
 /// Writes weights whose rows or columns, whichever are fewer, are orthogonal and of length `gain`.
-pub(super) fn write_weights(layer: &Layer, gain: f32, random: &mut Random, weights: &mut [f32]) {
+pub(super) fn write_weights(layer: &Layer, gain: f32, random: &mut RandomStream, weights: &mut [f32]) {
     let (inputs, outputs) = (layer.inputs, layer.outputs);
     let vectors = orthonormal(inputs.min(outputs), inputs.max(outputs), random);
     for (index, weight) in weights.iter_mut().enumerate() {
@@ -36,7 +36,7 @@ pub(super) fn write_weights(layer: &Layer, gain: f32, random: &mut Random, weigh
 }
 
 /// Returns `count` orthonormal vectors of this length, by the modified Gram-Schmidt process on vectors of normal numbers.
-fn orthonormal(count: usize, length: usize, random: &mut Random) -> Vec<Vec<f64>> {
+fn orthonormal(count: usize, length: usize, random: &mut RandomStream) -> Vec<Vec<f64>> {
     let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
     while vectors.len() < count {
         let mut vector: Vec<f64> = (0..length).map(|_| random.normal()).collect();
@@ -68,7 +68,7 @@ mod tests {
     fn weights_are_orthogonal_with_their_gain() {
         let shape = Mlp::new(6, &[40, 40], 3, Activation::Tanh);
         let gains = InitialGains { hidden: 2.0, last: 0.5 };
-        let parameters = orthogonal(&shape, gains, &mut Random::new(0, 0));
+        let parameters = orthogonal(&shape, gains, &mut RandomStream::new(0, 0));
         for (layer, gain) in shape.layers().zip([2.0, 2.0, 0.5]) {
             let weights = &parameters[layer.weights.clone()];
             let at = |vector: usize, place: usize| match layer.inputs <= layer.outputs {

@@ -124,11 +124,11 @@ mod tests {
     use super::*;
     use crate::nn::reference::{self, assert_gradients};
     use crate::nn::{InitialGains, orthogonal};
-    use crate::random::Random;
+    use crate::random::RandomStream;
 
-    fn network(activation: Activation) -> (Mlp, Vec<f32>, Vec<f32>, Random) {
+    fn network(activation: Activation) -> (Mlp, Vec<f32>, Vec<f32>, RandomStream) {
         let shape = Mlp::new(5, &[16, 12], 3, activation);
-        let mut random = Random::new(4, 0);
+        let mut random = RandomStream::new(4, 0);
         let gains = InitialGains { hidden: 1.4, last: 1.0 };
         let mut parameters = orthogonal(&shape, gains, &mut random);
         parameters.iter_mut().for_each(|value| *value += 0.1 * random.normal() as f32);

@@ -7,7 +7,7 @@ use b2b_agent::network::{Layer, Mlp};
 use super::orthogonal::{InitialGains, orthogonal, write_weights};
 use super::pass::{Pass, add_parameter_gradients, forward};
 use super::product::{Matrix, multiply};
-use crate::random::Random;
+use crate::random::RandomStream;
 
 /// Sequences of steps. Rows of steps have one sequence after another.
 #[derive(Clone, Copy, Debug)]
@@ -42,13 +42,13 @@ pub struct RecurrentPass {
     /// State before each step, and inputs of the gates from it: one step of all sequences after another.
     before: Vec<f32>,
     of_state: Vec<f32>,
-    gradients: Gradients,
+    gradients: CellGradients,
     rows: usize,
 }
 
 /// Gradients of a backward pass.
 #[derive(Clone, Debug, Default)]
-struct Gradients {
+struct CellGradients {
     /// Of the states after the rows.
     states: Vec<f32>,
     /// Of the inputs of the gates from the encoder, by row.
@@ -70,7 +70,7 @@ impl RecurrentPass {
             after: Vec::new(),
             before: Vec::new(),
             of_state: Vec::new(),
-            gradients: Gradients::default(),
+            gradients: CellGradients::default(),
             rows: 0,
         }
     }
@@ -174,7 +174,7 @@ impl RecurrentPass {
         let (width, Sequences { length, starts, .. }) = (self.width(), sequences);
         let (count, gates) = (starts.len() / length, GATES * width);
         let Self { places, gates: values, before, of_state, gradients, .. } = self;
-        let Gradients { states, of_input, of_state: of_state_gradients, carried } = gradients;
+        let CellGradients { states, of_input, of_state: of_state_gradients, carried } = gradients;
         let carried = &mut carried[..count * width];
         for (sequence, carried) in carried.chunks_exact_mut(width).enumerate() {
             let (row, place) = (sequence * length + number, number * count + sequence);
@@ -235,9 +235,10 @@ impl Known<'_> {
 /// Returns initial parameters: orthogonal weights, with the gain `last` in the last layer and 1 in the cell. The update gates
 /// remember for 1 to `memory` steps, evenly on a logarithmic scale, so that some units keep what others forget (after Tallec and
 /// Ollivier 2018).
-pub fn initialize(network: &Recurrent, last: f32, memory: usize, random: &mut Random) -> Vec<f32> {
+pub fn initialize(network: &Recurrent, last: f32, memory: usize, random: &mut RandomStream) -> Vec<f32> {
     let hidden = std::f32::consts::SQRT_2;
-    let of = |mlp: &Mlp, last, random: &mut Random| orthogonal(mlp, InitialGains { hidden, last }, random);
+    let of =
+        |mlp: &Mlp, last, random: &mut RandomStream| orthogonal(mlp, InitialGains { hidden, last }, random);
     let mut parameters = of(&network.encoder, 1.0, random);
     let (width, cell) = (network.state(), network.places().cell);
     parameters.resize(cell.biases.end, 0.0);
@@ -275,7 +276,7 @@ mod tests {
         inputs: Vec<f32>,
         states: Vec<f32>,
         starts: Vec<bool>,
-        random: Random,
+        random: RandomStream,
     }
 
     impl Case {
@@ -284,7 +285,7 @@ mod tests {
                 encoder: Mlp::new(5, &[7], GATES * WIDTH, Activation::Tanh),
                 head: Mlp::new(WIDTH, &[6], 2, Activation::Tanh),
             };
-            let mut random = Random::new(4, 0);
+            let mut random = RandomStream::new(4, 0);
             let mut parameters = initialize(&network, 1.0, 20, &mut random);
             assert_eq!(parameters.len(), network.parameters());
             parameters.iter_mut().for_each(|value| *value += 0.2 * random.normal() as f32);

@@ -11,7 +11,7 @@ use b2b_env::{ActionSpace, Spaces, unscale};
 use super::dataset::{CorpusEpisode, Dataset, EpisodeMetadata};
 use super::episodes::EpisodeFile;
 use crate::nn::{Adam, InitialGains, Pass, orthogonal};
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::{Error, Result};
 
 /// Gains of the initial weights.
@@ -267,7 +267,7 @@ fn fit(
     config: &CloneConfig,
     progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Vec<f32>> {
-    let mut random = Random::new(config.seed, 0);
+    let mut random = RandomStream::new(config.seed, 0);
     let mut parameters = orthogonal(shape, GAINS, &mut random);
     let (inputs, outputs) = samples.widths;
     let rows = config.batch_size.min(samples.len());
@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn a_linear_policy_is_found_again() {
-        let mut random = Random::new(3, 0);
+        let mut random = RandomStream::new(3, 0);
         let mut samples = Samples { widths: (3, 2), ..Samples::default() };
         for _ in 0..2000 {
             let row = [0, 1, 2].map(|_| 0.5 * random.normal() as f32);

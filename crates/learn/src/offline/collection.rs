@@ -6,7 +6,7 @@ use std::sync::PoisonError;
 
 use b2b_dataset::{BuildingName, Control};
 use b2b_env::{Spaces, unscale};
-use b2b_evaluate::{Episode, Evaluation, Policy, Progress, Recorded};
+use b2b_evaluate::{EpisodePlan, Evaluation, Policy, Progress, Recorded};
 use serde_json::{Value, json};
 
 use super::dataset::{Contents, Dataset, EpisodeMetadata, NewDataset};
@@ -18,7 +18,7 @@ pub struct Collection<'a> {
     /// Name of the dataset, such as `b2b/office-small-v0`.
     pub id: &'a str,
     /// The episodes: buildings of one type under one task.
-    pub episodes: &'a [Episode],
+    pub episodes: &'a [EpisodePlan],
     /// The policies.
     pub policies: &'a [Box<dyn Policy>],
 }
@@ -79,7 +79,7 @@ impl Collection<'_> {
         new: &NewDataset,
         shape: &Mutex<Option<Shape>>,
     ) -> Result<Vec<EpisodeMetadata>> {
-        let numbered: Vec<(usize, &Episode)> = self.episodes.iter().enumerate().collect();
+        let numbered: Vec<(usize, &EpisodePlan)> = self.episodes.iter().enumerate().collect();
         let written = Mutex::new(Vec::new());
         record_each(&numbered, self.policies[part].as_ref(), evaluation, progress, &|number, recorded| {
             let metadata = self.write((part, number), recorded, new, shape)?;
@@ -153,7 +153,7 @@ impl Collection<'_> {
 /// # Errors
 /// The first error of `write`; [`Error::Invalid`] for a lost episode; errors from [`Evaluation::record`].
 pub(super) fn record_each(
-    episodes: &[(usize, &Episode)],
+    episodes: &[(usize, &EpisodePlan)],
     policy: &dyn Policy,
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,
@@ -202,7 +202,7 @@ impl Shape {
     }
 
     /// Widens the bounds to include another building's.
-    fn merge(&mut self, other: &Self, episode: &Episode) -> Result<()> {
+    fn merge(&mut self, other: &Self, episode: &EpisodePlan) -> Result<()> {
         let names = |shape: &Self| [shape.observation_names.clone(), shape.action_names.clone()].concat();
         if names(self) != names(other) {
             return Err(Error::Invalid(format!(
@@ -250,7 +250,7 @@ pub(super) fn unscaled(actions: &[f64], spaces: &Spaces) -> Vec<f32> {
 }
 
 /// Returns the absolute path of the model file of an episode.
-fn model_path(episode: &Episode) -> Option<PathBuf> {
+fn model_path(episode: &EpisodePlan) -> Option<PathBuf> {
     match &episode.subject.name {
         BuildingName::Model(path) => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
         BuildingName::Id(_) | BuildingName::Type(_) => None,
@@ -258,8 +258,8 @@ fn model_path(episode: &Episode) -> Option<PathBuf> {
 }
 
 /// Returns the specification from which Gymnasium makes the environment of an episode.
-fn spec(building_type: &str, episode: &Episode, rescaled: bool) -> Value {
-    let Episode { subject, task, period, steps_per_hour, .. } = episode;
+fn spec(building_type: &str, episode: &EpisodePlan, rescaled: bool) -> Value {
+    let EpisodePlan { subject, task, period, steps_per_hour, .. } = episode;
     let mut arguments = json!({
         "run_period": period.to_string(),
         "timesteps_per_hour": steps_per_hour,
@@ -314,7 +314,7 @@ mod tests {
         let placement = b2b_dataset::Placement { weather, ..b2b_dataset::Placement::default() };
         let subject = Subject { name: BuildingName::Model("office.idf".into()), placement };
         let task = "constant".parse().unwrap();
-        let episode = Episode { subject, task, period: Period::WINTER, seed: 0, steps_per_hour: 12 };
+        let episode = EpisodePlan { subject, task, period: Period::WINTER, seed: 0, steps_per_hour: 12 };
         let made = spec("office", &episode, false);
         let path = std::path::absolute("office.idf").unwrap();
         assert_eq!(made["kwargs"]["building_id"], json!(path));

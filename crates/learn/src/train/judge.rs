@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use b2b_agent::Agent;
 use b2b_control::tune::travel_limit;
 use b2b_env::EpisodeMetrics;
-use b2b_evaluate::{Baseline, BuiltIn, Episode, Evaluation, Outcome, Policy};
+use b2b_evaluate::{Baseline, BuiltIn, EpisodePlan, Evaluation, Outcome, Policy};
 use serde::Serialize;
 
 use crate::error::{Error, Result};
@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 /// Episodes that agents are scored on.
 pub(super) struct Judge<'a> {
     evaluation: &'a Evaluation<'a>,
-    episodes: Vec<(Episode, Baseline)>,
+    episodes: Vec<(EpisodePlan, Baseline)>,
     /// Actuator travel above which actuators hunt, full strokes/day, of each episode; empty before the first agent.
     travel_limits: OnceCell<Vec<f64>>,
 }
@@ -85,7 +85,7 @@ pub struct BuildingScores {
 
 impl<'a> Judge<'a> {
     /// Returns a judge of these episodes with their baselines.
-    pub(super) fn new(evaluation: &'a Evaluation<'a>, episodes: Vec<(Episode, Baseline)>) -> Self {
+    pub(super) fn new(evaluation: &'a Evaluation<'a>, episodes: Vec<(EpisodePlan, Baseline)>) -> Self {
         Self { evaluation, episodes, travel_limits: OnceCell::new() }
     }
 
@@ -110,7 +110,7 @@ impl<'a> Judge<'a> {
         }
         let mut limits = vec![f64::NAN; self.episodes.len()];
         for policy in BuiltIn::baselines() {
-            let is_own = |(_, episode): &(usize, &Episode)| BuiltIn::baseline_of(&episode.task) == policy;
+            let is_own = |(_, episode): &(usize, &EpisodePlan)| BuiltIn::baseline_of(&episode.task) == policy;
             let own: Vec<_> = self.numbered().filter(is_own).collect();
             for ((number, _), metrics) in own.iter().zip(self.run(&own, &policy)?) {
                 limits[*number] = travel_limit(metrics.daily_travel);
@@ -119,19 +119,19 @@ impl<'a> Judge<'a> {
         Ok(self.travel_limits.get_or_init(|| limits))
     }
 
-    fn numbered(&self) -> impl Iterator<Item = (usize, &Episode)> {
+    fn numbered(&self) -> impl Iterator<Item = (usize, &EpisodePlan)> {
         self.episodes.iter().map(|(episode, _)| episode).enumerate()
     }
 
     /// Returns the metrics of a policy in some of the episodes.
-    fn run(&self, episodes: &[(usize, &Episode)], policy: &dyn Policy) -> Result<Vec<EpisodeMetrics>> {
+    fn run(&self, episodes: &[(usize, &EpisodePlan)], policy: &dyn Policy) -> Result<Vec<EpisodeMetrics>> {
         let outcomes: Mutex<Vec<Option<Outcome>>> = Mutex::new(vec![None; self.episodes.len()]);
         self.evaluation.run(episodes, policy, &(), &|number, outcome| {
             outcomes.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(outcome);
             Ok(())
         })?;
         let mut outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let of = |(number, episode): &(usize, &Episode)| {
+        let of = |(number, episode): &(usize, &EpisodePlan)| {
             let lost = |why: String| {
                 Error::Invalid(format!("the evaluation in {} was lost: {why}", episode.subject.label()))
             };
@@ -157,7 +157,7 @@ impl Measures {
         baseline_discomfort: f64::NAN,
     };
 
-    fn of(metrics: &EpisodeMetrics, episode: &Episode, baseline: &Baseline, travel_limit: f64) -> Self {
+    fn of(metrics: &EpisodeMetrics, episode: &EpisodePlan, baseline: &Baseline, travel_limit: f64) -> Self {
         let used = metrics.used(episode.task.resource);
         let scores = baseline.scores(metrics, used, episode.steps_per_hour);
         let days = metrics.steps as f64 / (24.0 * f64::from(episode.steps_per_hour));

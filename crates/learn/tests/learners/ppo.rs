@@ -6,7 +6,7 @@ use b2b_agent::network::Actor;
 use b2b_learn::collector::Collector;
 use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{LogStd, Ppo, PpoConfig};
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::{Rollout, Widths};
 
 use super::toy::{Local, Pendulum, Room, Toy, mean_return};
@@ -126,7 +126,7 @@ fn time_of_an_update() {
         batch_size: 336,
         ..PpoConfig::default()
     };
-    let mut random = Random::new(0, 0);
+    let mut random = RandomStream::new(0, 0);
     let mut draw = |count: usize| {
         let mut values = vec![0.0; count];
         random.normals(&mut values);

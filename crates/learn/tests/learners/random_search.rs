@@ -13,7 +13,7 @@ use b2b_learn::collector::Collector as _;
 use b2b_learn::learner::{Learner, LearnerOptions, LearnerSetting};
 use b2b_learn::learners::{LearnerKind, register};
 use b2b_learn::nn::{InitialGains, orthogonal};
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::Rollout;
 use b2b_learn::state::State;
 use b2b_learn::train::{PolicyConfig, RunOptions, TrainConfig, read_column, train};
@@ -53,7 +53,7 @@ impl LearnerOptions for RandomSearchConfig {
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
         let (observation, action) = (setting.widths.observation, setting.widths.action);
         let shape = Mlp::new(observation, &[], action, Activation::Tanh);
-        let mut random = Random::new(setting.seed, 0);
+        let mut random = RandomStream::new(setting.seed, 0);
         let best = orthogonal(&shape, InitialGains { hidden: 1.0, last: 0.01 }, &mut random);
         let (tried, deviation) = (best.clone(), self.deviation);
         Ok(Box::new(RandomSearch { shape, deviation, best, tried, penalty: f64::INFINITY, random }))
@@ -69,7 +69,7 @@ struct RandomSearch {
     tried: Vec<f32>,
     /// Mean penalty of a step with the best parameters.
     penalty: f64,
-    random: Random,
+    random: RandomStream,
 }
 
 impl RandomSearch {
@@ -116,7 +116,7 @@ impl Learner for RandomSearch {
         state.read_f32("best", &mut self.best)?;
         state.read_f32("tried", &mut self.tried)?;
         state.read_f64("penalty", std::slice::from_mut(&mut self.penalty))?;
-        self.random = Random::from_words(state.read_u64("random")?);
+        self.random = RandomStream::from_words(state.read_u64("random")?);
         Ok(())
     }
 }

@@ -20,7 +20,7 @@ use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
-use b2b_evaluate::{Episode, EpisodeResult, Evaluation, Outcome, Progress, sequences};
+use b2b_evaluate::{EpisodePlan, EpisodeResult, Evaluation, Outcome, Progress, sequences};
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
@@ -178,7 +178,7 @@ fn problem(result: &RunResult) -> CheckOutcome {
 }
 
 /// Returns the episodes that a stage must contain.
-fn expected(result: &RunResult, stage: Stage) -> Option<Vec<Episode>> {
+fn expected(result: &RunResult, stage: Stage) -> Option<Vec<EpisodePlan>> {
     let Problem { protocol, .. } = &result.problem;
     let seeds = result.policies.get(&stage.to_string())?.seeds(&protocol.seeds);
     Some(result.problem.episodes(stage, &seeds))
@@ -317,7 +317,7 @@ fn run_again(
 
 /// Runs episodes and returns their outcomes by number.
 fn outcomes(
-    chosen: &[(usize, &Episode)],
+    chosen: &[(usize, &EpisodePlan)],
     policy: &WrappedPolicy<'_>,
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,
@@ -333,7 +333,7 @@ fn outcomes(
 
 fn compare(
     row: &EpisodeResult,
-    episode: &Episode,
+    episode: &EpisodePlan,
     outcome: Outcome,
     accuracy: Accuracy,
     evaluation: &Evaluation<'_>,
@@ -376,7 +376,7 @@ fn compare(
 /// Runs the baseline of an episode again and compares it.
 fn compare_baseline(
     row: &EpisodeResult,
-    episode: &Episode,
+    episode: &EpisodePlan,
     site: &SiteInfo,
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,

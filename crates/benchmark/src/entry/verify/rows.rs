@@ -11,15 +11,15 @@ use crate::problem::Stage;
 use b2b_evaluate::task_for;
 use b2b_evaluate::{Baseline, Scores};
 use b2b_evaluate::{Baselines, Key};
-use b2b_evaluate::{Episode, EpisodeInfo, EpisodeResult, Scored};
+use b2b_evaluate::{EpisodeInfo, EpisodePlan, EpisodeResult, Scored};
 
 /// Length of a trajectory hash: a SHA-256 in hexadecimal.
 const HASH_DIGITS: usize = 64;
 
 /// Returns whether a row belongs to an episode. Task hashes are not compared: they include the building's energy scale.
-pub(super) fn is_of(row: &EpisodeResult, episode: &Episode) -> bool {
+pub(super) fn is_of(row: &EpisodeResult, episode: &EpisodePlan) -> bool {
     let EpisodeInfo { building, building_type, split, task, period, seed, steps_per_hour, .. } = &row.info;
-    let Episode { subject, .. } = episode;
+    let EpisodePlan { subject, .. } = episode;
     *building == subject.name.to_string()
         && building_type == subject.building_type()
         && *split == subject.split()
@@ -32,7 +32,7 @@ pub(super) fn is_of(row: &EpisodeResult, episode: &Episode) -> bool {
 }
 
 /// Returns whether a row has the place of its building, and the climate zone where the dataset lists it.
-fn is_at(row: &EpisodeResult, episode: &Episode) -> bool {
+fn is_at(row: &EpisodeResult, episode: &EpisodePlan) -> bool {
     let BuildingName::Id(id) = episode.subject.name else { return true };
     let building = &b2b_dataset::row(id).building;
     row.info.place == building.place()
@@ -118,7 +118,7 @@ pub(super) fn baselines(
 }
 
 /// Checks the amount of the task's resource in the episode and in its baseline. Older results have neither.
-fn resource(scored: &Scored, episode: &Episode, of_baseline: Option<f64>) -> Result<(), String> {
+fn resource(scored: &Scored, episode: &EpisodePlan, of_baseline: Option<f64>) -> Result<(), String> {
     let own = scored.metrics.used(episode.task.resource);
     for (what, there, here) in [
         ("resource", scored.resource, own),

@@ -21,7 +21,7 @@ const TERMINAL: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
 const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
 
 /// The names of an air loop's objects and nodes.
-struct AirLoop {
+struct DuctedLoop {
     name: String,
     /// Node where the air enters the supply side.
     inlet: String,
@@ -45,7 +45,7 @@ pub(super) fn put_on_air_loop(model: &mut Model, zone: &str, unit: &Reference) -
     refuse_other_paths(model, &zone, unit, [&inlet, &outlet])?;
     let name = name_of_air_loop(&unit.name);
     let terminal = format!("{name} Terminal Inlet");
-    let air_loop = AirLoop { flow: design_flow(model, &old, unit)?, inlet, terminal, name };
+    let air_loop = DuctedLoop { flow: design_flow(model, &old, unit)?, inlet, terminal, name };
     let mut components = Vec::new();
     let mut entry = air_loop.inlet.clone();
     if let Some((component, mixed)) = outdoor_air(model, &air_loop, &old)? {
@@ -118,7 +118,11 @@ fn largest(unit: &Fields, ending: &str) -> f64 {
 
 /// Puts the mixer of a unit into an outdoor air system with the unit's largest flow of outdoor air, and returns its component
 /// and the node of the mixed air. A unit without a mixer has none; a mixer without outdoor air is removed.
-fn outdoor_air(model: &mut Model, air_loop: &AirLoop, unit: &Fields) -> Result<Option<(Component, String)>> {
+fn outdoor_air(
+    model: &mut Model,
+    air_loop: &DuctedLoop,
+    unit: &Fields,
+) -> Result<Option<(Component, String)>> {
     let flow = largest(unit, "outdoor_air_flow_rate");
     let Some(mixer) = text(unit, "outdoor_air_mixer_name") else { return Ok(None) };
     if flow <= 0.0 {
@@ -154,7 +158,7 @@ fn outdoor_air(model: &mut Model, air_loop: &AirLoop, unit: &Fields) -> Result<O
     Ok(Some((component, mixed)))
 }
 
-impl AirLoop {
+impl DuctedLoop {
     /// Returns the name of a part.
     fn named(&self, part: &str) -> String {
         format!("{} {part}", self.name)

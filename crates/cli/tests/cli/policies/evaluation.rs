@@ -9,8 +9,8 @@ use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Env, RoleObservation, Trajectory};
 use b2b_evaluate::{
-    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, EpisodeResult, Evaluation, Folder, OnnxPolicy,
-    Policy, Progress, Results, Scored, Subject, write_episodes,
+    ActionScale, Baselines, BuiltIn, EpisodeContext, EpisodePlan, EpisodeResult, Evaluation, Folder,
+    OnnxPolicy, Policy, Progress, Results, Scored, Subject, write_episodes,
 };
 use b2b_workers::Launcher;
 use tempfile::TempDir;
@@ -37,7 +37,13 @@ impl Case {
         Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted }
     }
 
-    fn run(&self, name: &str, policy: &dyn Policy, episodes: &[Episode], progress: &dyn Progress) -> Results {
+    fn run(
+        &self,
+        name: &str,
+        policy: &dyn Policy,
+        episodes: &[EpisodePlan],
+        progress: &dyn Progress,
+    ) -> Results {
         self.try_run(name, policy, episodes, progress, || false).unwrap()
     }
 
@@ -45,7 +51,7 @@ impl Case {
         &self,
         name: &str,
         policy: &dyn Policy,
-        episodes: &[Episode],
+        episodes: &[EpisodePlan],
         progress: &dyn Progress,
         interrupted: fn() -> bool,
     ) -> b2b_evaluate::Result<Results> {
@@ -55,11 +61,11 @@ impl Case {
     }
 }
 
-fn episodes(buildings: &[&str], tasks: &[&str], period: &str) -> Vec<Episode> {
+fn episodes(buildings: &[&str], tasks: &[&str], period: &str) -> Vec<EpisodePlan> {
     let mut episodes = Vec::new();
     for building in buildings {
         for task in tasks {
-            episodes.push(Episode {
+            episodes.push(EpisodePlan {
                 subject: Subject::at_home(building.parse().unwrap()),
                 task: task.parse().unwrap(),
                 period: period.parse().unwrap(),
@@ -152,7 +158,7 @@ fn the_reactive_controllers_score_one_and_match_a_single_environment() {
 }
 
 /// The hash and the return of an episode in this process.
-fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
+fn alone(catalog: &Catalog, episode: &EpisodePlan) -> (String, f64) {
     let found = catalog.find(&episode.subject.name, &episode.subject.placement, &mut Quiet).unwrap();
     let setting = b2b_env::EpisodeConfig {
         weather: found.weather.clone(),

@@ -15,7 +15,7 @@ use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::{ActionSpace, unscale};
 use b2b_evaluate::{
-    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Finished, OnnxPolicy, Policy,
+    ActionScale, Baselines, BuiltIn, EpisodeContext, EpisodePlan, Evaluation, Finished, OnnxPolicy, Policy,
     Progress,
 };
 use b2b_workers::Launcher;
@@ -43,7 +43,7 @@ fn run(catalog: &Catalog, problem: &Problem, policy: &dyn Policy, seeds: &[u64])
     let episodes = problem.episodes(Stage::Test, seeds);
     let wrapped = WrappedPolicy::new(policy, problem, problem.side(Stage::Test));
     let ended = Mutex::new(BTreeMap::new());
-    let numbered: Vec<(usize, &Episode)> = episodes.iter().enumerate().collect();
+    let numbered: Vec<(usize, &EpisodePlan)> = episodes.iter().enumerate().collect();
     let keep = |number, outcome: b2b_evaluate::Outcome| {
         ended.lock().unwrap().insert(number, outcome.unwrap());
         Ok(())

@@ -278,11 +278,11 @@ fn empty(column: &str, row: usize) -> ParquetError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BuiltIn, Episode, Subject};
+    use crate::{BuiltIn, EpisodePlan, Subject};
 
     #[test]
     fn a_table_reads_back_unchanged() {
-        let episode = Episode {
+        let episode = EpisodePlan {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: "occupancy".parse().unwrap(),
             period: "01-01..01-02".parse().unwrap(),
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_table_from_before_a_metric_reads_without_it() {
-        let episode = Episode {
+        let episode = EpisodePlan {
             subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
             task: "occupancy+cost1".parse().unwrap(),
             period: "01-01..01-02".parse().unwrap(),

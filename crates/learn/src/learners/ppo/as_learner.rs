@@ -8,7 +8,7 @@ use super::update::Update;
 use crate::error::Result;
 use crate::learner::{Abilities, Learner, LearnerOptions, LearnerSetting};
 use crate::policy::PolicyConfig;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::Rollout;
 use crate::state::State;
 
@@ -65,7 +65,7 @@ impl Learner for Ppo {
         self.scale.restore(state)?;
         self.features.restore(state)?;
         state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;
-        self.random = Random::from_words(state.read_u64("random")?);
+        self.random = RandomStream::from_words(state.read_u64("random")?);
         if self.networks.critic.state() > 0 {
             self.critic_states = state.values_f32("critic_states")?;
         }

@@ -10,7 +10,7 @@ use crate::credit::Credit;
 use crate::learner::Learner as _;
 use crate::nn::graph::reference;
 use crate::nn::reference::{assert_gradients, wide};
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::{End, Rollout, Scene};
 use crate::state::State;
 use crate::widths::Widths;
@@ -69,7 +69,7 @@ fn rollout(steps: usize, seed: u64) -> Rollout {
 /// Returns steps with rewards of these widths. With parts by node, each zone has a reward, and so does the last node,
 /// which counts for all actions.
 fn rollout_of(widths: Widths, steps: usize, seed: u64) -> Rollout {
-    let mut random = Random::new(seed, 1);
+    let mut random = RandomStream::new(seed, 1);
     let mut draw = |count: usize| {
         let mut values = vec![0.0; count];
         random.normals(&mut values);

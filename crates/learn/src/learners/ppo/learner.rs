@@ -14,7 +14,7 @@ use crate::credit::Credit;
 use crate::error::{Error, Result};
 use crate::nn::Adam;
 use crate::policy::RecurrentPolicy;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::widths::Widths;
 
 /// A learner by proximal policy optimization.
@@ -35,7 +35,7 @@ pub struct Ppo {
     pub(super) rate: f64,
     pub(super) scale: ValueScale,
     pub(super) features: FeatureScale,
-    pub(super) random: Random,
+    pub(super) random: RandomStream,
     /// Number of updates.
     pub(super) updates: u64,
     /// Number of consecutive updates, up to the last, that skipped steps.
@@ -107,7 +107,7 @@ impl Ppo {
     ) -> Result<Self> {
         config.check()?;
         let widths = networks.widths;
-        let mut random = Random::new(seed, 0);
+        let mut random = RandomStream::new(seed, 0);
         let parameters = networks.initialize(&config, &mut random);
         let credit = Credit::new(config.credit.as_deref(), widths)?;
         Ok(Self {

@@ -139,7 +139,7 @@ pub fn value_loss(
 mod tests {
     use super::*;
     use crate::nn::reference::{assert_gradients, wide};
-    use crate::random::Random;
+    use crate::random::RandomStream;
     use crate::rollout::Widths;
 
     const ROWS: usize = 40;
@@ -169,7 +169,7 @@ mod tests {
     }
 
     fn assert_policy_gradients(credit: &Credit) {
-        let (mut random, groups) = (Random::new(9, 0), credit.groups());
+        let (mut random, groups) = (RandomStream::new(9, 0), credit.groups());
         let mut draw = |count: usize, scale: f32| -> Vec<f32> {
             (0..count).map(|_| scale * random.normal() as f32).collect()
         };

@@ -10,7 +10,7 @@ use super::{LogStd, PpoConfig};
 use crate::nn::graph::Readout;
 use crate::nn::{InitialGains, graph, initialize_recurrent, orthogonal};
 use crate::policy::RecurrentPolicy;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::Widths;
 
 /// The shapes of actor and critic. All parameters are one slice: the actor's, the free logarithms of standard
@@ -84,7 +84,7 @@ impl Networks {
     }
 
     /// Returns initial parameters.
-    pub fn initialize(&self, config: &PpoConfig, random: &mut Random) -> Vec<f32> {
+    pub fn initialize(&self, config: &PpoConfig, random: &mut RandomStream) -> Vec<f32> {
         let mut parameters = self.initialize_shape(&self.actor, config.actor_gain, random);
         if self.of_state {
             for (biases, start) in self.log_std_biases() {
@@ -97,7 +97,7 @@ impl Networks {
         parameters
     }
 
-    fn initialize_shape(&self, shape: &Shape, last: f32, random: &mut Random) -> Vec<f32> {
+    fn initialize_shape(&self, shape: &Shape, last: f32, random: &mut RandomStream) -> Vec<f32> {
         match shape {
             Shape::Mlp(mlp) => {
                 orthogonal(mlp, InitialGains { hidden: std::f32::consts::SQRT_2, last }, random)

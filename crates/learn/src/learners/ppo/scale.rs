@@ -150,13 +150,14 @@ mod tests {
 
     use super::*;
     use crate::nn::{InitialGains, orthogonal};
-    use crate::random::Random;
+    use crate::random::RandomStream;
     use crate::rollout::Widths;
 
     #[test]
     fn values_stay_as_they_are_when_the_scale_changes() {
         let shape = Mlp::new(2, &[8], 2, Activation::Tanh);
-        let mut critic = orthogonal(&shape, InitialGains { hidden: 1.0, last: 1.0 }, &mut Random::new(0, 0));
+        let mut critic =
+            orthogonal(&shape, InitialGains { hidden: 1.0, last: 1.0 }, &mut RandomStream::new(0, 0));
         let layer = shape.layers().last().unwrap();
         let credits = [Arc::new(Credit::joint(Widths { observation: 2, action: 1, parts: 2 }))];
         let rows = |scenes| Rows { credits: &credits, scenes, parts: 2 };

@@ -6,7 +6,7 @@ use super::worker::{Minibatch, Worker};
 use crate::learner::Learner as _;
 use crate::nn::reference::{self, assert_gradients, wide};
 use crate::policy::RecurrentPolicy;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::{End, Rollout};
 use crate::state::State;
 use crate::widths::Widths;
@@ -29,7 +29,7 @@ fn config(log_std: LogStd) -> PpoConfig {
 
 /// Returns random steps of two environments, with an end in each.
 fn rollout(steps: usize, seed: u64) -> Rollout {
-    let mut random = Random::new(seed, 1);
+    let mut random = RandomStream::new(seed, 1);
     let mut draw = |count: usize| {
         let mut values = vec![0.0; count];
         random.normals(&mut values);
@@ -155,7 +155,7 @@ fn recurrent(sequence: usize, log_std: LogStd, seed: u64) -> Ppo {
 /// in the second.
 fn recurrent_rollout(steps: usize, seed: u64) -> Rollout {
     let mut states = vec![0.0; 2 * WIDTH];
-    Random::new(seed, 2).normals(&mut states);
+    RandomStream::new(seed, 2).normals(&mut states);
     Rollout { states, starts: vec![(0, 6), (1, 0)], ..rollout(steps, seed) }
 }
 
@@ -256,7 +256,7 @@ fn gradients_of_recurrent_networks_are_slopes_of_their_losses() {
         let (_, gradients) = losses(&ppo.parameters);
         for seed in 0..8 {
             let mut direction = vec![0.0; gradients.len()];
-            Random::new(seed, 5).normals(&mut direction);
+            RandomStream::new(seed, 5).normals(&mut direction);
             let slope: f64 = gradients.iter().zip(&direction).map(|(g, d)| f64::from(g * d)).sum();
             let moved = |step: f32| -> Vec<f32> {
                 ppo.parameters.iter().zip(&direction).map(|(value, d)| value + step * d).collect()
@@ -326,7 +326,7 @@ impl Ppo {
     /// Prepares the steps of a rollout as if the actor had changed since it was collected.
     pub(super) fn prepare_for_test(&mut self, rollout: &Rollout) {
         self.prepare(rollout);
-        let mut random = Random::new(1, 0);
+        let mut random = RandomStream::new(1, 0);
         self.samples.old.iter_mut().for_each(|old| *old += 0.2 * random.normal() as f32);
     }
 }

@@ -4,10 +4,10 @@ use b2b_agent::network::Actor;
 
 use super::config::SacConfig;
 use super::learner::Sac;
-use super::update::Update;
+use super::update::SacUpdate;
 use crate::error::Result;
 use crate::learner::{Learner, LearnerOptions, LearnerSetting};
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::Rollout;
 use crate::state::State;
 
@@ -20,7 +20,7 @@ impl Learner for Sac {
     }
 
     fn columns(&self) -> Vec<&'static str> {
-        Update::default().named().map(|(name, _)| name).to_vec()
+        SacUpdate::default().named().map(|(name, _)| name).to_vec()
     }
 
     fn learn(&mut self, rollout: &Rollout) -> Result<Vec<(&'static str, f64)>> {
@@ -45,7 +45,7 @@ impl Learner for Sac {
             adam.restore(name, state)?;
         }
         self.replay.restore(state)?;
-        self.random = Random::from_words(state.read_u64("random")?);
+        self.random = RandomStream::from_words(state.read_u64("random")?);
         [self.updates, self.failures] = state.read_u64("updates")?;
         state.read_f64("owed", std::slice::from_mut(&mut self.owed))
     }

@@ -1,12 +1,12 @@
 //! The state of SAC.
 
 use super::config::SacConfig;
-use super::networks::{Networks, Parameters};
+use super::networks::{Parameters, SacNetworks};
 use super::replay::{ReplayBatch, ReplayBuffer};
-use super::worker::Worker;
+use super::worker::SacWorker;
 use crate::error::Result;
 use crate::nn::Adam;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::widths::Widths;
 
 /// A learner by soft actor-critic.
@@ -14,12 +14,12 @@ use crate::widths::Widths;
 pub struct Sac {
     pub(super) config: SacConfig,
     pub(super) widths: Widths,
-    pub(super) networks: Networks,
+    pub(super) networks: SacNetworks,
     pub(super) parameters: Parameters,
     /// Optimizers of actor, critics and temperature.
     pub(super) adams: [Adam; 3],
     pub(super) replay: ReplayBuffer,
-    pub(super) random: Random,
+    pub(super) random: RandomStream,
     /// Minibatches still to do for the steps collected so far.
     pub(super) owed: f64,
     /// Number of updates.
@@ -28,7 +28,7 @@ pub struct Sac {
     pub(super) failures: u64,
     pub(super) threads: usize,
     pub(super) batch: ReplayBatch,
-    pub(super) workers: Vec<Worker>,
+    pub(super) workers: Vec<SacWorker>,
     /// Gradients of actor and critics.
     pub(super) gradients: [Vec<f32>; 2],
 }
@@ -40,15 +40,15 @@ impl Sac {
     /// When a value of the configuration is outside its range.
     pub fn new(widths: Widths, environments: usize, config: SacConfig, seed: u64) -> Result<Self> {
         config.check()?;
-        let networks = Networks::new(widths, &config);
-        let mut random = Random::new(seed, 0);
+        let networks = SacNetworks::new(widths, &config);
+        let mut random = RandomStream::new(seed, 0);
         let parameters = networks.initialize(&config, &mut random);
         let sizes = [parameters.actor.len(), parameters.critics.len(), 1];
         Ok(Self {
             adams: sizes.map(|size| Adam::new(size, config.adam_epsilon)),
             gradients: [vec![0.0; sizes[0]], vec![0.0; sizes[1]]],
             replay: ReplayBuffer::new(widths, environments, config.capacity),
-            workers: vec![Worker::new(&networks)],
+            workers: vec![SacWorker::new(&networks)],
             batch: ReplayBatch::default(),
             owed: 0.0,
             updates: 0,

@@ -6,7 +6,7 @@ use crate::gaussian::{Squashed, squash};
 
 /// Losses and statistics of a minibatch, as means over its rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Losses {
+pub struct SacLosses {
     /// Half the squared error of the values, summed over both critics (Haarnoja et al. 2018b, eq. 5).
     pub critics: f64,
     /// Temperature × log density - smaller value (eq. 9).
@@ -17,7 +17,7 @@ pub struct Losses {
     pub value: f64,
 }
 
-impl Losses {
+impl SacLosses {
     /// Adds other losses.
     pub fn add(&mut self, other: &Self) {
         self.critics += other.critics;

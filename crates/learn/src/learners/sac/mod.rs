@@ -21,7 +21,7 @@ mod worker;
 
 pub use config::SacConfig;
 pub use learner::Sac;
-pub use update::Update;
+pub use update::SacUpdate;
 
 #[cfg(test)]
 mod tests;

@@ -5,13 +5,13 @@ use b2b_agent::network::{Actor, Distribution, Mlp, Shape};
 use super::SacConfig;
 use crate::error::Result;
 use crate::nn::{InitialGains, orthogonal};
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::Widths;
 use crate::state::State;
 
 /// The shapes of actor and critics.
 #[derive(Clone, Debug)]
-pub(super) struct Networks {
+pub(super) struct SacNetworks {
     /// Shape of the actor: outputs are means, then logarithms of standard deviations.
     pub actor: Mlp,
     /// Shape of each critic: inputs are observation, then action; the output is the value.
@@ -33,7 +33,7 @@ pub(super) struct Parameters {
     pub log_temperature: f32,
 }
 
-impl Networks {
+impl SacNetworks {
     pub fn new(widths: Widths, config: &SacConfig) -> Self {
         let Widths { observation, action, .. } = widths;
         Self {
@@ -44,7 +44,7 @@ impl Networks {
     }
 
     /// Returns initial parameters. Target critics are the critics.
-    pub fn initialize(&self, config: &SacConfig, random: &mut Random) -> Parameters {
+    pub fn initialize(&self, config: &SacConfig, random: &mut RandomStream) -> Parameters {
         let hidden = std::f32::consts::SQRT_2;
         let actor = orthogonal(&self.actor, InitialGains { hidden, last: config.actor_gain }, random);
         let mut critic = || orthogonal(&self.critic, InitialGains { hidden, last: 1.0 }, random);

@@ -1,7 +1,7 @@
 //! The replay buffer: the latest steps of every environment.
 
 use crate::error::Result;
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::{Rollout, Widths};
 use crate::state::State;
 
@@ -135,7 +135,7 @@ impl ReplayBuffer {
         rows: usize,
         steps: usize,
         gamma: f32,
-        random: &mut Random,
+        random: &mut RandomStream,
         batch: &mut ReplayBatch,
     ) {
         batch.clear(rows);
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(replay.len(), 34);
         for steps in 1..8 {
             let mut batch = ReplayBatch::default();
-            replay.sample(200, steps, GAMMA, &mut Random::new(steps as u64, 0), &mut batch);
+            replay.sample(200, steps, GAMMA, &mut RandomStream::new(steps as u64, 0), &mut batch);
             for row in 0..200 {
                 let number = batch.observations[row] as usize;
                 let (environment, step) = (number / 1000, number % 1000);

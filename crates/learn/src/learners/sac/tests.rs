@@ -3,11 +3,11 @@ use b2b_agent::network::{Activation, LOG_STD};
 use super::config::SacConfig;
 use super::learner::Sac;
 use super::loss::temperature_gradient;
-use super::networks::Networks;
-use super::worker::Minibatch;
+use super::networks::SacNetworks;
+use super::worker::SacMinibatch;
 use crate::learner::Learner as _;
 use crate::nn::reference::{self, assert_gradients, wide};
-use crate::random::Random;
+use crate::random::RandomStream;
 use crate::rollout::{End, Rollout};
 use crate::state::State;
 use crate::widths::Widths;
@@ -30,7 +30,7 @@ fn config() -> SacConfig {
 
 /// Returns random steps of two environments, with an end in each.
 fn rollout(steps: usize, seed: u64) -> Rollout {
-    let mut random = Random::new(seed, 1);
+    let mut random = RandomStream::new(seed, 1);
     let mut draw = |count: usize| {
         let mut values = vec![0.0; count];
         random.normals(&mut values);
@@ -112,7 +112,7 @@ fn minibatches_that_are_not_finite_change_nothing() {
 }
 
 /// Returns actions and log density for an observation in double precision.
-fn act(networks: &Networks, actor: &[f64], observation: &[f64], normals: &[f32]) -> (Vec<f64>, f64) {
+fn act(networks: &SacNetworks, actor: &[f64], observation: &[f64], normals: &[f32]) -> (Vec<f64>, f64) {
     let outputs = reference::forward(&networks.actor, actor, observation);
     let mut log_density = 0.0;
     let action = |(index, normal): (usize, &f32)| {
@@ -128,15 +128,15 @@ fn act(networks: &Networks, actor: &[f64], observation: &[f64], normals: &[f32])
 }
 
 /// Returns the values of both critics for an observation and an action.
-fn values(networks: &Networks, critics: &[f64], observation: &[f64], action: &[f64]) -> [f64; 2] {
+fn values(networks: &SacNetworks, critics: &[f64], observation: &[f64], action: &[f64]) -> [f64; 2] {
     let (input, size) = ([observation, action].concat(), networks.critic.parameters());
     [0, 1].map(|critic: usize| {
         reference::forward(&networks.critic, &critics[critic * size..(critic + 1) * size], &input)[0]
     })
 }
 
-fn critic_loss(minibatch: &Minibatch<'_>, critics: &[f64]) -> f64 {
-    let Minibatch { networks, parameters, batch } = minibatch;
+fn critic_loss(minibatch: &SacMinibatch<'_>, critics: &[f64]) -> f64 {
+    let SacMinibatch { networks, parameters, batch } = minibatch;
     let (actor, targets) = (wide(&parameters.actor), wide(&parameters.targets));
     let temperature = f64::from(parameters.log_temperature.exp());
     let mut sum = 0.0;
@@ -155,8 +155,8 @@ fn critic_loss(minibatch: &Minibatch<'_>, critics: &[f64]) -> f64 {
 }
 
 /// Returns the loss of the actor and the mean log density.
-fn actor_loss(minibatch: &Minibatch<'_>, actor: &[f64]) -> (f64, f64) {
-    let Minibatch { networks, parameters, batch } = minibatch;
+fn actor_loss(minibatch: &SacMinibatch<'_>, actor: &[f64]) -> (f64, f64) {
+    let SacMinibatch { networks, parameters, batch } = minibatch;
     let (critics, temperature) = (wide(&parameters.critics), f64::from(parameters.log_temperature.exp()));
     let (mut loss, mut density) = (0.0, 0.0);
     for row in 0..batch.rows {
@@ -177,7 +177,8 @@ fn gradients_match_finite_differences() {
         sac.replay.sample(40, 3, 0.9, &mut sac.random, &mut sac.batch);
         // Target critics that differ from the critics.
         sac.parameters.targets.iter_mut().for_each(|value| *value *= 1.1);
-        let minibatch = Minibatch { networks: &sac.networks, parameters: &sac.parameters, batch: &sac.batch };
+        let minibatch =
+            SacMinibatch { networks: &sac.networks, parameters: &sac.parameters, batch: &sac.batch };
         let worker = &mut sac.workers[0];
         worker.learn_critics(&minibatch, 0..40);
         let critics = wide(&sac.parameters.critics);

@@ -1,8 +1,8 @@
 //! An update of SAC.
 
 use super::learner::Sac;
-use super::loss::{Losses, temperature_gradient};
-use super::worker::{Minibatch, Worker};
+use super::loss::{SacLosses, temperature_gradient};
+use super::worker::{SacMinibatch, SacWorker};
 use crate::error::{Error, Result};
 use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
@@ -12,7 +12,7 @@ const FAILURES: u64 = 3;
 
 /// Results of an update. Losses, entropy, value and norms are means over its minibatches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Update {
+pub struct SacUpdate {
     /// Half the squared error of the values, summed over both critics.
     pub critic_loss: f64,
     /// Temperature × log density - smaller value.
@@ -51,10 +51,10 @@ impl Sac {
     ///
     /// # Errors
     /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
-    pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
+    pub fn update(&mut self, rollout: &Rollout) -> Result<SacUpdate> {
         self.check(rollout)?;
         let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);
-        let mut update = Update { learning_rate, ..Update::default() };
+        let mut update = SacUpdate { learning_rate, ..SacUpdate::default() };
         self.remember(rollout, &mut update);
         if self.can_learn() {
             self.owed += self.config.updates_per_step * rollout.rows() as f64;
@@ -90,7 +90,7 @@ impl Sac {
         Ok(())
     }
 
-    fn remember(&mut self, rollout: &Rollout, update: &mut Update) {
+    fn remember(&mut self, rollout: &Rollout, update: &mut SacUpdate) {
         let arrays = [&rollout.observations, &rollout.actions, &rollout.rewards, &rollout.next];
         let ends = rollout.ends.iter().map(|end| &end.observation);
         if arrays.into_iter().chain(ends).flatten().all(|value| value.is_finite()) {
@@ -102,7 +102,7 @@ impl Sac {
     }
 
     /// Learns from a minibatch, and returns its losses if they and their gradients are finite.
-    fn learn(&mut self, update: &mut Update) -> Option<Losses> {
+    fn learn(&mut self, update: &mut SacUpdate) -> Option<SacLosses> {
         let Self { replay, random, batch, config, .. } = self;
         replay.sample(config.batch_size, config.return_steps, config.gamma, random, batch);
         let critics = self.differentiate(Stage::Critics);
@@ -119,22 +119,22 @@ impl Sac {
     }
 
     /// Computes the gradients of the actor or of the critics, and returns the losses so far.
-    fn differentiate(&mut self, stage: Stage) -> Losses {
+    fn differentiate(&mut self, stage: Stage) -> SacLosses {
         let Self { workers, networks, parameters, batch, gradients, threads, .. } = self;
         let used = chunk_count(batch.rows, 1);
         while workers.len() < used {
-            workers.push(Worker::new(networks));
+            workers.push(SacWorker::new(networks));
         }
         let workers = &mut workers[..used];
         let threads = threads_for(batch.rows, parameters.actor.len() + parameters.critics.len(), *threads);
-        let minibatch = Minibatch { networks, parameters, batch };
+        let minibatch = SacMinibatch { networks, parameters, batch };
         for_each(workers, threads, |index, worker| match stage {
             Stage::Actor => worker.learn_actor(&minibatch, chunk(batch.rows, 1, index)),
             Stage::Critics => worker.learn_critics(&minibatch, chunk(batch.rows, 1, index)),
         });
         let sums = &mut gradients[stage as usize];
         sums.fill(0.0);
-        let mut losses = Losses::default();
+        let mut losses = SacLosses::default();
         for worker in workers {
             let own = match stage {
                 Stage::Actor => &worker.actor_gradients,
@@ -169,7 +169,7 @@ impl Sac {
     }
 }
 
-impl Update {
+impl SacUpdate {
     /// Returns the numbers to report in a run's progress, by name.
     pub(super) fn named(&self) -> [(&'static str, f64); 10] {
         [
@@ -186,7 +186,7 @@ impl Update {
         ]
     }
 
-    fn add(&mut self, losses: &Losses) {
+    fn add(&mut self, losses: &SacLosses) {
         self.steps += 1;
         self.critic_loss += losses.critics;
         self.actor_loss += losses.actor;

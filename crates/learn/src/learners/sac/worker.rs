@@ -2,22 +2,22 @@
 
 use std::ops::Range;
 
-use super::loss::{Losses, Sampled, act, actor_gradients, critic_loss, target};
-use super::networks::{Networks, Parameters};
+use super::loss::{SacLosses, Sampled, act, actor_gradients, critic_loss, target};
+use super::networks::{Parameters, SacNetworks};
 use super::replay::ReplayBatch;
 use crate::nn::{Pass, sized};
 
 /// Inputs that all chunks of a minibatch share.
 #[derive(Clone, Copy)]
-pub(super) struct Minibatch<'a> {
-    pub networks: &'a Networks,
+pub(super) struct SacMinibatch<'a> {
+    pub networks: &'a SacNetworks,
     pub parameters: &'a Parameters,
     pub batch: &'a ReplayBatch,
 }
 
 /// The buffers of a chunk, and its losses and gradients.
 #[derive(Clone, Debug)]
-pub(super) struct Worker {
+pub(super) struct SacWorker {
     actor: Pass,
     critics: [Pass; 2],
     /// Inputs of critics, observation and action: rows × width.
@@ -35,11 +35,11 @@ pub(super) struct Worker {
     /// Gradients of the parameters of both critics.
     pub critic_gradients: Vec<f32>,
     /// Share in the losses of the minibatch.
-    pub losses: Losses,
+    pub losses: SacLosses,
 }
 
-impl Worker {
-    pub fn new(networks: &Networks) -> Self {
+impl SacWorker {
+    pub fn new(networks: &SacNetworks) -> Self {
         let critic = Pass::new(&networks.critic);
         Self {
             actor: Pass::new(&networks.actor),
@@ -51,16 +51,16 @@ impl Worker {
             input_gradients: Default::default(),
             actor_gradients: vec![0.0; networks.actor.parameters()],
             critic_gradients: vec![0.0; 2 * networks.critic.parameters()],
-            losses: Losses::default(),
+            losses: SacLosses::default(),
         }
     }
 
     /// Computes the loss of the critics and their gradients for rows of a minibatch.
-    pub fn learn_critics(&mut self, minibatch: &Minibatch<'_>, rows: Range<usize>) {
-        self.losses = Losses::default();
+    pub fn learn_critics(&mut self, minibatch: &SacMinibatch<'_>, rows: Range<usize>) {
+        self.losses = SacLosses::default();
         self.critic_gradients.fill(0.0);
         self.set_targets(minibatch, rows.clone());
-        let Minibatch { networks, parameters, batch } = minibatch;
+        let SacMinibatch { networks, parameters, batch } = minibatch;
         let (observation, actions) = (networks.actor.inputs(), networks.actions);
         let observations = &batch.observations[times(&rows, observation)];
         let inputs = sized(&mut self.inputs, rows.len() * networks.critic.inputs());
@@ -80,8 +80,8 @@ impl Worker {
         }
     }
 
-    fn set_targets(&mut self, minibatch: &Minibatch<'_>, rows: Range<usize>) {
-        let Minibatch { parameters, batch, .. } = minibatch;
+    fn set_targets(&mut self, minibatch: &SacMinibatch<'_>, rows: Range<usize>) {
+        let SacMinibatch { parameters, batch, .. } = minibatch;
         self.sample_actions(minibatch, &batch.next, &batch.next_normals, rows.clone());
         self.evaluate(minibatch, &parameters.targets, rows.len());
         let temperature = parameters.log_temperature.exp();
@@ -99,8 +99,8 @@ impl Worker {
     }
 
     /// Computes the loss of the actor and its gradients for rows of a minibatch.
-    pub fn learn_actor(&mut self, minibatch: &Minibatch<'_>, rows: Range<usize>) {
-        let Minibatch { parameters, batch, .. } = minibatch;
+    pub fn learn_actor(&mut self, minibatch: &SacMinibatch<'_>, rows: Range<usize>) {
+        let SacMinibatch { parameters, batch, .. } = minibatch;
         self.actor_gradients.fill(0.0);
         self.sample_actions(minibatch, &batch.observations, &batch.normals, rows.clone());
         self.evaluate(minibatch, &parameters.critics, rows.len());
@@ -117,12 +117,12 @@ impl Worker {
     /// Samples actions for rows of observations. They and the observations become the inputs of the critics.
     fn sample_actions(
         &mut self,
-        minibatch: &Minibatch<'_>,
+        minibatch: &SacMinibatch<'_>,
         observations: &[f32],
         normals: &[f32],
         rows: Range<usize>,
     ) {
-        let Minibatch { networks, parameters, .. } = minibatch;
+        let SacMinibatch { networks, parameters, .. } = minibatch;
         let observations = &observations[times(&rows, networks.actor.inputs())];
         let outputs = self.actor.forward(&parameters.actor, observations, rows.len());
         let inputs = sized(&mut self.inputs, rows.len() * networks.critic.inputs());
@@ -131,7 +131,7 @@ impl Worker {
     }
 
     /// Computes the values of the inputs by both critics with these parameters.
-    fn evaluate(&mut self, minibatch: &Minibatch<'_>, parameters: &[f32], rows: usize) {
+    fn evaluate(&mut self, minibatch: &SacMinibatch<'_>, parameters: &[f32], rows: usize) {
         let inputs = &self.inputs[..rows * minibatch.networks.critic.inputs()];
         let each = parameters.chunks_exact(minibatch.networks.critic.parameters());
         for (critic, parameters) in self.critics.iter_mut().zip(each) {
@@ -140,8 +140,8 @@ impl Worker {
     }
 
     /// Computes the gradients of the smaller value with respect to the inputs of the critics, each critic in its rows.
-    fn differentiate_values(&mut self, minibatch: &Minibatch<'_>, rows: usize) {
-        let Minibatch { networks, parameters, .. } = minibatch;
+    fn differentiate_values(&mut self, minibatch: &SacMinibatch<'_>, rows: usize) {
+        let SacMinibatch { networks, parameters, .. } = minibatch;
         let length = rows * networks.critic.inputs();
         let gradients = sized(&mut self.outputs, rows);
         for (index, parameters) in parameters.critics.chunks_exact(networks.critic.parameters()).enumerate() {
@@ -161,8 +161,8 @@ impl Worker {
         }
     }
 
-    fn differentiate_actor(&mut self, minibatch: &Minibatch<'_>, rows: Range<usize>, temperature: f32) {
-        let Minibatch { networks, parameters, batch } = minibatch;
+    fn differentiate_actor(&mut self, minibatch: &SacMinibatch<'_>, rows: Range<usize>, temperature: f32) {
+        let SacMinibatch { networks, parameters, batch } = minibatch;
         let (observation, actions) = (networks.actor.inputs(), networks.actions);
         let (width, share) = (networks.critic.inputs(), 1.0 / batch.rows as f32);
         let outputs = self.actor.outputs();

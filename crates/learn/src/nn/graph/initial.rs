@@ -5,14 +5,14 @@ use std::f32::consts::SQRT_2;
 use b2b_agent::network::graph::GraphNetwork;
 
 use crate::nn::orthogonal::write_weights;
-use crate::random::Random;
+use crate::random::RandomStream;
 
 /// Standard deviation of initial encoder biases; they alone distinguish node types without features.
 const TYPE_DEVIATION: f32 = 0.5;
 
 /// Returns initial parameters: orthogonal matrices, scaled by `last` in the decoders and, in layers that add to the
 /// embedding, by the number of such layers (Radford et al. 2019). Biases are 0, except in the encoders.
-pub fn initialize(network: &GraphNetwork, last: f32, random: &mut Random) -> Vec<f32> {
+pub fn initialize(network: &GraphNetwork, last: f32, random: &mut RandomStream) -> Vec<f32> {
     let places = network.places();
     let mut parameters = vec![0.0; places.parameters()];
     for encoder in &places.encoders {

@@ -5,7 +5,7 @@ use b2b_agent::network::{Activation, Layer};
 
 use super::{GraphPass, Readout, initialize, reference};
 use crate::nn::reference::{assert_gradients, wide};
-use crate::random::Random;
+use crate::random::RandomStream;
 
 /// Features and outputs of three node types, the last of which is only observed, and the second only controlled.
 const TYPES: [(usize, usize); 3] = [(3, 2), (0, 1), (2, 0)];
@@ -24,7 +24,7 @@ fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {
 
 /// Returns a building with nodes of these types, and random edges.
 fn graph(types: &[usize], seed: u64) -> Graph {
-    let mut random = Random::new(seed, 0);
+    let mut random = RandomStream::new(seed, 0);
     let mut features = vec![0];
     types.iter().for_each(|each| features.push(features[features.len() - 1] + TYPES[*each].0));
     let nodes = types.len();
@@ -56,7 +56,7 @@ const OF_ROWS: [usize; 5] = [2, 0, 1, 2, 0];
 const WIDTH: usize = 18;
 
 fn random_parameters(network: &GraphNetwork) -> Vec<f32> {
-    let mut random = Random::new(5, 0);
+    let mut random = RandomStream::new(5, 0);
     let mut parameters = initialize(network, 1.0, &mut random);
     parameters.iter_mut().for_each(|value| *value += 0.2 * random.normal() as f32);
     parameters
@@ -64,7 +64,7 @@ fn random_parameters(network: &GraphNetwork) -> Vec<f32> {
 
 fn observations() -> Vec<f32> {
     let mut observations = vec![0.0; OF_ROWS.len() * WIDTH];
-    Random::new(9, 0).normals(&mut observations);
+    RandomStream::new(9, 0).normals(&mut observations);
     observations
 }
 
@@ -117,7 +117,7 @@ fn outputs_and_gradients_match_the_definition() {
                 assert!((f64::from(*output) - expected).abs() < 2e-5, "{edges:?}: {output} {expected}");
             }
             let mut weights = vec![0.0; outputs.len()];
-            Random::new(2, 0).normals(&mut weights);
+            RandomStream::new(2, 0).normals(&mut weights);
             let mut sums = vec![0.0; parameters.len()];
             pass.backward(&parameters, batch, &weights, &mut sums);
             // Means and scales of features are not learned.

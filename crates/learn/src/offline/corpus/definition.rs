@@ -6,7 +6,7 @@ use std::path::Path;
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Split};
 use b2b_env::Task;
-use b2b_evaluate::{Episode, Subject};
+use b2b_evaluate::{EpisodePlan, Subject};
 use serde::{Deserialize, Serialize};
 
 use crate::error::at;
@@ -57,7 +57,7 @@ pub(super) struct Planned<'a> {
     /// Name of its policy.
     pub policy: &'a str,
     /// The episode.
-    pub episode: Episode,
+    pub episode: EpisodePlan,
 }
 
 impl Definition {
@@ -132,7 +132,7 @@ impl Definition {
                 let period = self.week(building as u32 % self.buildings, week);
                 for &(ref parsed, task, policy) in &policies {
                     let number = planned.len();
-                    let episode = Episode {
+                    let episode = EpisodePlan {
                         subject: Subject::at_home(BuildingName::Id(id)),
                         task: parsed.clone(),
                         period: period.into(),

@@ -7,7 +7,7 @@ use b2b_building::Period;
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Spaces, Task};
-use b2b_evaluate::{Baseline, Baselines, Episode, Evaluation, Subject};
+use b2b_evaluate::{Baseline, Baselines, EpisodePlan, Evaluation, Subject};
 use b2b_workers::Launcher;
 
 use super::days;
@@ -77,11 +77,11 @@ impl Environments<'_> {
         period: Period,
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
-    ) -> Result<(Episode, Baseline)> {
+    ) -> Result<(EpisodePlan, Baseline)> {
         let subject = Subject { name: name.clone(), placement: self.config.training_set.placement()? };
         let site = subject.locate(&self.catalog, &mut Quiet)?;
         let (task, steps_per_hour) = (task.clone(), self.config.training_set.steps_per_hour);
-        let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
+        let episode = EpisodePlan { subject, task, period, seed: 0, steps_per_hour };
         let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
         Ok((episode, baseline))
     }

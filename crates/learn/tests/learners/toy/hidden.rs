@@ -1,6 +1,6 @@
 //! A context that is seen only once.
 
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::Widths;
 
 use super::Toy;
@@ -19,7 +19,7 @@ impl<const SEEN: bool> Toy for Hidden<SEEN> {
     const STEPS: usize = 20;
     const REWARD_SCALE: f32 = 1.0;
 
-    fn reset(random: &mut Random) -> Self {
+    fn reset(random: &mut RandomStream) -> Self {
         Self { sign: if random.below(2) == 0 { -1.0 } else { 1.0 }, step: 0, first_reward: 0.0 }
     }
 
@@ -29,7 +29,7 @@ impl<const SEEN: bool> Toy for Hidden<SEEN> {
         observation.copy_from_slice(&[is(0), is(1) * self.first_reward, sign]);
     }
 
-    fn step(&mut self, action: &[f32], _: &mut Random, rewards: &mut [f32]) {
+    fn step(&mut self, action: &[f32], _: &mut RandomStream, rewards: &mut [f32]) {
         rewards[0] = self.sign * action[0].clamp(-1.0, 1.0);
         if self.step == 0 {
             self.first_reward = rewards[0];

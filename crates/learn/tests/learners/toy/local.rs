@@ -3,7 +3,7 @@
 use b2b_agent::network::{Actor, Scratch};
 use b2b_learn::Result;
 use b2b_learn::collector::Collector;
-use b2b_learn::random::{Noise, Random};
+use b2b_learn::random::{Noise, RandomStream};
 use b2b_learn::rollout::{End, Rollout, Widths};
 
 use super::Toy;
@@ -17,7 +17,7 @@ pub struct Local<T> {
 struct Running<T> {
     toy: T,
     step: usize,
-    random: Random,
+    random: RandomStream,
     noise: Noise,
     /// State of a recurrent actor.
     state: Vec<f32>,
@@ -27,8 +27,8 @@ impl<T: Toy> Local<T> {
     /// Returns this number of environments. Their episodes begin together.
     pub fn new(environments: usize, seed: u64) -> Self {
         let start = |index: usize| {
-            let mut random = Random::new(seed, 1000 + index as u64);
-            let noise = Noise::new(T::WIDTHS.action, 0.0, Random::new(seed, 2000 + index as u64));
+            let mut random = RandomStream::new(seed, 1000 + index as u64);
+            let noise = Noise::new(T::WIDTHS.action, 0.0, RandomStream::new(seed, 2000 + index as u64));
             Running { toy: T::reset(&mut random), step: 0, random, noise, state: Vec::new() }
         };
         Self { environments: (0..environments).map(start).collect() }
@@ -93,7 +93,7 @@ impl<T: Toy> Running<T> {
 
 /// Returns the mean return of episodes with a policy.
 pub fn mean_return<T: Toy>(episodes: usize, mut policy: impl FnMut(&[f32], &mut [f32])) -> f64 {
-    let mut random = Random::new(77, 77);
+    let mut random = RandomStream::new(77, 77);
     let mut observation = vec![0.0; T::WIDTHS.observation];
     let (mut action, mut rewards) = (vec![0.0; T::WIDTHS.action], vec![0.0; T::WIDTHS.parts]);
     let mut sum = 0.0;

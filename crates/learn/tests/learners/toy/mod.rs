@@ -10,7 +10,7 @@ pub use local::{Local, mean_return};
 pub use pendulum::Pendulum;
 pub use room::Room;
 
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::Widths;
 
 /// An environment.
@@ -23,11 +23,11 @@ pub trait Toy {
     const REWARD_SCALE: f32;
 
     /// Returns an environment at the beginning of an episode.
-    fn reset(random: &mut Random) -> Self;
+    fn reset(random: &mut RandomStream) -> Self;
 
     /// Writes the observation.
     fn observe(&self, observation: &mut [f32]);
 
     /// Makes a step with an action, which is clipped to -1 to 1, and writes the parts of its reward.
-    fn step(&mut self, action: &[f32], random: &mut Random, rewards: &mut [f32]);
+    fn step(&mut self, action: &[f32], random: &mut RandomStream, rewards: &mut [f32]);
 }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{PI, TAU};
 
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::Widths;
 
 use super::Toy;
@@ -24,7 +24,7 @@ impl Toy for Pendulum {
     const STEPS: usize = 200;
     const REWARD_SCALE: f32 = 0.1;
 
-    fn reset(random: &mut Random) -> Self {
+    fn reset(random: &mut RandomStream) -> Self {
         let mut uniform = |size: f32| (2.0 * random.uniform() as f32 - 1.0) * size;
         Self { angle: uniform(PI), speed: uniform(1.0) }
     }
@@ -33,7 +33,7 @@ impl Toy for Pendulum {
         observation.copy_from_slice(&[self.angle.cos(), self.angle.sin(), self.speed / SPEED]);
     }
 
-    fn step(&mut self, action: &[f32], _: &mut Random, rewards: &mut [f32]) {
+    fn step(&mut self, action: &[f32], _: &mut RandomStream, rewards: &mut [f32]) {
         let torque = TORQUE * action[0].clamp(-1.0, 1.0);
         let angle = (self.angle + PI).rem_euclid(TAU) - PI;
         rewards[0] = -(angle * angle + 0.1 * self.speed * self.speed + 0.001 * torque * torque);

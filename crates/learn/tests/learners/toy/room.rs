@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use b2b_learn::random::Random;
+use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::Widths;
 
 use super::Toy;
@@ -39,7 +39,7 @@ impl Room {
         TARGETS[usize::from(!(USE[room].0..USE[room].1).contains(&hour))]
     }
 
-    fn disturb(&mut self, random: &mut Random) {
+    fn disturb(&mut self, random: &mut RandomStream) {
         let daily = -5.0 * (TAU * (self.step as f32 / 96.0 - 0.1)).cos();
         self.outdoor += 0.2 * (daily - self.outdoor) + 0.4 * random.normal() as f32;
         for gain in &mut self.gains {
@@ -53,7 +53,7 @@ impl Toy for Room {
     const STEPS: usize = 96;
     const REWARD_SCALE: f32 = 0.2;
 
-    fn reset(random: &mut Random) -> Self {
+    fn reset(random: &mut RandomStream) -> Self {
         let mut draw = |mean: f32, deviation: f32| mean + deviation * random.normal() as f32;
         Self {
             step: 0,
@@ -72,7 +72,7 @@ impl Toy for Room {
         observation[4..].copy_from_slice(&[self.outdoor / 10.0, phase.cos(), phase.sin()]);
     }
 
-    fn step(&mut self, action: &[f32], random: &mut Random, rewards: &mut [f32]) {
+    fn step(&mut self, action: &[f32], random: &mut RandomStream, rewards: &mut [f32]) {
         let [first, second] = self.temperatures;
         for (room, other) in [second, first].into_iter().enumerate() {
             let share = 0.5 + 0.5 * action[room].clamp(-1.0, 1.0);
