@@ -57,7 +57,7 @@ pub enum Attributes {
 pub enum Memory {
     /// For an episode.
     #[default]
-    EpisodePlan,
+    Episode,
     /// In each building, task and seed over all run periods of the test, which are then consecutive episodes of one controller. No
     /// weights change, and a policy without memory sees no difference.
     Building,
@@ -65,14 +65,14 @@ pub enum Memory {
 
 impl Memory {
     fn is_of_episode(&self) -> bool {
-        *self == Self::EpisodePlan
+        *self == Self::Episode
     }
 }
 
 impl fmt::Display for Memory {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::EpisodePlan => "episode",
+            Self::Episode => "episode",
             Self::Building => "building",
         })
     }
@@ -83,7 +83,7 @@ impl FromStr for Memory {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
-            "episode" => Ok(Self::EpisodePlan),
+            "episode" => Ok(Self::Episode),
             "building" => Ok(Self::Building),
             _ => Err(format!("unknown value `{text}`; expected episode or building")),
         }
@@ -116,7 +116,7 @@ impl Protocol {
     pub fn consecutive(&self) -> &[Period] {
         match self.memory {
             Memory::Building => &self.windows,
-            Memory::EpisodePlan => &[],
+            Memory::Episode => &[],
         }
     }
 
