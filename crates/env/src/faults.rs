@@ -3,7 +3,7 @@
 //! Faults depend only on seed, step and location, and with [`Faults::own`] on the building's name, so equal tasks have equal
 //! faults in every episode of a building.
 
-use b2b_base::digest::sha256;
+use b2b_base::digest::seed_of;
 use b2b_base::random::{standard_normal, uniform};
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
@@ -60,10 +60,10 @@ impl Faults {
         within("bias", self.bias, 0.0, 10.0)?;
         within("stuck", self.stuck, 0.0, 1.0)?;
         within("fouling", self.fouling, 0.0, 1.0)?;
-        match self.own && self.is_none() {
-            true => Err(Error::OwnFaults),
-            false => Ok(()),
+        if self.own && self.is_none() {
+            return Err(Error::OwnFaults);
         }
+        Ok(())
     }
 
     /// Returns the faults as a building has them.
@@ -71,8 +71,7 @@ impl Faults {
         if !self.own {
             return *self;
         }
-        let of_name = u64::from_str_radix(&sha256(building)[..16], 16).unwrap_or_default();
-        let seed = self.seed.wrapping_add(of_name);
+        let seed = self.seed.wrapping_add(seed_of(building));
         Self { seed, fouling: self.fouling * uniform(&mut stream(seed, FOULING)), ..*self }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::scores::{SeedScores, by_building, clusters};
+use super::scores::{SEED, SeedScores, by_building, clusters};
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Aggregate, Interval, aggregate_clusters, median};
@@ -31,7 +31,7 @@ pub struct Point {
 
 impl Adaptation {
     /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
-    pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores], seed: u64) -> Option<Self> {
+    pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores]) -> Option<Self> {
         let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
         let untrained = by_building(&untrained?.1, EpisodeResult::score);
         let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
@@ -41,14 +41,14 @@ impl Adaptation {
         let adapted: Vec<_> = adapted.collect();
         let pairs = untrained.iter().zip(test);
         let improvements: Vec<_> = pairs.map(|(untrained, test)| untrained.improvement(test)).collect();
-        let mut curve = vec![Point { steps: 0, scores: aggregate_clusters(&clusters(test), seed)? }];
+        let mut curve = vec![Point { steps: 0, scores: aggregate_clusters(&clusters(test), SEED)? }];
         for (steps, groups) in &adapted {
-            curve.push(Point { steps: *steps, scores: aggregate_clusters(&clusters(groups), seed)? });
+            curve.push(Point { steps: *steps, scores: aggregate_clusters(&clusters(groups), SEED)? });
         }
         let steps = steps_to_baseline(test, &adapted);
         let reached = steps.iter().filter(|steps| steps.is_finite()).count();
         Some(Self {
-            jump_start: aggregate_clusters(&clusters(&improvements), seed)?.interquartile_mean,
+            jump_start: aggregate_clusters(&clusters(&improvements), SEED)?.interquartile_mean,
             curve,
             median_steps_to_baseline: Some(median(&steps)).filter(|steps| steps.is_finite()),
             reach_baseline: reached as f64 / steps.len() as f64,

@@ -3,9 +3,9 @@
 use b2b_building::Period;
 use serde::{Deserialize, Serialize};
 
-use super::scores::{Performance, SEED, by_building, clusters, over_periods, paired};
-use b2b_evaluate::EpisodeResult;
+use super::scores::{Performance, SEED, by_building, clusters};
 use b2b_evaluate::statistics::{Interval, aggregate_clusters};
+use b2b_evaluate::{EpisodeInfo, EpisodeResult};
 
 /// Scores by episode in a building, where a policy keeps its memory over consecutive episodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub struct EpisodePoint {
 /// above 0, the reference is better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeDifference {
-    /// Of the mean over the episodes in a building.
+    /// Of the mean over the episodes in a building, without seeds that miss one.
     pub all: Interval,
     /// Of each episode, in order.
     pub points: Vec<Interval>,
@@ -41,11 +41,21 @@ pub struct EpisodeDifference {
 impl EpisodeDifference {
     /// Returns the difference in the episodes of a curve; `None` if the two have no episode in common.
     pub fn of(curve: &EpisodeCurve, rows: &[EpisodeResult], reference: &[EpisodeResult]) -> Option<Self> {
-        let interval = |groups: &[_]| Some(aggregate_clusters(&clusters(groups), SEED)?.interquartile_mean);
-        let in_period = |point: &EpisodePoint| interval(&paired(rows_in(rows, &point.period), reference));
+        let periods: Vec<&str> = curve.points.iter().map(|point| point.period.as_str()).collect();
+        // The difference in the same building, with the same task and seed, in some periods; `None` if one is missing.
+        let mean = |row: &EpisodeResult, periods: &[&str]| {
+            let score = |rows: &[EpisodeResult], period: &str| same_in(rows, row, period)?.resolved_score();
+            let difference = |period: &&str| Some(score(rows, period)? - score(reference, period)?);
+            let sum = periods.iter().map(difference).sum::<Option<f64>>()?;
+            Some(sum / periods.len() as f64)
+        };
+        let interval = |periods: &[&str]| {
+            let groups = by_building(rows_in(rows, periods.first()?), |row| mean(row, periods));
+            Some(aggregate_clusters(&clusters(&groups), SEED)?.interquartile_mean)
+        };
         Some(Self {
-            all: interval(&over_periods(paired(rows, reference)))?,
-            points: curve.points.iter().map(in_period).collect::<Option<_>>()?,
+            all: interval(&periods)?,
+            points: periods.iter().map(|period| interval(&[*period])).collect::<Option<_>>()?,
         })
     }
 }
@@ -56,7 +66,7 @@ impl EpisodeCurve {
         let (mut points, mut days_before) = (Vec::new(), 0);
         for period in periods {
             let name = period.to_string();
-            let performance = Performance::of(rows_in(rows, &name), SEED)?;
+            let performance = Performance::of(rows_in(rows, &name))?;
             points.push(EpisodePoint { period: name, days_before, performance });
             days_before += period.days();
         }
@@ -68,6 +78,14 @@ impl EpisodeCurve {
         let improvement = aggregate_clusters(&clusters(&improvements), SEED)?.interquartile_mean;
         Some(Self { points, improvement })
     }
+}
+
+/// Returns the row of a period with the building, task and seed of another row.
+fn same_in<'a>(rows: &'a [EpisodeResult], row: &EpisodeResult, period: &str) -> Option<&'a EpisodeResult> {
+    let EpisodeInfo { building, task, seed, .. } = &row.info;
+    rows.iter().find(|EpisodeResult { info, .. }| {
+        info.period == period && info.building == *building && info.task == *task && info.seed == *seed
+    })
 }
 
 fn rows_in<'a>(

@@ -78,7 +78,7 @@ impl Measures {
         let strata = strata(&test);
         let several = strata.len() > 1;
         let strata = strata.into_iter().filter(|_| several);
-        let performance_of = |stage| rows_of(stage).and_then(|rows| Performance::of(rows, SEED));
+        let performance_of = |stage| rows_of(stage).and_then(Performance::of);
         Some(Self {
             test: performance_of(Stage::Test)?,
             strata: strata.filter_map(|(key, _)| Stratum::of(key, test_rows)).collect(),
@@ -87,7 +87,7 @@ impl Measures {
             generalization_gap: train.as_ref().and_then(|train| difference(&test_clusters, train, SEED)),
             train: performance_of(Stage::Train),
             upper_bound: performance_of(Stage::UpperBound),
-            adaptation: Adaptation::of(stages, &test, SEED),
+            adaptation: Adaptation::of(stages, &test),
             by_episode: EpisodeCurve::of(test_rows, consecutive),
         })
     }
@@ -96,7 +96,7 @@ impl Measures {
 impl Stratum {
     fn of(key: StratumKey, rows: &[EpisodeResult]) -> Option<Self> {
         let own: Vec<&EpisodeResult> = rows.iter().filter(|row| is_in(row, &key)).collect();
-        let performance = Performance::of(own.iter().copied(), SEED)?;
+        let performance = Performance::of(own.iter().copied())?;
         let (building_type, task, period) = key;
         Some(Self { building_type, task, period, performance })
     }

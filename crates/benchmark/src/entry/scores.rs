@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use b2b_evaluate::any_number;
 use b2b_evaluate::statistics::{Aggregate, Cluster, aggregate_clusters};
-use b2b_evaluate::{EpisodeInfo, EpisodeResult, relative_energy};
+use b2b_evaluate::{EpisodeResult, relative_energy};
 
 /// Seed of the bootstrap.
 pub(super) const SEED: u64 = 0;
@@ -49,12 +49,9 @@ pub struct Performance {
 
 impl Performance {
     /// Returns the performance in some rows; `None` if none has a score.
-    pub(super) fn of<'a>(
-        rows: impl IntoIterator<Item = &'a EpisodeResult> + Clone,
-        seed: u64,
-    ) -> Option<Self> {
+    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult> + Clone) -> Option<Self> {
         let aggregate = |score: fn(&EpisodeResult) -> Option<f64>| {
-            aggregate_clusters(&clusters(&by_building(rows.clone(), score)), seed)
+            aggregate_clusters(&clusters(&by_building(rows.clone(), score)), SEED)
         };
         Some(Self {
             scores: aggregate(EpisodeResult::score)?,
@@ -134,42 +131,6 @@ pub(super) fn by_building<'a>(
         }
     }
     groups
-}
-
-/// Returns the resolved scores of rows minus those of a reference with the same building, task, run period and seed.
-pub(super) fn paired<'a>(
-    rows: impl IntoIterator<Item = &'a EpisodeResult>,
-    reference: &[EpisodeResult],
-) -> Vec<SeedScores> {
-    let key = |row: &EpisodeResult| {
-        let EpisodeInfo { building, task, period, seed, .. } = row.info.clone();
-        (building, task, period, seed)
-    };
-    by_building(rows, |row| {
-        let same = reference.iter().find(|other| key(other) == key(row))?;
-        Some(row.resolved_score()? - same.resolved_score()?)
-    })
-}
-
-/// Returns the scores of every building under a task, each seed's the mean over its run periods. Leaves out seeds that not
-/// all of these have.
-pub(super) fn over_periods(groups: Vec<SeedScores>) -> Vec<SeedScores> {
-    let mut all: Vec<(SeedScores, f64)> = Vec::new();
-    for group in groups {
-        let is_same = |sum: &SeedScores| sum.building == group.building && sum.task == group.task;
-        match all.iter_mut().find(|(sum, _)| is_same(sum)) {
-            Some((sum, count)) => {
-                sum.seeds = sum.seeds.iter().zip(&group.seeds).map(|(sum, score)| sum + score).collect();
-                *count += 1.0;
-            }
-            None => all.push((SeedScores { period: String::new(), ..group }, 1.0)),
-        }
-    }
-    let mean = |(sum, count): (SeedScores, f64)| {
-        let seeds = sum.seeds.iter().map(|sum| sum / count).collect();
-        SeedScores { seeds, ..sum }
-    };
-    all.into_iter().map(mean).collect()
 }
 
 /// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the

@@ -11,7 +11,7 @@
 //! | cooling | 24 to 25.5 °C; 2 to 3 K higher while nobody is at home in half of the houses | ResStock, owner-occupied detached houses with central cooling: 75 to 78 °F |
 //! | night | from 22:00 or 23:00 to 6:00 or 7:00 | engineering judgment |
 
-use b2b_base::digest::sha256;
+use b2b_base::digest::seed_of;
 use b2b_base::random::{stream, uniform};
 use rand_chacha::ChaCha8Rng;
 
@@ -39,9 +39,7 @@ struct Household {
 impl Household {
     /// Draws the setpoints of a house by its name.
     fn of(name: &str) -> Self {
-        let digest = sha256(name);
-        let seed = u64::from_str_radix(&digest[..16], 16).unwrap_or_default();
-        let mut random = stream(STREAM, seed, 0);
+        let mut random = stream(STREAM, seed_of(name), 0);
         let heating = step(&mut random, 20.0, 0.5, 5);
         let cooling = step(&mut random, 24.0, 0.5, 4);
         let lower = share(&mut random, LOWER_AT_NIGHT, 2.0, 5);

@@ -52,23 +52,8 @@ impl Side {
         seeds: &[u64],
         steps_per_hour: u32,
     ) -> Vec<EpisodePlan> {
-        let mut episodes = Vec::new();
-        for id in buildings {
-            for period in windows {
-                for task in &self.tasks {
-                    for seed in seeds {
-                        episodes.push(EpisodePlan {
-                            subject: Subject::at_home(BuildingName::Id(*id)),
-                            task: task.clone(),
-                            period: *period,
-                            seed: *seed,
-                            steps_per_hour,
-                        });
-                    }
-                }
-            }
-        }
-        episodes
+        let subjects: Vec<_> = buildings.iter().map(|id| Subject::at_home(BuildingName::Id(*id))).collect();
+        EpisodePlan::combinations(&subjects, windows, &self.tasks, seeds, steps_per_hour)
     }
 
     /// Describes how the sizes of a building differ from those declared, if they do.
