@@ -12,7 +12,7 @@ use b2b_workers::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs,
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use self::population::{Candidate, Cut, Episodes};
+use self::population::{Candidate, Episodes, WeatherAndDays};
 use crate::buildings::catalog::{self, Inner, read_control};
 use crate::control;
 use crate::evaluation::benchmarks::Problem;
@@ -101,7 +101,7 @@ impl VecEnv {
         control: Option<&str>,
     ) -> PyResult<Self> {
         check_count(count)?;
-        let cut = Cut { weather_years, window };
+        let drawn = WeatherAndDays { weather_years, window };
         let autoreset = read_autoreset(autoreset)?;
         let many = buildings.len() > KEPT_BUILDINGS * count;
         let generated = buildings.iter().any(|each| matches!(each, Candidate::Generator(_)));
@@ -114,7 +114,7 @@ impl VecEnv {
         py.detach(|| {
             let made = match resample {
                 Some(episodes_each) => {
-                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), cut)?;
+                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), drawn)?;
                     let envs = Envs::new(count, sampler, options).map_err(of_env)?;
                     let spaces = spaces_of_representatives(&envs, &episodes)?;
                     (envs, spaces)
@@ -123,7 +123,7 @@ impl VecEnv {
                     let (settings, buildings): (Vec<_>, Vec<_>) =
                         episodes.repeated(count)?.into_iter().unzip();
                     let mut envs =
-                        Envs::new(count, cut.of_fixed(settings.clone()), options).map_err(of_env)?;
+                        Envs::new(count, drawn.of_fixed(settings.clone()), options).map_err(of_env)?;
                     let spaces = envs.prepare(&settings).map_err(of_env)?;
                     (envs, spaces.into_iter().zip(buildings).collect())
                 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use b2b_env::{Bands, NextPair, Spaces};
 use b2b_workers::Arrangement;
 
+use super::appended::{attribute_features, feedback_features, forecast_features};
 use super::feature::{Context, Feature, LinearFeature};
 use super::features::features;
-use super::known::{attribute_features, feedback_features, forecast_features};
 use super::memory::Memory;
 use super::options::{ObservationForm, ObservationOptions};
 use super::past::Past;

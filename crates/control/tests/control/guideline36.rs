@@ -59,7 +59,7 @@ fn band(open: bool, cools: bool) -> [f64; 2] {
     [heating, if cools { cooling } else { f64::INFINITY }]
 }
 
-/// What an episode came to.
+/// Results of an episode.
 #[derive(Debug)]
 struct Outcome {
     /// Kelvin-hours outside the band, mean over the zones with heating and cooling.
