@@ -161,8 +161,9 @@ fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
         feed_forward: 16,
         activation: Activation::Relu,
         edges: Edges::Mixed,
+        memory: 0,
     };
-    Ppo::of_graphs(&network, widths, config, true, seed).unwrap().actor()
+    Ppo::of_graphs((&network, 1), widths, config, true, seed).unwrap().actor()
 }
 
 /// Collects the rollouts with these numbers, each with its own actor.

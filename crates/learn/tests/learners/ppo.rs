@@ -118,7 +118,7 @@ fn constant_and_proportional_heating_are_the_reference_of_the_rooms() {
 #[test]
 #[ignore = "measures time"]
 fn time_of_an_update() {
-    let widths = Widths { observation: 11, action: 2, parts: 1 };
+    let widths = Widths { observation: 11, action: 2, parts: 1, nodes: 1 };
     let hidden = vec![256, 256];
     let config = PpoConfig {
         actor_hidden: hidden.clone(),

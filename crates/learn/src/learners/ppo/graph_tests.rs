@@ -16,7 +16,7 @@ use crate::state::State;
 use crate::widths::Widths;
 
 /// The largest building has three zones of two features and one action, and a node of one feature without actions.
-const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1 };
+const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1, nodes: 1 };
 /// With a reward part for each node.
 const BY_NODE: Widths = Widths { parts: 4, ..WIDTHS };
 
@@ -29,6 +29,7 @@ fn network() -> GraphNetwork {
         feed_forward: 6,
         activation: Activation::Tanh,
         edges: Edges::None,
+        memory: 0,
     }
 }
 
@@ -58,7 +59,7 @@ fn config(log_std: LogStd) -> PpoConfig {
 }
 
 fn learner(log_std: LogStd, seed: u64) -> Ppo {
-    Ppo::of_graphs(&network(), WIDTHS, config(log_std), true, seed).unwrap()
+    Ppo::of_graphs((&network(), 1), WIDTHS, config(log_std), true, seed).unwrap()
 }
 
 /// Returns random steps of two environments; the second changes from a building of three zones to a building of two.
@@ -107,7 +108,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_restar
     for log_std in [LogStd::Free, LogStd::OfState] {
         let run = |threads: usize| {
             let config = PpoConfig { batch_size: 300, ..config(log_std) };
-            let mut ppo = Ppo::of_graphs(&network(), WIDTHS, config, true, 3).unwrap();
+            let mut ppo = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 3).unwrap();
             ppo.set_threads(threads);
             (0..2).for_each(|seed| assert_eq!(ppo.update(&rollout(150, seed)).unwrap().skipped, 0));
             ppo.state()
@@ -193,7 +194,7 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
 fn gradients_of_all_parameters_match_finite_differences() {
     let cases = [(LogStd::Free, WIDTHS), (LogStd::OfState, WIDTHS), (LogStd::Free, BY_NODE)];
     for (log_std, widths) in cases {
-        let mut ppo = Ppo::of_graphs(&network(), widths, config(log_std), true, 3).unwrap();
+        let mut ppo = Ppo::of_graphs((&network(), 1), widths, config(log_std), true, 3).unwrap();
         ppo.prepare_for_test(&rollout_of(widths, 20, 0));
         let mut worker = Worker::new(&ppo.networks);
         let batch = Minibatch {
@@ -232,7 +233,7 @@ fn gradients_of_all_parameters_match_finite_differences() {
 fn actions_learn_from_the_rewards_of_their_own_nodes_and_of_nodes_that_count_for_all() {
     let config = PpoConfig { normalize_values: false, ..config(LogStd::Free) };
     let advantages = |changed: Option<usize>| {
-        let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config.clone(), true, 3).unwrap();
+        let mut ppo = Ppo::of_graphs((&network(), 1), BY_NODE, config.clone(), true, 3).unwrap();
         let mut rollout = rollout_of(BY_NODE, 20, 0);
         // A step of the second environment, in the building of three zones.
         changed.into_iter().for_each(|node| rollout.rewards[(20 + 2) * 4 + node] += 1.0);
@@ -249,7 +250,7 @@ fn actions_learn_from_the_rewards_of_their_own_nodes_and_of_nodes_that_count_for
 
 #[test]
 fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
-    let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config(LogStd::Free), false, 3).unwrap();
+    let mut ppo = Ppo::of_graphs((&network(), 1), BY_NODE, config(LogStd::Free), false, 3).unwrap();
     let mut shifted = rollout_of(BY_NODE, 20, 0);
     shifted.rewards.iter_mut().for_each(|reward| *reward = 5.0 * *reward - 40.0);
     ppo.prepare(&shifted);
@@ -270,6 +271,6 @@ fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
 #[test]
 fn a_credit_matrix_is_an_error() {
     let config = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
-    let error = Ppo::of_graphs(&network(), WIDTHS, config, true, 0).unwrap_err();
+    let error = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 0).unwrap_err();
     assert!(error.to_string().contains("`credit` is a matrix"), "{error}");
 }

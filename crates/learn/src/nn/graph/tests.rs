@@ -19,6 +19,7 @@ fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {
         feed_forward: 6,
         activation: Activation::Tanh,
         edges,
+        memory: 0,
     }
 }
 
