@@ -131,8 +131,7 @@ impl Actor {
             (Shape::Graph(network), Form::Graph { graph, places, tape, state }) => {
                 assert_eq!(observation.len(), graph.width(), "width of an observation");
                 let batch = Batch::of_one(graph, observation);
-                let parts = (&*places, &self.parameters[..]);
-                tape.forward(network, parts, batch, state, Layer::forward_rows);
+                tape.forward(network, places, &self.parameters, batch, state, Layer::forward_rows);
                 let count = graph.actions.len();
                 for (action, place) in graph.actions.iter().enumerate() {
                     let outputs = tape.outputs_of(network, 0, place.node);

@@ -84,7 +84,12 @@ impl CellPass {
     ///
     /// # Panics
     /// If the number of tokens changes within a sequence where the state does not begin with zeros.
-    pub fn arrange(&mut self, width: usize, sequences: Sequences<'_>, tokens: impl Fn(usize) -> Range<usize>) {
+    pub fn arrange(
+        &mut self,
+        width: usize,
+        sequences: Sequences<'_>,
+        tokens: impl Fn(usize) -> Range<usize>,
+    ) {
         let Sequences { length, states, starts } = sequences;
         let count = starts.len() / length;
         let stride = states.len() / count.max(1);

@@ -17,8 +17,8 @@ pub use orthogonal::{InitialGains, orthogonal};
 pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
 pub use product::{Matrix, multiply};
-pub(crate) use recurrent::initialize as initialize_recurrent;
 pub use recurrent::RecurrentPass;
+pub(crate) use recurrent::initialize as initialize_recurrent;
 pub use schedule::RateSchedule;
 
 #[cfg(test)]

@@ -140,7 +140,6 @@ mod tests {
         /// Returns the outputs in double precision.
         fn reference(&self, parameters: &[f64]) -> Vec<f64> {
             let RecurrentPlaces { encoder, cell, head } = self.network.places();
-            let logistic = |x: f64| 1.0 / (1.0 + (-x).exp());
             let mut outputs = Vec::new();
             let mut state = Vec::new();
             for row in 0..ROWS {
@@ -154,12 +153,7 @@ mod tests {
                 let x = reference::forward(&self.network.encoder, &parameters[encoder.clone()], &input);
                 let layer = Mlp::new(WIDTH, &[], GATES * WIDTH, Activation::Tanh);
                 let u = reference::forward(&layer, &parameters[cell.weights.start..cell.biases.end], &state);
-                for unit in 0..WIDTH {
-                    let z = logistic(x[unit] + u[unit]);
-                    let r = logistic(x[WIDTH + unit] + u[WIDTH + unit]);
-                    let n = (x[2 * WIDTH + unit] + r * u[2 * WIDTH + unit]).tanh();
-                    state[unit] = (1.0 - z) * n + z * state[unit];
-                }
+                reference::next_state(&x, &u, &mut state);
                 outputs.extend(reference::forward(&self.network.head, &parameters[head.clone()], &state));
             }
             outputs

@@ -1,8 +1,9 @@
 //! Learning of toy environments by PPO, and the time of an update.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_agent::network::Actor;
+use b2b_agent::network::{Actor, Graph};
 use b2b_learn::collector::Collector;
 use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{LogStd, Ppo, PpoConfig};
@@ -15,7 +16,12 @@ const SEEDS: [u64; 3] = [0, 1, 2];
 
 /// Returns the mean return of the actor without exploration.
 pub fn evaluate<T: Toy>(actor: &Actor) -> f64 {
-    let (mut scratch, mut steps) = (actor.scratch(None), 0);
+    evaluate_in::<T>(actor, None)
+}
+
+/// Like [`evaluate`], with the building of a graph network.
+pub fn evaluate_in<T: Toy>(actor: &Actor, graph: Option<&Arc<Graph>>) -> f64 {
+    let (mut scratch, mut steps) = (actor.scratch(graph), 0);
     mean_return::<T>(20, |observation, action| {
         if steps % T::STEPS == 0 {
             scratch.state_mut().fill(0.0);

@@ -122,7 +122,8 @@ impl Tape {
     pub fn forward(
         &mut self,
         network: &GraphNetwork,
-        (places, parameters): (&Places, &[f32]),
+        places: &Places,
+        parameters: &[f32],
         batch: Batch<'_>,
         states: &mut [f32],
         linear: Linear,

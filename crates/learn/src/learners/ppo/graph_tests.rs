@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use b2b_agent::network::graph::{ActionPlace, Edges, NodeWidths};
-use b2b_agent::network::{Activation, Graph, GraphNetwork};
+use b2b_agent::network::graph::{ActionPlace, Batch, Edges, NodeWidths, Tape};
+use b2b_agent::network::{Activation, Graph, GraphNetwork, Layer};
 
 use super::config::{LogStd, PpoConfig};
 use super::learner::Ppo;
+use super::tests::assert_slopes;
 use super::worker::{Minibatch, Worker};
 use crate::credit::Credit;
 use crate::learner::Learner as _;
@@ -16,7 +17,7 @@ use crate::state::State;
 use crate::widths::Widths;
 
 /// The largest building has three zones of two features and one action, and a node of one feature without actions.
-const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1, nodes: 1 };
+const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1, nodes: 4 };
 /// With a reward part for each node.
 const BY_NODE: Widths = Widths { parts: 4, ..WIDTHS };
 
@@ -153,7 +154,8 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
     for row in 0..batch.rows {
         let graph = &batch.graphs[samples.scenes[row]];
         let input = wide(&samples.observations[row * 7..][..graph.width()]);
-        let outputs = reference::forward(actor, &parameters[networks.actors()], graph, &input);
+        let none = &mut Vec::new();
+        let outputs = reference::forward(actor, &parameters[networks.actors()], graph, &input, none);
         let credit = &batch.credits[samples.scenes[row]];
         let mut log_densities = vec![0.0; credit.groups()];
         let mut log_stds = 0.0;
@@ -175,7 +177,7 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
             sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));
         }
         sum -= f64::from(config.entropy_coefficient) * log_stds;
-        let values = reference::forward(critic, &parameters[networks.critics()], graph, &input);
+        let values = reference::forward(critic, &parameters[networks.critics()], graph, &input, none);
         let returns = &samples.returns[row * networks.widths.parts..];
         let error = |(node, target): (&Vec<f64>, &f32)| (node[0] - f64::from(*target)).powi(2);
         sum += 0.5
@@ -273,4 +275,105 @@ fn a_credit_matrix_is_an_error() {
     let config = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
     let error = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 0).unwrap_err();
     assert!(error.to_string().contains("`credit` is a matrix"), "{error}");
+}
+
+const MEMORY: usize = 3;
+
+/// Returns a learner with a memory, and sequences of five steps.
+fn remembering(widths: Widths, config: PpoConfig, seed: u64) -> Ppo {
+    let network = GraphNetwork { memory: MEMORY, ..network() };
+    Ppo::of_graphs((&network, 5), widths, config, true, seed).unwrap()
+}
+
+/// Returns steps of actors that forget in the first step of the first environment, and where the second changes its building.
+fn remembered(widths: Widths, steps: usize, seed: u64) -> Rollout {
+    let mut states = vec![0.0; 2 * widths.nodes * MEMORY];
+    RandomStream::new(seed, 2).normals(&mut states);
+    Rollout { states, starts: vec![(0, 0), (1, 6)], ..rollout_of(widths, steps, seed) }
+}
+
+/// Returns the outputs of the nodes of a building in a step, and replaces their states by the next ones.
+fn pass(
+    network: &GraphNetwork,
+    parameters: &[f32],
+    graph: &Arc<Graph>,
+    observation: &[f32],
+    state: &mut [f32],
+) -> Vec<Vec<f32>> {
+    let (mut tape, batch) = (Tape::default(), Batch::of_one(graph, &observation[..graph.width()]));
+    tape.forward(network, &network.places(), parameters, batch, state, Layer::forward_rows);
+    (0..graph.nodes()).map(|node| tape.outputs_of(network, 0, node).to_vec()).collect()
+}
+
+#[test]
+fn sequences_have_the_densities_and_values_of_single_steps() {
+    let rollout = remembered(WIDTHS, 20, 0);
+    let mut ppo = remembering(WIDTHS, PpoConfig { normalize_values: false, ..config(LogStd::Free) }, 3);
+    ppo.prepare(&rollout);
+    ppo.critic_states.fill(0.0);
+    let values = ppo.evaluate(&rollout);
+    let [actor, critic] = [&ppo.networks.actor, &ppo.networks.critic].map(|shape| shape.graph().unwrap());
+    let [of_actor, of_critic] =
+        [ppo.networks.actors(), ppo.networks.critics()].map(|range| &ppo.parameters[range]);
+    let value = |graph: &Arc<Graph>, observation: &[f32], state: &mut [f32]| {
+        let outputs = pass(critic, of_critic, graph, observation, state);
+        outputs.iter().map(|node| node[0]).sum::<f32>() / outputs.len() as f32
+    };
+    let near = |one: f32, other: f32| (one - other).abs() < 1e-4 * (1.0 + other.abs());
+    for environment in 0..2 {
+        let mut states = [Vec::new(), Vec::new()];
+        for step in 0..20 {
+            let scene = rollout.scene_of(environment, step);
+            let (graph, row) = (&rollout.scenes[scene].graph, environment * 20 + step);
+            let numbers = graph.nodes() * MEMORY;
+            if step == 0 {
+                let first = &rollout.states[environment * WIDTHS.nodes * MEMORY..][..numbers];
+                states = [first.to_vec(), vec![0.0; numbers]];
+            }
+            if rollout.starts.contains(&(environment, step)) {
+                states = [vec![0.0; numbers], vec![0.0; numbers]];
+            }
+            let observation = &rollout.observations[row * 7..][..7];
+            let outputs = pass(actor, of_actor, graph, observation, &mut states[0]);
+            let mean: Vec<f32> =
+                graph.actions.iter().map(|place| outputs[place.node][place.output]).collect();
+            let (action, log_std) = (&rollout.actions[row * 3..][..mean.len()], vec![-0.3; mean.len()]);
+            let density = super::loss::group_log_density(&ppo.credits[scene], 0, action, &mean, &log_std);
+            assert!(near(ppo.samples.old[row * ppo.groups], density), "row {row}");
+            assert!(near(values.steps[row], value(graph, observation, &mut states[1])), "row {row}");
+            if (environment, step) == (1, 5) {
+                let end = value(graph, &rollout.ends[0].observation, &mut states[1].clone());
+                assert!(near(values.ends[0], end));
+            }
+        }
+        let graph = &rollout.scenes[rollout.scene_of(environment, 19)].graph;
+        let kept = &ppo.critic_states[environment * WIDTHS.nodes * MEMORY..];
+        assert!(kept.iter().zip(&states[1]).all(|(kept, state)| near(*kept, *state)));
+        let next = value(graph, &rollout.next[environment * 7..][..7], &mut states[1]);
+        assert!(near(values.next[environment], next));
+    }
+}
+
+#[test]
+fn networks_with_a_memory_learn_the_same_bits_on_any_number_of_threads_and_after_a_restart() {
+    let config = PpoConfig { batch_size: 320, ..config(LogStd::OfState) };
+    let learned = |threads: usize| {
+        let mut ppo = remembering(BY_NODE, config.clone(), 3);
+        ppo.set_threads(threads);
+        assert_eq!(ppo.update(&remembered(BY_NODE, 160, 0)).unwrap().skipped, 0);
+        ppo
+    };
+    let mut first = learned(1);
+    assert!(first.state() == learned(3).state());
+    let mut restored = remembering(BY_NODE, config.clone(), 8);
+    restored.restore(&State::from_bytes(&first.state().to_bytes()).unwrap()).unwrap();
+    let again = |ppo: &mut Ppo| (ppo.update(&remembered(BY_NODE, 160, 1)).unwrap(), ppo.state());
+    assert!(again(&mut first) == again(&mut restored));
+}
+
+#[test]
+fn gradients_with_a_memory_are_slopes_of_the_losses() {
+    for (log_std, widths) in [(LogStd::Free, WIDTHS), (LogStd::OfState, BY_NODE)] {
+        assert_slopes(remembering(widths, config(log_std), 3), &remembered(widths, 40, 0));
+    }
 }

@@ -46,13 +46,7 @@ impl Gradients {
     }
 
     /// Propagates the gradients of the outputs of a forward pass to the parameters. `cell` made the pass through the memory.
-    pub fn propagate(
-        &mut self,
-        target: &mut Target<'_>,
-        tape: &Tape,
-        cell: &mut CellPass,
-        batch: Batch<'_>,
-    ) {
+    pub fn propagate(&mut self, target: &mut Target<'_>, tape: &Tape, cell: &mut CellPass, batch: Batch<'_>) {
         let (network, places) = (target.network, target.places);
         let length = tape.tokens() * network.embedding;
         self.decoders(target, tape);
@@ -69,13 +63,7 @@ impl Gradients {
     }
 
     /// Replaces the gradients of the states in `change` by the gradients of the embeddings.
-    fn memory(
-        &mut self,
-        places: &MemoryPlaces,
-        target: &mut Target<'_>,
-        tape: &Tape,
-        pass: &mut CellPass,
-    ) {
+    fn memory(&mut self, places: &MemoryPlaces, target: &mut Target<'_>, tape: &Tape, pass: &mut CellPass) {
         let MemoryPlaces { input, cell } = places;
         let (_, of_states) = pass.gradients(cell);
         of_states.copy_from_slice(&self.change[..of_states.len()]);
