@@ -33,7 +33,6 @@ impl GraphNetwork {
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(width: &usize) -> bool {
     *width == 0
 }

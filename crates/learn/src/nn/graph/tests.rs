@@ -85,14 +85,8 @@ fn states(network: &GraphNetwork, sequences: usize) -> Vec<f32> {
 }
 
 /// Uses of edges and widths of memories.
-const ALL: [(Edges, usize); 6] = [
-    (Edges::None, 0),
-    (Edges::Bias, 0),
-    (Edges::Mask, 0),
-    (Edges::Mixed, 0),
-    (Edges::None, 5),
-    (Edges::Bias, 11),
-];
+const ALL: [(Edges, usize); 5] =
+    [(Edges::None, 0), (Edges::Bias, 0), (Edges::Mask, 0), (Edges::Mixed, 0), (Edges::Bias, 11)];
 
 /// Returns outputs of a batch by the definition, rows × 12 actions, rows × 9 nodes or rows × 1.
 fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], readout: Readout) -> Vec<f64> {
