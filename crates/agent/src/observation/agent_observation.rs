@@ -46,7 +46,7 @@ impl AgentObservation {
             ObservationForm::Roles => scaled::features(&Arrangement::ByRole.of(spaces)),
             ObservationForm::Features => match driver.supervisor() {
                 Some(supervisor) => supervised(spaces, supervisor),
-                None => features(spaces, !driver.base().is_empty()),
+                None => features(spaces, driver.names(), !driver.base().is_empty()),
             },
         };
         features.extend(attribute_features(attributes, spaces));
