@@ -50,15 +50,21 @@ pub(crate) fn forward(
         }
     }
     let mut decoded: Tokens = stream.iter().map(|token| norm(&places.norm, parameters, token)).collect();
-    if let Some(MemoryPlaces { input, cell }) = &places.memory {
-        for (state, token) in states.iter_mut().zip(&mut decoded) {
-            next_state(&linear(input, parameters, token), &linear(cell, parameters, state), state);
-            token.clone_from(state);
-        }
+    if let Some(memory) = &places.memory {
+        remember(memory, parameters, states, &mut decoded);
     }
     let decode =
         |(node, token): (usize, &Vec<f64>)| linear(&places.decoders[graph.types[node]], parameters, token);
     decoded.iter().enumerate().map(decode).collect()
+}
+
+/// Replaces the states of the nodes by the next ones, and their embeddings by these.
+fn remember(memory: &MemoryPlaces, parameters: &[f64], states: &mut Tokens, embeddings: &mut Tokens) {
+    let MemoryPlaces { input, cell } = memory;
+    for (state, token) in states.iter_mut().zip(embeddings) {
+        next_state(&linear(input, parameters, token), &linear(cell, parameters, state), state);
+        token.clone_from(state);
+    }
 }
 
 fn attend(
