@@ -106,7 +106,7 @@ impl LockstepCollector {
         seed: u64,
     ) -> Result<Self> {
         environments.reset(seed)?;
-        let mut widths = Widths { observation: 0, action: 0, parts: 1 };
+        let mut widths = Widths { observation: 0, action: 0, parts: 1, nodes: 1 };
         let mut progress = Vec::with_capacity(environments.len());
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
@@ -188,6 +188,7 @@ impl LockstepCollector {
             env.begin_scene(index);
             env.starts.clear();
             env.first_state = env.scratch(actor).state().to_vec();
+            env.first_state.resize(actor.shape.state() * self.widths.nodes, 0.0);
             self.begin_fragment(index);
         }
     }
@@ -256,10 +257,11 @@ impl LockstepCollector {
         let spaces = spaces_of(&self.environments, environment)?;
         let env = &mut self.progress[environment];
         let interface = self.interface;
-        env.pilot = Pilot::new(interface, spaces)?;
-        if interface.nodes.is_some() {
+        let pilot = Pilot::new(interface, spaces)?;
+        if pilot.graph() != env.pilot.graph() {
             env.scratch = None;
         }
+        env.pilot = pilot;
         env.is_new = true;
         env.scale = (self.scale)(spaces)? as f32;
         env.begin_scene(environment);
@@ -358,5 +360,6 @@ impl Collector for LockstepCollector {
 /// Returns the widths of a pilot's building, with a reward of one part.
 fn widths_of(pilot: &Pilot) -> Widths {
     let (observation, action) = pilot.widths();
-    Widths { observation, action, parts: 1 }
+    let nodes = pilot.graph().map_or(1, |graph| graph.nodes());
+    Widths { observation, action, parts: 1, nodes }
 }

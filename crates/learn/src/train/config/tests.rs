@@ -126,6 +126,11 @@ fn values_that_do_not_go_together_are_errors() {
         ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
         ("policy = { kind = 'graph', heads = 3 }", "`policy.heads` is 3"),
         (
+            "policy = { kind = 'graph', memory_episodes = 2 }",
+            "`policy.memory_episodes` is 2 and `policy.memory` is 0",
+        ),
+        ("policy = { kind = 'graph', memory = 8, sequence = 100 }", "a multiple of `policy.sequence`, 100"),
+        (
             "algorithm = 'sac'\npolicy = { kind = 'recurrent' }",
             "`algorithm` with recurrent networks: it must be ppo",
         ),
