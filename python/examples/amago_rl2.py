@@ -1,15 +1,18 @@
 """AMAGO in houses by RL² (Duan et al. 2016): `python amago_rl2.py FOLDER --epochs 20`.
 
-A policy with memory enters a house and stays for several days; its episode is all of them, and the house is another one in
-the next. AMAGO is not on PyPI and asks for Gymnasium below 1.0, of which it uses one thing that newer versions lack, which
-the shim below restores:
+A policy with memory enters a house and stays for several days, which are one episode for the learner; then it enters
+another. AMAGO (tested: 3.3.0) is not on PyPI. It pins Gymnasium to 0.29 for one thing, which the shim below restores:
 
     pip install --no-deps git+https://github.com/UT-Austin-RPL/amago
     pip install torch gin-config wandb einops tqdm gym accelerate termcolor
 """
 
 import argparse
+import os
 import time
+
+# Compiling takes minutes, longer than these networks are worth.
+os.environ.setdefault("TORCHDYNAMO_DISABLE", "1")
 
 import gymnasium
 import numpy as np

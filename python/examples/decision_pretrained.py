@@ -3,9 +3,9 @@
     b2b collect --corpus python/examples/houses.toml b2b/houses-v0 --out datasets
     python decision_pretrained.py datasets/b2b/houses-v0 entries
 
-From the observations, actions and rewards of the last hours, it predicts what the expert does now, whoever acted. Behavior
-cloning, the floor, predicts it from the observation alone. Both enter the problem `adapt-house`, in unseen houses; what the
-transformer remembers there is its own past.
+From the observations, actions and rewards of the last hours, it predicts what the expert does now, whoever acted.
+Behavior cloning, the floor, predicts it from the observation alone. Both enter the problem `adapt-house`, in unseen
+houses; what the transformer remembers there is its own past.
 """
 
 import argparse
@@ -66,7 +66,9 @@ class InContext:
 
     def __call__(self, observation):
         # Of the same lengths as in training.
-        self.tokens = [*self.tokens[-(self.policy.context - 1) :], observation] if self.policy.context > 1 else [observation]
+        self.tokens = (
+            [*self.tokens[-(self.policy.context - 1) :], observation] if self.policy.context > 1 else [observation]
+        )
         with torch.no_grad():
             tokens = torch.as_tensor(np.stack(self.tokens), dtype=torch.float32)
             return self.policy(tokens[None])[0, -1].clamp(-1, 1).numpy()
@@ -94,7 +96,7 @@ def train(name, policy, tokens, labels):
     batch = arguments.batch * arguments.context // policy.context
     optimizer = torch.optim.AdamW(policy.parameters(), lr=1e-3)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimizer, 1e-3, arguments.updates)
-    held_out = len(tokens) - len(tokens) // 10
+    held_out = len(tokens) - max(len(tokens) // 10, 1)
 
     def loss_of(low, high):
         episodes = random.integers(low, high, batch)

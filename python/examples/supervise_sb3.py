@@ -1,8 +1,9 @@
-"""Train Stable-Baselines3's PPO to supervise Guideline 36 in a medium office, with the numbers of the preset `supervisory`.
+"""Train Stable-Baselines3's PPO to supervise Guideline 36 in a medium office, like the preset `supervisory`.
 
 `python supervise_sb3.py` makes 115,200 decisions, each for an hour, in January, and prints the cost relative to the
-guideline's, the discomfort of both, and the same for February. As in `b2b train`, comfort is a constraint: after every
-evaluation without noise, the weight of discomfort follows the ratio of the agent's to the guideline's.
+guideline's, the discomfort of both (K·h per zone and day), and the same for February. As in `b2b train`, comfort is a
+constraint: after every evaluation without noise, the weight of discomfort follows the ratio of the agent's discomfort to
+the guideline's.
 """
 
 import argparse
@@ -87,6 +88,12 @@ def discomfort(row):
     return row["tdis_tot"] / days, row["baseline_discomfort_k_h"] / days
 
 
+def described(row):
+    own, allowed = discomfort(row)
+    cost, score = row["relative_resource"], row["score"]
+    return f"cost {cost:.3f}, discomfort {own:.2f} instead of {allowed:.2f}, score {score:.3f}"
+
+
 class Constraint(BaseCallback):
     """Evaluates the policy, changes the weight of discomfort, and keeps the best policy."""
 
@@ -106,11 +113,7 @@ class Constraint(BaseCallback):
             if row["score"] < self.best:
                 self.best = row["score"]
                 self.weights = {name: value.clone() for name, value in self.model.policy.state_dict().items()}
-            print(
-                f"{self.num_timesteps:7d} decisions: cost {row['relative_resource']:.3f}, discomfort {own:.2f} instead of "
-                f"{allowed:.2f}, score {row['score']:.3f}, weight of discomfort {comfort_weight:.2f}",
-                flush=True,
-            )
+            print(f"{self.num_timesteps:7d} decisions: {described(row)}, weight {comfort_weight:.2f}", flush=True)
 
 
 # Small networks are slower with several threads, and the engine needs the processors.
@@ -121,6 +124,5 @@ print(f"{model.num_timesteps} decisions in {time.perf_counter() - start:.0f} s")
 if constraint.weights is not None:
     model.policy.load_state_dict(constraint.weights)
 for row in evaluate(arguments.period, *arguments.test):
-    own, allowed = discomfort(row)
-    print(f"{row['period']}: cost {row['relative_resource']:.3f}, discomfort {own:.2f} instead of {allowed:.2f}")
+    print(f"{row['period']}: {described(row)}")
 envs.close()

@@ -1,7 +1,7 @@
 """TorchRL's PPO for four building types at once: `python torchrl_masked.py --steps 200000`.
 
-Buildings have other observations and actuators, padded to one width. Masks mark what is padding: the policy observes the
-mask of its actuators, and padding counts in no log probability. The policy is tested in buildings that it has not seen.
+Types have other observations and actuators, padded to one width. The policy observes the mask of its actuators, and
+padding counts in no log probability. It is tested in buildings that it has not seen.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import torch
 from tensordict import TensorDict
 from tensordict.nn import TensorDictModule
 from torch import nn
-from torchrl.collectors import SyncDataCollector
+from torchrl.collectors import Collector
 from torchrl.data import Bounded, Composite, Unbounded
 from torchrl.envs import EnvBase, ExplorationType, TransformedEnv, set_exploration_type
 from torchrl.envs.transforms import RewardClipping, RewardScaling
@@ -81,6 +81,10 @@ class MaskedNormal(torch.distributions.Normal):
         super().__init__(loc, scale)
         self.mask = mask
 
+    @property
+    def deterministic_sample(self):
+        return self.mean
+
     def log_prob(self, value):
         return (super().log_prob(value) * self.mask).sum(-1)
 
@@ -90,9 +94,7 @@ class MaskedNormal(torch.distributions.Normal):
 
 def make(buildings, count, **options):
     """Makes a batch of buildings whose observations are normalized by fixed bounds."""
-    return b2b.make_vec(
-        None, count, buildings=buildings, task=TASK, rescale_action=True, normalize=True, **options
-    )
+    return b2b.make_vec(None, count, buildings=buildings, task=TASK, rescale_action=True, normalize=True, **options)
 
 
 def layers(inputs, outputs, gain):
@@ -163,7 +165,13 @@ def main():
     env = TransformedEnv(Buildings(envs), RewardScaling(0.0, 0.1))
     env.append_transform(RewardClipping(-10.0, 10.0))
     size = arguments.envs * arguments.rollout
-    collector = SyncDataCollector(env, actor, frames_per_batch=size, total_frames=max(arguments.steps, size))
+    collector = Collector(
+        env,
+        actor,
+        frames_per_batch=size,
+        auto_register_policy_transforms=False,
+        total_frames=max(arguments.steps // size, 1) * size,
+    )
     advantage = GAE(gamma=0.98, lmbda=0.95, value_network=critic)
     loss = ClipPPOLoss(actor, critic, entropy_coeff=0.0, normalize_advantage=True)
     optimizer = torch.optim.Adam(loss.parameters(), lr=3e-4, eps=1e-5)
@@ -180,7 +188,7 @@ def main():
                 total.backward()
                 nn.utils.clip_grad_norm_(loss.parameters(), 0.5)
                 optimizer.step()
-        if number % 10 == 0 or (number + 2) * size > arguments.steps:
+        if number % 10 == 9 or (number + 2) * size > arguments.steps:
             done, spent = (number + 1) * size, time.perf_counter() - start
             reward = 10 * batch["next", "reward"].mean().item()
             print(f"{done:8d} steps  {done / spent:6.0f} steps/s  mean reward {reward:.2f}", flush=True)

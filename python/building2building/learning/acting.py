@@ -162,7 +162,9 @@ class ActingController(PhysicalController):
 def acting_controller(
     policy: Callable[[Array], ArrayLike], acting: str, observation: str = "features"
 ) -> type[ActingController]:
-    """Returns a controller class for :func:`building2building.evaluate` and :func:`building2building.rollout` from a policy
-    that was trained on ``make_env(acting=...)``, ``make_vec`` or ``make_sb3_vec``."""
+    """Returns a policy, trained on ``make_env(acting=...)``, ``make_vec`` or ``make_sb3_vec``, as a controller class.
+
+    :func:`building2building.evaluate` and :func:`building2building.rollout` take it.
+    """
     values = {"policy": staticmethod(policy), "acting": acting, "observation": observation}
     return type(getattr(policy, "__name__", "ActingController"), (ActingController,), values)
