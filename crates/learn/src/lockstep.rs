@@ -72,6 +72,27 @@ struct EnvProgress {
     command: Vec<f64>,
 }
 
+impl EnvProgress {
+    fn new(pilot: Pilot, noise: Noise, scale: f32, command: Vec<f64>) -> Self {
+        Self {
+            pilot,
+            scratch: None,
+            first_state: Vec::new(),
+            starts: Vec::new(),
+            episodes: 1,
+            is_new: true,
+            noise,
+            scale,
+            done: 0,
+            fragments: 0,
+            ends: Vec::new(),
+            scenes: Vec::new(),
+            lost_in_a_row: 0,
+            command,
+        }
+    }
+}
+
 impl LockstepCollector {
     /// Begins the first episodes. `correlation` is the correlation of the exploration noise between consecutive steps.
     ///
@@ -94,22 +115,9 @@ impl LockstepCollector {
             if index == 0 || interface.nodes.is_some() {
                 widths = widths.covering(own);
             }
-            progress.push(EnvProgress {
-                pilot,
-                scratch: None,
-                first_state: Vec::new(),
-                starts: Vec::new(),
-                episodes: 1,
-                is_new: true,
-                noise: Noise::new(own.action, correlation, RandomStream::new(seed, 0)),
-                scale: scale(spaces)? as f32,
-                done: 0,
-                fragments: 0,
-                ends: Vec::new(),
-                scenes: Vec::new(),
-                lost_in_a_row: 0,
-                command: vec![0.0; environments.widths().0],
-            });
+            let noise = Noise::new(own.action, correlation, RandomStream::new(seed, 0));
+            let command = vec![0.0; environments.widths().0];
+            progress.push(EnvProgress::new(pilot, noise, scale(spaces)? as f32, command));
         }
         let mut collector = Self {
             environments,

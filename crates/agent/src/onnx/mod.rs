@@ -35,8 +35,9 @@ impl Agent {
             return Err(self.not_exportable("it observes attributes or a forecast"));
         }
         if feedback {
-            return Err(self
-                .not_exportable("it observes its previous action and reward; its state alone may remember"));
+            return Err(self.not_exportable(
+                "it observes its previous action and reward, which the file has no input for",
+            ));
         }
         if interface.acting != Acting::Direct {
             return Err(self.not_exportable("it corrects the reactive controllers"));

@@ -85,11 +85,7 @@ impl FragmentCollector {
             let building = GraphBuilding::of(interface, by_zone, spaces)?;
             widths = widths.covering(match &building {
                 Some(building) => building.widths(),
-                None => {
-                    let (observation, action) = Pilot::new(interface, spaces)?.widths();
-                    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
-                    Widths { observation, action, parts }
-                }
+                None => flat_widths(interface, by_zone, spaces)?,
             });
             let attributes = attributes(interface.observation, spaces)?;
             progress.push(EnvironmentProgress::new(scale(spaces)? as f32, building, attributes));
@@ -382,6 +378,13 @@ impl FragmentCollector {
             rollout.pairs.extend(pairs.map(|pair| pair[0].in_step_with(&pair[1], steps)));
         }
     }
+}
+
+/// Returns the widths of a network that is not a graph network.
+fn flat_widths(interface: Interface, by_zone: bool, spaces: &Arc<Spaces>) -> Result<Widths> {
+    let (observation, action) = Pilot::new(interface, spaces)?.widths();
+    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
+    Ok(Widths { observation, action, parts })
 }
 
 impl Collector for FragmentCollector {

@@ -104,6 +104,12 @@ fn values_that_do_not_go_together_are_errors() {
         ("acting = { kind = 'residual', authority = 1.5 }", "authority"),
         ("acting = { kind = 'supervisory', every = 60 }", "choose `task` = operate"),
         ("task = 'operate'\nacting = { kind = 'supervisory', every = 20 }", "expected 15, 30 or 60 min"),
+        ("acting = { kind = 'targets', every = 20, shift = 1 }", "expected 15, 30 or 60 min"),
+        ("acting = { kind = 'targets', every = 60, shift = 9 }", "`acting.shift` is 9"),
+        (
+            "acting = { kind = 'targets', every = 60, shift = 1 }\npolicy = { kind = 'graph' }",
+            "`acting` shifts targets, which graph networks cannot",
+        ),
         (
             "task = 'operate'\nacting = { kind = 'supervisory', every = 15 }\nsteps_per_hour = 6",
             "of which an hour has 6",

@@ -293,7 +293,7 @@ pub(crate) fn learner(config: &TrainConfig, widths: Widths, spaces: &Spaces) -> 
         environments: config.budget.environments,
         interface: config.agent.interface(),
         policy: &config.agent.policy,
-        credit: config.rewards.credit_by_zone.then(|| credit(spaces, spaces.action.owners())),
+        credit: config.rewards.credit_by_zone.then(|| credit(spaces, &config.agent.acting.owners(spaces))),
         hold: config.hold(),
         seed: config.budget.seed,
         threads: std::thread::available_parallelism().map_or(1, usize::from),
