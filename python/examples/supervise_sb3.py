@@ -2,8 +2,8 @@
 
 `python supervise_sb3.py` makes 115,200 decisions, each for an hour, in January, and prints the cost relative to the
 guideline's, the discomfort of both (K·h per zone and day), and the same for February. As in `b2b train`, comfort is a
-constraint: after every evaluation without noise, the weight of discomfort follows the ratio of the agent's discomfort to
-the guideline's.
+constraint: after every evaluation without noise, the weight of discomfort follows the discomfort relative to the
+guideline's.
 """
 
 import argparse
