@@ -10,6 +10,7 @@ pub mod guideline36;
 mod hold;
 mod kind;
 pub mod linear_supervisor;
+pub mod mpc;
 mod noisy;
 mod objective;
 mod off;
@@ -41,7 +42,7 @@ pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, kind_hash, parameters_hash};
 
 /// The kinds of controllers that need no file.
-pub static KINDS: [&dyn Kind; 10] = [
+pub static KINDS: [&dyn Kind; 11] = [
     &guideline36::Kind,
     &own::Kind,
     &reactive::Kind,
@@ -50,6 +51,7 @@ pub static KINDS: [&dyn Kind; 10] = [
     &random::Kind,
     &constant::Kind,
     &linear_supervisor::Kind,
+    &mpc::Kind,
     &foresight::Kind,
     &planner::Kind,
 ];

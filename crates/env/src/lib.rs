@@ -39,7 +39,7 @@ pub use inputs::Inputs;
 pub use metrics::episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
 pub use metrics::kpis::Kpis;
 pub use metrics::{Metrics, ZoneMetrics};
-pub use preview::{PREVIEW_HOURS, Preview};
+pub use preview::{Forecast, PREVIEW_HOURS, Preview};
 pub use reward::cost_scale::CostScale;
 pub use reward::energy_scale::EnergyScale;
 pub use reward::{

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
 use crate::random::stream;
+use crate::spaces::{EpisodeConfig, Spaces};
 use crate::{Error, Result};
 
 /// Hours ahead of prices and weather.
@@ -34,7 +35,7 @@ pub struct Preview {
 
 /// The weather forecast of an episode.
 #[derive(Clone, Debug)]
-pub(crate) struct Forecast {
+pub struct Forecast {
     preview: Preview,
     /// Outdoor temperature at the end of every hour of the year, °C.
     temperatures: Arc<[f64]>,
@@ -54,6 +55,15 @@ impl Preview {
 }
 
 impl Forecast {
+    /// Returns the forecast of an episode's weather.
+    ///
+    /// # Errors
+    /// [`Error::Building`] if the weather file cannot be read.
+    pub fn of(spaces: &Spaces, preview: Preview) -> Result<Self> {
+        let EpisodeConfig { weather, period, .. } = &spaces.episode;
+        Self::new(preview, weather, period.calendar())
+    }
+
     /// Returns the forecast of a weather file in a calendar.
     ///
     /// # Errors
@@ -70,7 +80,7 @@ impl Forecast {
 
     /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar radiation
     /// (W/m²) in each.
-    pub(crate) fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
+    pub fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
         let now = 24 * (day_of_year as usize - 1) + hour as usize;
         for ahead in 0..PREVIEW_HOURS {
             let at = (now + ahead) % self.temperatures.len();

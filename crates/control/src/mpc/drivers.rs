@@ -1,0 +1,99 @@
+//! What the effect of a point depends on, and can be forecast.
+
+use crate::guideline36::Shift;
+
+/// Outdoor temperature below which it is cold, °C, and the difference that counts as 1.
+const COLD: [f64; 2] = [18.0, 20.0];
+/// Outdoor temperature above which it is warm, °C, and the difference that counts as 1.
+const WARM: [f64; 2] = [14.0, 10.0];
+/// Largest value of cold and warm.
+const MOST: f64 = 2.0;
+/// Outdoor temperature around which the limit of an economizer matters, °C, and the distance at which it no longer does, K.
+const ECONOMIZER: [f64; 2] = [20.0, 8.0];
+/// Least difference between the setpoints of a schedule with a setback, K.
+const SETBACK: f64 = 0.5;
+
+/// The drivers of an hour.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Drivers {
+    /// Outdoor temperature, °C.
+    outdoor: f64,
+    /// How far the setpoints have left their setback, 0 to 1; 1 without a setback.
+    narrow: f64,
+}
+
+impl Drivers {
+    /// Largest number of terms of a shift.
+    pub(super) const TERMS: usize = 3;
+
+    /// Returns the drivers at an outdoor temperature and a mean heating setpoint (°C) between its lowest and its highest.
+    pub(super) fn new(outdoor: f64, setpoint: f64, [low, high]: [f64; 2]) -> Self {
+        let narrow =
+            if high - low < SETBACK { 1.0 } else { ((setpoint - low) / (high - low)).clamp(0.0, 1.0) };
+        Self { outdoor, narrow }
+    }
+
+    pub(super) fn narrow(self) -> f64 {
+        self.narrow
+    }
+
+    /// Returns the levels that are tried of a shift, in its unit; `None` for a shift that stays the guideline's.
+    pub(super) fn levels(shift: Shift) -> Option<[f64; 2]> {
+        match shift {
+            Shift::SupplyTemperature => Some([-3.0, 6.0]),
+            Shift::EconomizerLimit => Some([-6.0, 6.0]),
+            Shift::MinimumFlow => Some([-0.1, 0.15]),
+            Shift::HeatingTemperature => Some([-3.0, 6.0]),
+            Shift::CoolingTemperature => Some([-3.0, 4.0]),
+            Shift::HeatingSetpoint | Shift::CoolingSetpoint | Shift::Start => None,
+        }
+    }
+
+    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a fan is felt at once, air of another
+    /// temperature in the next hour too.
+    pub(super) fn shape(shift: Shift) -> (usize, usize) {
+        match shift {
+            Shift::SupplyTemperature => (3, 2),
+            Shift::MinimumFlow => (3, 1),
+            _ => (1, 2),
+        }
+    }
+
+    /// Returns the terms of a shift's effect; the ones beyond [`Drivers::shape`] are 0.
+    pub(super) fn terms(self, shift: Shift) -> [f64; Self::TERMS] {
+        let Self { outdoor, narrow } = self;
+        let cold = ((COLD[0] - outdoor) / COLD[1]).clamp(0.0, MOST);
+        let warm = ((outdoor - WARM[0]) / WARM[1]).clamp(0.0, MOST);
+        match shift {
+            Shift::SupplyTemperature => [narrow, narrow * cold, narrow * warm],
+            Shift::MinimumFlow => [narrow, cold, warm],
+            Shift::HeatingTemperature => [cold, 0.0, 0.0],
+            Shift::CoolingTemperature => [warm, 0.0, 0.0],
+            Shift::EconomizerLimit => {
+                let near = 1.0 - (outdoor - ECONOMIZER[0]).abs() / ECONOMIZER[1];
+                [narrow * near.max(0.0), 0.0, 0.0]
+            }
+            Shift::HeatingSetpoint | Shift::CoolingSetpoint | Shift::Start => [0.0; Self::TERMS],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drivers_follow_the_weather_and_the_schedule() {
+        let at = |outdoor, setpoint| Drivers::new(outdoor, setpoint, [16.0, 20.0]);
+        assert_eq!(at(-2.0, 20.0).terms(Shift::SupplyTemperature), [1.0, 1.0, 0.0]);
+        assert_eq!(at(-2.0, 16.0).terms(Shift::SupplyTemperature), [0.0; 3], "at night");
+        assert_eq!(at(24.0, 18.0).terms(Shift::MinimumFlow), [0.5, 0.0, 1.0]);
+        assert_eq!(Drivers::new(24.0, 20.0, [20.0, 20.2]).narrow(), 1.0, "without a setback");
+        for shift in [Shift::AIR_LOOP, Shift::UNIT].concat() {
+            let (terms, _) = Drivers::shape(shift);
+            let beyond = [at(-20.0, 20.0), at(20.0, 20.0), at(35.0, 20.0)]
+                .map(|drivers| drivers.terms(shift)[terms..].iter().all(|term| *term == 0.0));
+            assert_eq!(beyond, [true; 3], "{shift:?}");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Two weeks of the guideline with equipment points that move at random.
+
+use std::sync::Arc;
+
+use b2b_base::random::{stream, uniform};
+use b2b_building::{Date, RunPeriod};
+use b2b_env::{Controller, Environment, EpisodeConfig, Spaces};
+use b2b_workers::{Episode, EpisodeSetting};
+
+use super::NAME;
+use super::drivers::Drivers;
+use super::hour::{Hour, Site};
+use super::model::{Model, shifts};
+use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
+use crate::{Error, Result};
+
+/// Days of the identification.
+const DAYS: u32 = 14;
+/// First and last day of the identification for an episode in the first two weeks of a year.
+const LAST_WEEKS: [u32; 2] = [352, 365];
+
+/// Identifies the model of an episode's building in the two weeks before the episode, in an episode of their own. For an episode
+/// that begins in the first two weeks of January, they are the last two weeks of December in the same weather file. `done` is
+/// called after every hour.
+///
+/// # Errors
+/// [`Error::NotOperation`] for a task without bands or without a weight of energy; the errors of [`Episode`], for example if a
+/// weather file does not have these days.
+pub fn identify(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<Model> {
+    let own = &Environment::spaces(episode).episode;
+    if !own.task.is_operation() || own.task.energy_weight <= 0.0 {
+        return Err(Error::NotOperation { name: NAME, task: own.task.to_string() });
+    }
+    let period = before(own.period);
+    let setting = EpisodeSetting {
+        source: Arc::clone(&episode.setting().source),
+        episode: EpisodeConfig { period, ..episode.setting().episode.clone() },
+    };
+    let mut weeks = episode.workers().episode(&setting)?;
+    let spaces = Arc::clone(Environment::spaces(&weeks));
+    let (tried, hours) = run(&mut weeks, &spaces, seed, done)?;
+    Ok(Model::of(&spaces.building.name, period.to_string(), &tried, &hours))
+}
+
+/// Returns the two weeks before a period.
+fn before(period: RunPeriod) -> RunPeriod {
+    let first = period.first().day_of_year();
+    let [from, to] = if first > DAYS { [first - DAYS, first - 1] } else { LAST_WEEKS };
+    RunPeriod::new(Date::of_day(from), Date::of_day(to))
+}
+
+/// Runs an episode under points that are drawn every hour. Returns the shifts that were drawn, and the hours.
+fn run(
+    episode: &mut Episode,
+    spaces: &Spaces,
+    seed: u64,
+    done: &mut dyn FnMut(),
+) -> Result<(Vec<Shift>, Vec<Hour>)> {
+    let mut guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
+    let site = Site::of(spaces);
+    let owned: Vec<Shift> = guideline.supervisory_points().iter().map(|point| point.shift).collect();
+    let tried: Vec<Shift> = shifts().filter(|shift| owned.contains(shift)).collect();
+    let numbers: Vec<_> = owned.iter().map(|own| tried.iter().position(|shift| shift == own)).collect();
+    let mut random = stream(NAME, seed, 0);
+    let mut action = vec![0.0; spaces.action.len()];
+    let mut observation = episode.reset()?.to_vec();
+    let mut hours: Vec<Hour> = Vec::new();
+    guideline.reset();
+    for _ in 0..spaces.episode_steps() / spaces.episode.steps_per_hour as usize {
+        // 0 is the guideline's choice, otherwise a level.
+        let levels: Vec<usize> = tried.iter().map(|_| (3.0 * uniform(&mut random)) as usize).collect();
+        let value = |number: &Option<usize>| {
+            let number = (*number)?;
+            let levels_of_shift = Drivers::levels(tried[number])?;
+            levels[number].checked_sub(1).map(|level| levels_of_shift[level])
+        };
+        guideline.supervise(&numbers.iter().map(|own| value(own).unwrap_or(0.0)).collect::<Vec<_>>());
+        let mut hour = site.begin(&observation, &levels);
+        for _ in 0..spaces.episode.steps_per_hour {
+            guideline.act(&observation, &mut action);
+            site.deliver(&observation, &action, &mut hour);
+            let step = episode.step(&action)?;
+            hour.cost += step.reward.energy_penalty;
+            hour.discomfort += step.reward.temperature_penalty;
+            observation.copy_from_slice(step.observation);
+        }
+        hours.push(hour);
+        done();
+    }
+    Ok((tried, hours))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_identification_ends_on_the_day_before_the_episode_and_does_not_pass_new_year() {
+        let of = |text: &str| before(text.parse().unwrap()).to_string();
+        assert_eq!(of("02-01..02-14"), "01-18..01-31");
+        assert_eq!(of("01-15..01-28"), "01-01..01-14");
+        assert_eq!(of("01-14..01-27"), "12-18..12-31");
+        assert_eq!(of("12-25..01-07"), "12-11..12-24");
+    }
+}
