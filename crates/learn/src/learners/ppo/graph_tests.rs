@@ -154,7 +154,7 @@ fn begin(batch: &Minibatch<'_>, row: usize, network: usize, states: &mut Tokens)
     }
     if batch.samples.starts[row] {
         *states = vec![vec![0.0; MEMORY]; nodes];
-    } else if row % length == 0 {
+    } else if row.is_multiple_of(length) {
         let given = &batch.samples.states[network][row / length * stride..];
         *states = given.chunks(MEMORY).take(nodes).map(wide).collect();
     }
