@@ -44,8 +44,7 @@ impl Drivers {
     /// Returns the levels that are tried of a shift, in its unit; `None` for a shift that stays the guideline's.
     pub(super) fn levels(shift: Shift) -> Option<[f64; 2]> {
         match shift {
-            // Supply air colder than the guideline's takes more reheat and cooling than it saves in fans.
-            Shift::SupplyTemperature => Some([3.0, 6.0]),
+            Shift::SupplyTemperature => Some([-3.0, 6.0]),
             Shift::EconomizerLimit => Some([-6.0, 6.0]),
             Shift::MinimumFlow => Some([-0.1, 0.15]),
             Shift::HeatingTemperature => Some([-3.0, 6.0]),
@@ -54,16 +53,28 @@ impl Drivers {
         }
     }
 
+    /// Returns the hours for which a level stays in the identification, so that zones follow: the fabric of a building stores the
+    /// heat of an air handler.
+    pub(super) fn held(shift: Shift) -> usize {
+        if Shift::AIR_LOOP.contains(&shift) { 4 } else { 2 }
+    }
+
+    /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat and cooling
+    /// than it saves in fans; its effect only helps to tell the effect of warmer air.
+    pub(super) fn may_be_chosen(shift: Shift, level: f64) -> bool {
+        shift != Shift::SupplyTemperature || level > 0.0
+    }
+
     /// Returns how cold and how warm an outdoor temperature is, 0 to 2.
     pub(super) fn cold_and_warm(outdoor: f64) -> [f64; 2] {
         [(COLD[0] - outdoor) / COLD[1], (outdoor - WARM[0]) / WARM[1]].map(|value| value.clamp(0.0, MOST))
     }
 
-    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a fan is felt at once, air of another
-    /// temperature in the next hour too.
+    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a unit's air of another temperature is
+    /// felt in the next hour too.
     pub(super) fn shape(shift: Shift) -> (usize, usize) {
         match shift {
-            Shift::SupplyTemperature => (3, 2),
+            Shift::SupplyTemperature => (3, 1),
             Shift::MinimumFlow => (2, 1),
             _ => (1, 2),
         }

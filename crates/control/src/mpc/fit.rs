@@ -41,7 +41,8 @@ pub(super) fn fit(building: &str, identified: String, tried: &[Shift], hours: &[
     let mut first = 0;
     let mut effects = Vec::new();
     for column in &columns {
-        effects.extend(column.levels.map(|value| {
+        let levels = column.levels.into_iter().filter(|level| Drivers::may_be_chosen(column.shift, *level));
+        effects.extend(levels.map(|value| {
             let response = |explained: &Option<Explained>| {
                 column.response(value, explained.as_ref().map(|own| &own.estimate), first, uncertain)
             };
@@ -223,12 +224,12 @@ mod tests {
         let model = fit("a", "days".to_owned(), &[Shift::SupplyTemperature], &hours());
         model.check().unwrap();
         let values: Vec<f64> = model.effects.iter().map(|effect| effect.value).collect();
-        assert_eq!(values, [3.0, 6.0]);
+        assert_eq!(values, [6.0]);
         let at = |setpoint| {
             let drivers = Drivers::new(-2.0, setpoint, model.setpoints);
             model.predict(12, drivers).collect::<Vec<_>>()
         };
-        let [_, [saving, discomfort]] = at(20.0)[..] else { panic!("{:?}", model.effects) };
+        let [[saving, discomfort]] = at(20.0)[..] else { panic!("{:?}", model.effects) };
         assert!((-0.15..-0.05).contains(&saving) && discomfort == 0.0, "{saving} {discomfort}");
     }
 }

@@ -16,8 +16,6 @@ use super::model::{Model, shifts};
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::{Error, Result};
 
-/// Hours for which the points stay, so that zones and their humidity follow.
-const HELD: usize = 2;
 /// Levels of a shift: the guideline's choice and two others.
 const LEVELS: usize = 3;
 /// Days of the identification.
@@ -76,9 +74,7 @@ fn run(
     let forecast = Forecast::of(spaces, Preview::default())?;
     let mut draws = Draws::new(tried.len());
     for number in 0..spaces.episode_steps() / spaces.episode.steps_per_hour as usize {
-        if number.is_multiple_of(HELD) {
-            draws.next(&mut random);
-        }
+        draws.advance(number, &tried, &mut random);
         let levels = &draws.levels;
         let value = |number: &Option<usize>| {
             let number = (*number)?;
@@ -104,31 +100,30 @@ fn run(
     Ok((tried, hours))
 }
 
-/// Draws levels so that each occurs once in every three draws.
+/// Draws levels so that each occurs once in every three draws of a shift.
 struct Draws {
     /// The level of every shift: 0 is the guideline's choice.
     levels: Vec<usize>,
     /// The order of the levels of every shift.
     orders: Vec<[usize; LEVELS]>,
-    drawn: usize,
 }
 
 impl Draws {
     fn new(shifts: usize) -> Self {
-        Self { levels: vec![0; shifts], orders: vec![[0, 1, 2]; shifts], drawn: 0 }
+        Self { levels: vec![0; shifts], orders: vec![[0, 1, 2]; shifts] }
     }
 
-    fn next(&mut self, random: &mut ChaCha8Rng) {
-        let turn = self.drawn % LEVELS;
-        for (level, order) in self.levels.iter_mut().zip(&mut self.orders) {
-            if turn == 0 {
+    /// Sets the levels of an hour.
+    fn advance(&mut self, hour: usize, tried: &[Shift], random: &mut ChaCha8Rng) {
+        for ((level, order), shift) in self.levels.iter_mut().zip(&mut self.orders).zip(tried) {
+            let turn = hour / Drivers::held(*shift) % LEVELS;
+            if hour.is_multiple_of(LEVELS * Drivers::held(*shift)) {
                 for last in (1..LEVELS).rev() {
                     order.swap(last, (uniform(random) * (last + 1) as f64) as usize);
                 }
             }
             *level = order[turn];
         }
-        self.drawn += 1;
     }
 }
 
@@ -140,15 +135,15 @@ mod tests {
     fn every_level_is_drawn_equally_often_and_the_draws_follow_the_seed() {
         let draw = |seed| {
             let (mut draws, mut random) = (Draws::new(2), stream(NAME, seed, 0));
-            let mut next = || {
-                draws.next(&mut random);
+            let mut next = |hour| {
+                draws.advance(hour, &[Shift::SupplyTemperature, Shift::MinimumFlow], &mut random);
                 draws.levels.clone()
             };
-            (0..84).map(|_| next()).collect::<Vec<_>>()
+            (0..336).map(&mut next).collect::<Vec<_>>()
         };
         let drawn = draw(0);
         for (shift, level) in [(0, 0), (0, 2), (1, 1)] {
-            assert_eq!(drawn.iter().filter(|levels| levels[shift] == level).count(), 28);
+            assert_eq!(drawn.iter().filter(|levels| levels[shift] == level).count(), 112);
         }
         assert_eq!(drawn, draw(0));
         assert_ne!(drawn, draw(1));

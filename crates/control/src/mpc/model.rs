@@ -12,6 +12,9 @@ use crate::{Error, Result};
 /// Distance from 0, in standard deviations, from which on an effect on cost and one on discomfort count.
 const SURE: [f64; 2] = [1.0, 2.0];
 
+/// Least effect that counts, relative to the hour's: half of what is a difference at all.
+const LEAST: f64 = 0.005;
+
 /// The identified model of a building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -70,7 +73,7 @@ impl Response {
     /// Returns the effect if it is surely not 0, otherwise 0.
     fn sure(&self, terms: &[f64], sure: f64) -> f64 {
         let [mean, deviation] = self.at(terms);
-        if mean.abs() > sure * deviation { mean } else { 0.0 }
+        if mean.abs() > (sure * deviation).max(LEAST) { mean } else { 0.0 }
     }
 }
 
