@@ -27,7 +27,7 @@ from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .evaluation.identity import identity_of
 from .learning import Agent, AgentController
-from .rollouts import BuiltInController, Trajectory, record_of, rollout, run_episode
+from .rollouts import BuiltInController, PhysicalController, Trajectory, record_of, rollout, run_episode
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -348,7 +348,7 @@ class Problem:
         for each in (policy, train_policy):
             if each is not None and not callable(each):
                 raise SettingError(f"{each!r} is not a policy; expected a function or a controller class")
-            if isinstance(each, BuiltInController):
+            if isinstance(each, PhysicalController):
                 raise SettingError(f"this {type(each).__name__} belongs to an environment; pass the class")
             if rescale_action and is_built_in(each):
                 raise SettingError(f"actions of {each.__name__} are in physical units; omit rescale_action")

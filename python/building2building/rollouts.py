@@ -44,9 +44,32 @@ class ControlledEnv(Protocol):
     def unwrapped(self) -> Any: ...
 
 
-class BuiltInController:
-    """A controller of the Rust core by the name of its ``kind``. It computes in f64 and physical units: see
-    :func:`rollout`."""
+class PhysicalController:
+    """A controller that observes f64 and acts in physical units: see :func:`rollout`."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any] | ControlledEnv):
+        core: Any = env.unwrapped
+        self._layout: Layout = core.layout
+        self._rescale: bool = core.rescale_action
+
+    def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
+        """Returns the action for an observation in f64 and physical units."""
+        raise NotImplementedError
+
+    def reward(self, reward: float) -> None:
+        """Takes the reward of the last action. :func:`rollout` calls it."""
+
+    def __call__(self, observation: Array) -> NDArray[np.float64]:
+        """Returns the action for an observation, in the environment's action space."""
+        action, layout = self.physical(observation), self._layout
+        if self._rescale:
+            span = layout.action_high - layout.action_low
+            action = 2 * (action - layout.action_low) / np.where(span > 0, span, 1) - 1
+        return action
+
+
+class BuiltInController(PhysicalController):
+    """A controller of the Rust core by the name of its ``kind``."""
 
     kind = ""
 
@@ -58,11 +81,9 @@ class BuiltInController:
         kind: str | None = None,
         parameters: Mapping[str, float] | None = None,
     ):
-        core: Any = env.unwrapped
-        self._layout: Layout = core.layout
-        self._rescale: bool = core.rescale_action
+        super().__init__(env)
         #: Its random seed.
-        self.seed: int = getattr(core, "seed", 0) if seed is None else seed
+        self.seed: int = getattr(env.unwrapped, "seed", 0) if seed is None else seed
         changes = None if parameters is None else dict(parameters)
         #: Name of its kind.
         self.kind = kind or self.kind
@@ -77,7 +98,7 @@ class BuiltInController:
         self._core.next_episode()
 
     def reward(self, reward: float) -> None:
-        """Takes the reward of the last action, which an agent with memory may observe. :func:`rollout` calls it."""
+        """Takes the reward of the last action, which an agent with memory may observe."""
         self._core.reward(reward)
 
     def copy(self) -> BuiltInController:
@@ -91,16 +112,7 @@ class BuiltInController:
         return self.copy()
 
     def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
-        """Returns the action for an observation in f64 and physical units."""
         return self._core.act(observation)
-
-    def __call__(self, observation: Array) -> NDArray[np.float64]:
-        """Returns the action for an observation, in the environment's action space."""
-        action, layout = self._core.act(observation), self._layout
-        if self._rescale:
-            span = layout.action_high - layout.action_low
-            action = 2 * (action - layout.action_low) / np.where(span > 0, span, 1) - 1
-        return action
 
 
 class ReactiveController(BuiltInController):
@@ -298,7 +310,7 @@ def rollout(
 ) -> Trajectory:
     """Runs an episode from its reset to its end, or for at most ``steps`` steps.
 
-    The built-in controllers observe f64 and act in physical units, so an episode equals ``b2b run`` bit for bit; other
+    Built-in controllers observe f64 and act in physical units, so an episode equals ``b2b run`` bit for bit; other
     controllers see what the environment's wrappers return.
     """
     if isinstance(controller, Controller):
@@ -332,7 +344,7 @@ def run_episode(
     truncated = False
     info: dict[str, Any] = {}
     while not truncated and (steps is None or len(rewards) < steps):
-        if isinstance(controller, BuiltInController):
+        if isinstance(controller, PhysicalController):
             action = controller.physical(core.observation)
             observation, reward, _, truncated, info = core.step(action, rescale=False)
             controller.reward(reward)

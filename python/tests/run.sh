@@ -23,4 +23,4 @@ wheel=("$folder"/wheels/*.whl)
 "$venv/bin/python" -m pip install --quiet "${wheel[0]}[$extras]"
 export PYTHONDONTWRITEBYTECODE=1
 # The tests of a file share what they trained, and so a process.
-"$venv/bin/python" -m pytest --quiet -p no:cacheprovider --numprocesses auto --dist loadfile python/tests "$@"
+"$venv/bin/python" -m pytest --quiet -p no:cacheprovider --numprocesses "$(($(getconf _NPROCESSORS_ONLN) + 1))" --dist loadfile python/tests "$@"

@@ -2,10 +2,12 @@
 
 use std::str::FromStr;
 
+use b2b_building::morphology::Owner;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, rescale, unscale};
 use serde::{Deserialize, Serialize};
 
+use crate::shifted_targets::ShiftedTargets;
 use crate::supervisor::Supervisor;
 
 /// How an agent's actions, each in [-1, 1], drive the actuators.
@@ -18,6 +20,14 @@ pub enum Acting {
     Residual {
         /// Largest correction, as a share of an actuator's range.
         authority: f64,
+    },
+    /// Shifts of the targets that the reactive controllers follow, which run the equipment at every step. Their integrals do not
+    /// take a shift back, as they do with a correction.
+    Targets {
+        /// Time for which a decision is held, min.
+        every: u32,
+        /// Shift for -1 and 1, K.
+        shift: f64,
     },
     /// Shifts of what the sequences of Guideline 36 choose ([`b2b_control::guideline36::SupervisoryPoint`]): -1 and 1 are the
     /// limits of a point, 0 is the guideline. The sequences run the equipment at every step.
@@ -37,12 +47,19 @@ const fn shared() -> bool {
 /// A supervisor of all zones alike that decides every hour.
 const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true };
 
+/// Shifts of targets by at most a kelvin, decided every hour.
+const HOURLY_TARGETS: Acting = Acting::Targets { every: 60, shift: 1.0 };
+
 impl FromStr for Acting {
     type Err = String;
 
-    /// Parses `direct`, `residual` or `supervisory`, with its number after a colon: `residual:0.5`, `supervisory:30`.
+    /// Parses `direct`, `residual`, `targets` or `supervisory`, with its number after a colon: `residual:0.5`, `targets:30`,
+    /// `supervisory:30`.
     fn from_str(text: &str) -> Result<Self, String> {
-        let unknown = || format!("unknown acting `{text}`; expected direct, residual:0.5 or supervisory:60");
+        let unknown = || {
+            format!("unknown acting `{text}`; expected direct, residual:0.5, targets:60 or supervisory:60")
+        };
+        let every = |number: &str| number.parse().map_err(|_| unknown());
         match text.split_once(':').map_or((text, None), |(kind, number)| (kind, Some(number))) {
             ("direct", None) => Ok(Self::Direct),
             ("residual", number) => {
@@ -50,9 +67,9 @@ impl FromStr for Acting {
                 Ok(Self::Residual { authority })
             }
             ("supervisory", None) => Ok(HOURLY),
-            ("supervisory", Some(every)) => {
-                Ok(Self::Supervisory { every: every.parse().map_err(|_| unknown())?, shared: true })
-            }
+            ("supervisory", Some(number)) => Ok(Self::Supervisory { every: every(number)?, shared: true }),
+            ("targets", None) => Ok(HOURLY_TARGETS),
+            ("targets", Some(number)) => Ok(Self::Targets { every: every(number)?, shift: 1.0 }),
             _ => Err(unknown()),
         }
     }
@@ -71,12 +88,12 @@ impl Acting {
             Self::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
                 Err(format!("`authority` is {authority}; expected more than 0, at most 1"))
             }
-            Self::Supervisory { every, .. } if !Self::HOLDS.contains(&every) => {
-                Err(format!("`acting.every` is {every}; expected 15, 30 or 60 min"))
+            Self::Targets { shift, .. } if !(shift > 0.0 && shift <= LARGEST_SHIFT) => {
+                Err(format!("`acting.shift` is {shift}; expected more than 0, at most {LARGEST_SHIFT} K"))
             }
-            Self::Supervisory { every, .. } if !(every * steps_per_hour).is_multiple_of(60) => Err(format!(
-                "`acting.every` is {every} min; expected whole steps, of which an hour has {steps_per_hour}"
-            )),
+            Self::Supervisory { every, .. } | Self::Targets { every, .. } => {
+                check_hold(every, steps_per_hour)
+            }
             _ => Ok(()),
         }
     }
@@ -86,6 +103,9 @@ impl Acting {
         match self {
             Self::Direct => None,
             Self::Residual { authority } => Some(format!("reactive controllers, authority {authority}")),
+            Self::Targets { every, shift } => {
+                Some(format!("reactive controllers, targets shifted by at most {shift} K every {every} min"))
+            }
             Self::Supervisory { every, .. } => Some(format!("guideline36, shifted every {every} min")),
         }
     }
@@ -105,12 +125,38 @@ impl Acting {
         matches!(self, Self::Supervisory { .. })
     }
 
+    /// Returns the owner of each action of a flat network that sets or corrects actuators or shifts targets.
+    pub fn owners(self, spaces: &Spaces) -> Vec<Owner> {
+        match self {
+            Self::Targets { .. } => spaces.controlled_zones().map(Owner::Zone).collect(),
+            _ => spaces.action.owners().to_vec(),
+        }
+    }
+
     /// Returns the steps for which a decision is held.
     pub fn hold(self, steps_per_hour: u32) -> usize {
         match self {
             Self::Direct | Self::Residual { .. } => 1,
-            Self::Supervisory { every, .. } => (every * steps_per_hour / 60).max(1) as usize,
+            Self::Supervisory { every, .. } | Self::Targets { every, .. } => {
+                (every * steps_per_hour / 60).max(1) as usize
+            }
         }
+    }
+}
+
+/// Largest shift of a target, K.
+const LARGEST_SHIFT: f64 = 5.0;
+
+/// Checks the time for which a decision is held, min.
+fn check_hold(every: u32, steps_per_hour: u32) -> Result<(), String> {
+    if !Acting::HOLDS.contains(&every) {
+        return Err(format!("`acting.every` is {every}; expected 15, 30 or 60 min"));
+    }
+    match (every * steps_per_hour).is_multiple_of(60) {
+        true => Ok(()),
+        false => Err(format!(
+            "`acting.every` is {every} min; expected whole steps, of which an hour has {steps_per_hour}"
+        )),
     }
 }
 
@@ -119,6 +165,8 @@ impl Acting {
 pub enum Driver {
     /// Sets or corrects the actuators.
     Actuators(ActuatorDriver),
+    /// Shifts the targets of the reactive controllers.
+    Targets(Box<ShiftedTargets>),
     /// Supervises the sequences of Guideline 36.
     Supervisor(Box<Supervisor>),
 }
@@ -131,6 +179,7 @@ impl Driver {
             Acting::Supervisory { shared, .. } => {
                 Self::Supervisor(Box::new(Supervisor::new(shared && !by_node, spaces)))
             }
+            Acting::Targets { shift, .. } => Self::Targets(Box::new(ShiftedTargets::new(shift, spaces))),
             _ => Self::Actuators(ActuatorDriver::new(acting, spaces)),
         }
     }
@@ -138,8 +187,8 @@ impl Driver {
     /// Returns the supervisor of the sequences of Guideline 36, if the agent is one.
     pub fn supervisor(&self) -> Option<&Supervisor> {
         match self {
-            Self::Actuators(_) => None,
             Self::Supervisor(own) => Some(own),
+            _ => None,
         }
     }
 
@@ -147,6 +196,7 @@ impl Driver {
     pub fn names(&self) -> &[String] {
         match self {
             Self::Actuators(own) => &own.names,
+            Self::Targets(own) => own.names(),
             Self::Supervisor(own) => own.names(),
         }
     }
@@ -155,6 +205,7 @@ impl Driver {
     pub fn reset(&mut self) {
         match self {
             Self::Actuators(own) => own.reset(),
+            Self::Targets(own) => own.reset(),
             Self::Supervisor(own) => own.reset(),
         }
     }
@@ -163,6 +214,7 @@ impl Driver {
     pub fn observe(&mut self, observation: &[f64]) {
         match self {
             Self::Actuators(own) => own.observe(observation),
+            Self::Targets(own) => own.observe(observation),
             Self::Supervisor(own) => own.observe(observation),
         }
     }
@@ -171,7 +223,7 @@ impl Driver {
     pub fn base(&self) -> &[f32] {
         match self {
             Self::Actuators(own) => &own.base_row,
-            Self::Supervisor(_) => &[],
+            _ => &[],
         }
     }
 
@@ -179,6 +231,7 @@ impl Driver {
     pub fn drive(&mut self, row: &[f32]) -> &[f64] {
         match self {
             Self::Actuators(own) => own.drive(row),
+            Self::Targets(own) => own.act(row),
             Self::Supervisor(own) => own.act(row),
         }
     }

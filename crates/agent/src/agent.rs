@@ -128,10 +128,7 @@ impl Agent {
 
     /// Returns the number of node types of its graph network.
     fn node_types(&self) -> usize {
-        match &self.info.network {
-            crate::network::Shape::Graph(network) => network.types.len(),
-            crate::network::Shape::Mlp(_) | crate::network::Shape::Recurrent(_) => 0,
-        }
+        self.info.network.graph().map_or(0, |network| network.types.len())
     }
 
     fn plan(&self, form: NodeForm, spaces: &Spaces) -> Result<NodePlan> {
@@ -177,7 +174,7 @@ fn difference(what: &str, agent: &[String], building: &[String]) -> Option<Strin
     })
 }
 
-/// A controller that runs an agent in one building, without exploration. A recurrent network keeps its state in
+/// A controller that runs an agent in one building, without exploration. A network with a memory keeps its state in
 /// [`Controller::next_episode`]. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct AgentController {
@@ -206,7 +203,7 @@ impl Controller for AgentController {
         self.scratch.state_mut().fill(0.0);
     }
 
-    /// Keeps the state of a recurrent network.
+    /// Keeps the state of a network with a memory.
     fn next_episode(&mut self) {
         self.pilot.reset();
     }

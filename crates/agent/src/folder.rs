@@ -151,7 +151,7 @@ fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
         Shape::Recurrent(network) => fit(&network.encoder.widths) && fit(&network.head.widths),
         Shape::Graph(network) => {
             let of_nodes = |node: &NodeWidths| fit(&[node.features, node.outputs]);
-            fit(&[network.embedding, network.heads, network.feed_forward])
+            fit(&[network.embedding, network.heads, network.feed_forward, network.memory])
                 && network.types.iter().all(of_nodes)
                 && network.layers <= tensors.len()
         }

@@ -17,6 +17,7 @@ mod onnx;
 mod pilot;
 mod plan;
 pub mod protobuf;
+mod shifted_targets;
 mod supervisor;
 
 pub use acting::Acting;

@@ -201,10 +201,7 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
     let onnx = |path: &Path| OnnxPolicy::read(path, ActionScale::Rescaled).is_ok();
     let agent = |path: &Path| Agent::read(path).is_ok();
     let dataset = |path: &Path| Dataset::open(path).is_ok_and(|dataset| dataset.read(0).is_ok());
-    let episodes = |path: &Path| {
-        let file = || File::open(path).map_err(drop);
-        file().is_ok_and(|file| b2b_evaluate::read_episodes(file).is_ok())
-    };
+    let episodes = |path: &Path| File::open(path).is_ok_and(|file| b2b_evaluate::read_episodes(file).is_ok());
     Ok(vec![
         of_file(work, "model", "m.epJSON", model, move |path| import::read(path, &library, false).is_ok())?,
         of_file(work, "weather: site", "w.epw", header, |path| Site::read(path).is_ok())?,

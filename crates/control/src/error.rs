@@ -9,7 +9,7 @@ use b2b_building::parameter::OutOfBounds;
 pub enum Error {
     /// The controller `own` for a building that is not under its own controls.
     #[error(
-        "{building} has {actuators} actuators; the controller own needs it under its own controls, without any"
+        "{building} has {actuators} actuators; the controller `own` needs the building prepared under its own controls, without actuators"
     )]
     OwnControls {
         /// Name of the building.
@@ -68,7 +68,7 @@ pub enum Error {
     },
     /// A task without comfort bands or without a price.
     #[error(
-        "the controller `{name}` saves cost at comfort; the task `{task}` has no bands or no weight of energy; use operate"
+        "the controller `{name}` minimizes cost at equal comfort, but the task `{task}` has no comfort bands or no energy weight; use operate"
     )]
     NotOperation {
         /// The controller.

@@ -65,7 +65,7 @@ pub enum Error {
         text: String,
     },
     /// Noise on a policy without actuators.
-    #[error("`{policy}` has no actuators that noise could move; leave out the noise")]
+    #[error("`{policy}` commands no actuators, so noise would have no effect; remove the noise")]
     NoiseWithoutActuators {
         /// Name of the policy.
         policy: String,

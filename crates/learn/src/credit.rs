@@ -168,7 +168,7 @@ pub(crate) fn part_places(spaces: &Spaces, plan: Option<&NodePlan>, parts: usize
 mod tests {
     use super::*;
 
-    const WIDTHS: Widths = Widths { observation: 1, action: 3, parts: 2 };
+    const WIDTHS: Widths = Widths { observation: 1, action: 3, parts: 2, nodes: 1 };
 
     #[test]
     fn actions_have_the_advantages_of_their_parts() {

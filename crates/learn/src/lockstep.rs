@@ -72,6 +72,27 @@ struct EnvProgress {
     command: Vec<f64>,
 }
 
+impl EnvProgress {
+    fn new(pilot: Pilot, noise: Noise, scale: f32, command: Vec<f64>) -> Self {
+        Self {
+            pilot,
+            scratch: None,
+            first_state: Vec::new(),
+            starts: Vec::new(),
+            episodes: 1,
+            is_new: true,
+            noise,
+            scale,
+            done: 0,
+            fragments: 0,
+            ends: Vec::new(),
+            scenes: Vec::new(),
+            lost_in_a_row: 0,
+            command,
+        }
+    }
+}
+
 impl LockstepCollector {
     /// Begins the first episodes. `correlation` is the correlation of the exploration noise between consecutive steps.
     ///
@@ -85,7 +106,7 @@ impl LockstepCollector {
         seed: u64,
     ) -> Result<Self> {
         environments.reset(seed)?;
-        let mut widths = Widths { observation: 0, action: 0, parts: 1 };
+        let mut widths = Widths { observation: 0, action: 0, parts: 1, nodes: 1 };
         let mut progress = Vec::with_capacity(environments.len());
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
@@ -94,22 +115,9 @@ impl LockstepCollector {
             if index == 0 || interface.nodes.is_some() {
                 widths = widths.covering(own);
             }
-            progress.push(EnvProgress {
-                pilot,
-                scratch: None,
-                first_state: Vec::new(),
-                starts: Vec::new(),
-                episodes: 1,
-                is_new: true,
-                noise: Noise::new(own.action, correlation, RandomStream::new(seed, 0)),
-                scale: scale(spaces)? as f32,
-                done: 0,
-                fragments: 0,
-                ends: Vec::new(),
-                scenes: Vec::new(),
-                lost_in_a_row: 0,
-                command: vec![0.0; environments.widths().0],
-            });
+            let noise = Noise::new(own.action, correlation, RandomStream::new(seed, 0));
+            let command = vec![0.0; environments.widths().0];
+            progress.push(EnvProgress::new(pilot, noise, scale(spaces)? as f32, command));
         }
         let mut collector = Self {
             environments,
@@ -180,6 +188,7 @@ impl LockstepCollector {
             env.begin_scene(index);
             env.starts.clear();
             env.first_state = env.scratch(actor).state().to_vec();
+            env.first_state.resize(actor.shape.state() * self.widths.nodes, 0.0);
             self.begin_fragment(index);
         }
     }
@@ -248,10 +257,11 @@ impl LockstepCollector {
         let spaces = spaces_of(&self.environments, environment)?;
         let env = &mut self.progress[environment];
         let interface = self.interface;
-        env.pilot = Pilot::new(interface, spaces)?;
-        if interface.nodes.is_some() {
+        let pilot = Pilot::new(interface, spaces)?;
+        if pilot.graph() != env.pilot.graph() {
             env.scratch = None;
         }
+        env.pilot = pilot;
         env.is_new = true;
         env.scale = (self.scale)(spaces)? as f32;
         env.begin_scene(environment);
@@ -350,5 +360,6 @@ impl Collector for LockstepCollector {
 /// Returns the widths of a pilot's building, with a reward of one part.
 fn widths_of(pilot: &Pilot) -> Widths {
     let (observation, action) = pilot.widths();
-    Widths { observation, action, parts: 1 }
+    let nodes = pilot.graph().map_or(1, |graph| graph.nodes());
+    Widths { observation, action, parts: 1, nodes }
 }

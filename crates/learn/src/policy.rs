@@ -24,7 +24,7 @@ pub enum PolicyConfig {
 
 /// The recurrent networks of a run: actor and critic each have a gated recurrent unit, between their hidden layers and their
 /// last layer.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecurrentPolicy {
     /// Width of the state. Default 64.
@@ -61,6 +61,13 @@ pub struct GraphPolicy {
     pub attributes: bool,
     /// Whether features have mean 0 and deviation 1 over all nodes of a type. Default true.
     pub normalize: bool,
+    /// Width of the state of each node, which a gated recurrent unit between the transformer and the outputs keeps. Default 0: no
+    /// memory.
+    pub memory: usize,
+    /// With a memory, like [`RecurrentPolicy::sequence`]. Default 48.
+    pub sequence: usize,
+    /// With a memory, like [`RecurrentPolicy::memory_episodes`]. Default 1.
+    pub memory_episodes: u32,
 }
 
 impl Default for GraphPolicy {
@@ -74,6 +81,9 @@ impl Default for GraphPolicy {
             edges: Edges::None,
             attributes: false,
             normalize: true,
+            memory: 0,
+            sequence: 48,
+            memory_episodes: 1,
         }
     }
 }
@@ -92,31 +102,22 @@ impl PolicyConfig {
         matches!(self, Self::Graph(_))
     }
 
-    /// Returns the recurrent networks, if they are.
-    pub(crate) fn recurrent(&self) -> Option<&RecurrentPolicy> {
+    /// Returns the memory of the networks, if they have one.
+    pub(crate) fn recurrent(&self) -> Option<RecurrentPolicy> {
         match self {
-            Self::Recurrent(policy) => Some(policy),
-            Self::Flat | Self::Graph(_) => None,
+            Self::Flat => None,
+            Self::Recurrent(policy) => Some(*policy),
+            Self::Graph(policy) => policy.recurrent(),
         }
     }
 
     /// Checks the values.
     pub(crate) fn check(&self) -> Result<()> {
-        let policy = match self {
-            Self::Flat => return Ok(()),
-            Self::Recurrent(policy) => return policy.check(),
-            Self::Graph(policy) => policy,
-        };
-        let GraphPolicy { embedding, heads, layers, feed_forward, .. } = *policy;
-        check_counts([
-            ("policy.embedding", embedding),
-            ("policy.heads", heads),
-            ("policy.layers", layers),
-            ("policy.feed_forward", feed_forward),
-        ])?;
-        require(embedding.is_multiple_of(heads), || {
-            format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}")
-        })
+        self.recurrent().map_or(Ok(()), |policy| policy.check())?;
+        match self {
+            Self::Flat | Self::Recurrent(_) => Ok(()),
+            Self::Graph(policy) => policy.check(),
+        }
     }
 }
 
@@ -141,6 +142,31 @@ impl RecurrentPolicy {
 }
 
 impl GraphPolicy {
+    /// Returns the memory, if there is one.
+    fn recurrent(&self) -> Option<RecurrentPolicy> {
+        let Self { memory: width, sequence, memory_episodes, .. } = *self;
+        (width > 0).then_some(RecurrentPolicy { width, sequence, memory_episodes })
+    }
+
+    /// Checks the values of all but the memory.
+    fn check(&self) -> Result<()> {
+        let Self { embedding, heads, layers, feed_forward, memory, memory_episodes, .. } = *self;
+        check_counts([
+            ("policy.embedding", embedding),
+            ("policy.heads", heads),
+            ("policy.layers", layers),
+            ("policy.feed_forward", feed_forward),
+        ])?;
+        require(embedding.is_multiple_of(heads), || {
+            format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}")
+        })?;
+        require(memory > 0 || memory_episodes == 1, || {
+            format!(
+                "`policy.memory_episodes` is {memory_episodes} and `policy.memory` is 0: there is none; set its width, such as 64"
+            )
+        })
+    }
+
     /// Returns the shape of the actor of an agent, whose outputs are its actions.
     pub fn network(&self, interface: Interface) -> GraphNetwork {
         GraphNetwork {
@@ -151,6 +177,7 @@ impl GraphPolicy {
             feed_forward: self.feed_forward,
             activation: self.activation,
             edges: self.edges,
+            memory: self.memory,
         }
     }
 }

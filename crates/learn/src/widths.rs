@@ -11,6 +11,8 @@ pub struct Widths {
     pub action: usize,
     /// Number of parts of a reward.
     pub parts: usize,
+    /// Number of nodes of a building; 1 for flat networks.
+    pub nodes: usize,
 }
 
 impl Widths {
@@ -21,6 +23,7 @@ impl Widths {
             observation: self.observation.max(other.observation),
             action: self.action.max(other.action),
             parts: self.parts.max(other.parts),
+            nodes: self.nodes.max(other.nodes),
         }
     }
 

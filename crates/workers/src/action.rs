@@ -60,11 +60,12 @@ impl ActionProcess {
         &mut self.process.child
     }
 
-    /// Waits for the end. An interrupt is passed on once, and the process may take its time to end.
+    /// Waits for the end and asks several times a second whether it was interrupted. An interrupt is passed on once, and the
+    /// process may take its time to end.
     ///
     /// # Errors
     /// Errors of the operating system.
-    pub fn wait(mut self, interrupted: fn() -> bool) -> io::Result<ActionEnd> {
+    pub fn wait(mut self, mut interrupted: impl FnMut() -> bool) -> io::Result<ActionEnd> {
         let mut told = false;
         let status = loop {
             if let Some(status) = self.process.wait_briefly()? {

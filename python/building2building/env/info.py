@@ -14,7 +14,10 @@ from .layout import Layout
 
 
 class Info(dict[str, Any]):
-    """A dictionary that is computed when it is first read, so that a step whose info is not read pays nothing."""
+    """A dictionary that is computed when it is first read, so that a step whose info is not read pays nothing.
+
+    An entry that was written before is read without computing the others.
+    """
 
     __slots__ = ("_compute",)
 
@@ -36,7 +39,7 @@ class Info(dict[str, Any]):
         return self
 
     def __getitem__(self, key: str) -> Any:
-        return dict.__getitem__(self._filled(), key)
+        return dict.__getitem__(self if dict.__contains__(self, key) else self._filled(), key)
 
     def get(self, key: str, default: Any = None) -> Any:
         return dict.get(self._filled(), key, default)

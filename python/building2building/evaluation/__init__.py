@@ -22,7 +22,7 @@ from ..env.morphology import Metadata, Morphology
 from ..env.tasks import task_text
 from ..errors import SettingError
 from ..process.temporary import temporary_folder
-from ..rollouts import BuiltInController, CallableController, Controller
+from ..rollouts import CallableController, Controller, PhysicalController
 from ..scaling import Scale
 from .identity import identity_of
 
@@ -124,7 +124,7 @@ class Request:
         named = os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else None
         if named is None and not callable(policy):
             raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
-        if isinstance(policy, BuiltInController):
+        if isinstance(policy, PhysicalController):
             raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
         tasks = own_task(named) if tasks is None else tasks
         self.episodes = [
@@ -304,7 +304,7 @@ class ControllerMaker:
             policy = copy.deepcopy(policy)
         if hasattr(policy, "reset"):
             policy.reset()
-        if isinstance(policy, BuiltInController):
+        if isinstance(policy, PhysicalController):
             return policy, policy.physical
         if scale is not None:
             return policy, lambda observation: policy(scale(observation))
@@ -336,9 +336,9 @@ def _listed(given: Any) -> Iterable[Any]:
     return [given] if isinstance(given, (str, int, np.integer, dict, os.PathLike, Building)) else list(given)
 
 
-def is_built_in(policy: Any) -> TypeGuard[type[BuiltInController]]:
+def is_built_in(policy: Any) -> TypeGuard[type[PhysicalController]]:
     """Returns whether a policy is a class of built-in controllers, whose actions are in physical units."""
-    return isinstance(policy, type) and issubclass(policy, BuiltInController)
+    return isinstance(policy, type) and issubclass(policy, PhysicalController)
 
 
 def _function_of(policy: Any) -> Any:

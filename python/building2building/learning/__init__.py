@@ -18,7 +18,7 @@ from .. import _core
 from ..buildings import PathLike
 from ..env.tasks import Task, task_text
 from ..errors import SettingError
-from ..rollouts import BuiltInController, ControlledEnv
+from ..rollouts import BuiltInController, ControlledEnv, PhysicalController
 
 Array = NDArray[Any]
 #: Called with the metrics of every update, as in ``progress.csv``; ends the run when it returns ``False``.
@@ -30,9 +30,7 @@ class AgentController(BuiltInController):
     agent that observes its rewards also needs :meth:`reward` after every step."""
 
     def __init__(self, folder: PathLike, env: gymnasium.Env[Any, Any] | ControlledEnv):
-        core: Any = env.unwrapped
-        self._layout = core.layout
-        self._rescale = core.rescale_action
+        PhysicalController.__init__(self, env)
         self._core = _core.Controller.agent(os.fspath(folder), self._layout.spaces)
         self.kind, self.seed = os.fspath(folder), 0
 

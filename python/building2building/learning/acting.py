@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..env import BuildingEnv
 from ..errors import SettingError
+from ..rollouts import ControlledEnv, PhysicalController
 from ..vector import BuildingVectorEnv
 
 Array = NDArray[Any]
@@ -129,3 +131,40 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
             if "final_obs" in infos:
                 infos["final_obs"][index] = self._pilots[index].observe(infos["final_obs"][index])
             self._pilots[index] = self._pilot(int(index))
+
+
+class ActingController(PhysicalController):
+    """A policy for an *acting* as a controller of the building; :func:`acting_controller` makes a class of them."""
+
+    #: The policy, from the observation to the action of :class:`ActingEnv`, and the names of both.
+    policy: Callable[[Array], ArrayLike]
+    acting: str
+    observation: str
+
+    def __init__(self, env: gymnasium.Env[Any, Any] | ControlledEnv):
+        super().__init__(env)
+        self._pilot = _core.Pilot(self._layout.spaces, self.observation, self.acting)
+        self.reset()
+
+    def reset(self) -> None:
+        """Resets the state for a new episode."""
+        self._pilot.reset()
+        self._steps, self._decision = 0, np.zeros(0)
+
+    def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
+        seen = self._pilot.observe(observation)
+        if self._steps % self._pilot.hold == 0:
+            self._decision = np.array(self.policy(seen))
+        self._steps += 1
+        return self._pilot.act(self._decision)
+
+
+def acting_controller(
+    policy: Callable[[Array], ArrayLike], acting: str, observation: str = "features"
+) -> type[ActingController]:
+    """Returns a policy, trained on ``make_env(acting=...)``, ``make_vec`` or ``make_sb3_vec``, as a controller class.
+
+    :func:`building2building.evaluate` and :func:`building2building.rollout` take it.
+    """
+    values = {"policy": staticmethod(policy), "acting": acting, "observation": observation}
+    return type(getattr(policy, "__name__", "ActingController"), (ActingController,), values)

@@ -32,7 +32,7 @@ from ..env.open_envs import close_at_exit
 from ..env.tasks import task_text
 from ..errors import EpisodeError, ProcessError, SettingError
 from ..scaling import Scale
-from .info import Row, step_info
+from .info import Row, reward_terms, step_info
 
 Array = NDArray[Any]
 _Task = str | dict[str, Any]
@@ -278,6 +278,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 self._steps = np.where(truncated, 0, steps)
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
+            # What most rewards of users read, who need not pay for the rest.
+            info["reward_terms"] = reward_terms(numbers)
         if self._reward is not None:
             rewards = np.asarray(self._reward(info), dtype=np.float64)
             if self.autoreset_mode == AutoresetMode.NEXT_STEP:

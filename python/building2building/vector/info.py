@@ -59,6 +59,11 @@ def hours(steps: Array, steps_per_hour: int) -> Array:
     return np.maximum(steps - 1, 0) % (24 * steps_per_hour) / steps_per_hour
 
 
+def reward_terms(numbers: Array) -> dict[str, Array]:
+    """Returns the two terms of the task's reward in all environments."""
+    return {"temperature": 0.0 - numbers[:, 0], "energy": 0.0 - numbers[:, 1]}
+
+
 def step_info(
     rows: Sequence[Row], before: Array, after: Array, numbers: Array, steps: Array, steps_per_hour: int
 ) -> dict[str, Any]:
@@ -85,7 +90,7 @@ def step_info(
         "building": np.array([row.spaces.name for row in rows], dtype=object),
         "step": steps,
         "hour": hour,
-        "reward_terms": {"temperature": 0.0 - numbers[:, 0], "energy": 0.0 - numbers[:, 1]},
+        "reward_terms": reward_terms(numbers),
         "energy": {"electricity": energy[:, 0], "gas": energy[:, 1]},
         **dict(zip(_core.TERMS_IN_INFO, numbers.T[2:], strict=True)),
         "zone_temperature": temperatures,

@@ -1,4 +1,4 @@
-"""Observations as graphs in Gymnasium's own form."""
+"""Observations as ``gymnasium.spaces.Graph``."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
 use b2b_energyplus::install::Quiet;
 use b2b_env::EpisodeMetrics;
-use b2b_evaluate::{Baselines, EpisodePlan, ReturnTerms, Scores, Subject};
+use b2b_evaluate::{Baselines, EpisodePlan, EpisodeResult, ReturnTerms, Scores, Subject};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -181,16 +181,7 @@ impl Problem {
         })?;
         match outcome {
             RunOutcome::Complete(result, _) => Ok(serde_json::to_string(&result).expect("it is plain data")),
-            RunOutcome::Incomplete(rows) => {
-                let lost = rows.iter().map(|row| match &row.outcome {
-                    Err(why) => format!("{}: {why}", row.info),
-                    Ok(_) => format!("{}: undefined score", row.info),
-                });
-                let lost = lost.collect::<Vec<_>>().join("\n");
-                Err(Exception::Evaluation.new_err(format!(
-                    "{lost}\na result needs all episodes; the same call retries those that failed"
-                )))
-            }
+            RunOutcome::Incomplete(rows) => Err(incomplete(&rows)),
         }
     }
 }
@@ -208,6 +199,17 @@ impl Problem {
             _ => Err(Exception::Setting.new_err(format!("unknown side `{side}`; expected train or test"))),
         }
     }
+}
+
+/// Returns the exception of a run that lost episodes.
+fn incomplete(lost: &[EpisodeResult]) -> PyErr {
+    let lost = lost.iter().map(|row| match &row.outcome {
+        Err(why) => format!("{}: {why}", row.info),
+        Ok(_) => format!("{}: undefined score", row.info),
+    });
+    let lost = lost.collect::<Vec<_>>().join("\n");
+    Exception::Evaluation
+        .new_err(format!("{lost}\na result needs all episodes; the same call retries those that failed"))
 }
 
 /// The baseline of an episode.

@@ -51,7 +51,7 @@ pub fn train(
             || b2b_learn::train::train(&config, options),
             || listener.report(std::mem::take(&mut *locked(&events.0)), &raised),
         );
-        // Even if the run has ended, because the callback may have raised at its last update.
+        // Checked even after a complete run, because the callback may have raised at the last update.
         let exception = locked(&raised).take();
         exception.map_or_else(|| trained.map_err(of_training), Err)
     });

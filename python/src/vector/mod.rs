@@ -12,7 +12,7 @@ use b2b_workers::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs,
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use self::population::{Candidate, Cut, Episodes};
+use self::population::{Candidate, Episodes, WeatherAndDays};
 use crate::buildings::catalog::{self, Inner, read_control};
 use crate::control;
 use crate::evaluation::benchmarks::Problem;
@@ -100,17 +100,9 @@ impl VecEnv {
         weather_years: Vec<PathBuf>,
         control: Option<&str>,
     ) -> PyResult<Self> {
-        if count > MAX_ENVIRONMENTS {
-            let message = format!("num_envs is {count}; expected 1 to {MAX_ENVIRONMENTS}");
-            return Err(Exception::Setting.new_err(message));
-        }
-        let cut = Cut { weather_years, window };
-        let autoreset = match autoreset {
-            "NextStep" => Autoreset::NextStep,
-            "SameStep" => Autoreset::SameStep,
-            "Disabled" => Autoreset::Disabled,
-            _ => return Err(Exception::Setting.new_err(format!("unknown autoreset mode `{autoreset}`"))),
-        };
+        check_count(count)?;
+        let drawn = WeatherAndDays { weather_years, window };
+        let autoreset = read_autoreset(autoreset)?;
         let many = buildings.len() > KEPT_BUILDINGS * count;
         let generated = buildings.iter().any(|each| matches!(each, Candidate::Generator(_)));
         let mut workers = catalog::worker_options(py)?;
@@ -122,22 +114,16 @@ impl VecEnv {
         py.detach(|| {
             let made = match resample {
                 Some(episodes_each) => {
-                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), cut)?;
+                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), drawn)?;
                     let envs = Envs::new(count, sampler, options).map_err(of_env)?;
-                    let mut spaces = Vec::new();
-                    let representatives = episodes.representatives()?;
-                    for found in envs.workers().spaces(&representatives).map_err(of_env)? {
-                        let building = Arc::new(Inner::of_spaces(&found));
-                        let all = episodes.under_every_task(&found).into_iter();
-                        spaces.extend(all.map(|spaces| (spaces, Arc::clone(&building))));
-                    }
+                    let spaces = spaces_of_representatives(&envs, &episodes)?;
                     (envs, spaces)
                 }
                 None => {
                     let (settings, buildings): (Vec<_>, Vec<_>) =
                         episodes.repeated(count)?.into_iter().unzip();
                     let mut envs =
-                        Envs::new(count, cut.of_fixed(settings.clone()), options).map_err(of_env)?;
+                        Envs::new(count, drawn.of_fixed(settings.clone()), options).map_err(of_env)?;
                     let spaces = envs.prepare(&settings).map_err(of_env)?;
                     (envs, spaces.into_iter().zip(buildings).collect())
                 }
@@ -358,5 +344,36 @@ impl Batch {
             truncated: envs.truncated().to_vec(),
             shape: [envs.len(), envs.widths().1],
         }
+    }
+}
+
+/// Returns the spaces of representatives of the buildings to draw from, under every task.
+fn spaces_of_representatives(
+    envs: &Envs,
+    episodes: &Episodes,
+) -> PyResult<Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>> {
+    let mut spaces = Vec::new();
+    for found in envs.workers().spaces(&episodes.representatives()?).map_err(of_env)? {
+        let building = Arc::new(Inner::of_spaces(&found));
+        let all = episodes.under_every_task(&found).into_iter();
+        spaces.extend(all.map(|spaces| (spaces, Arc::clone(&building))));
+    }
+    Ok(spaces)
+}
+
+fn check_count(count: usize) -> PyResult<()> {
+    if count <= MAX_ENVIRONMENTS {
+        return Ok(());
+    }
+    let message = format!("num_envs is {count}; expected 1 to {MAX_ENVIRONMENTS}");
+    Err(Exception::Setting.new_err(message))
+}
+
+fn read_autoreset(mode: &str) -> PyResult<Autoreset> {
+    match mode {
+        "NextStep" => Ok(Autoreset::NextStep),
+        "SameStep" => Ok(Autoreset::SameStep),
+        "Disabled" => Ok(Autoreset::Disabled),
+        _ => Err(Exception::Setting.new_err(format!("unknown autoreset mode `{mode}`"))),
     }
 }

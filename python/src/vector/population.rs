@@ -151,7 +151,7 @@ impl Episodes {
         &self,
         episodes: u32,
         weights: Option<&BTreeMap<String, f64>>,
-        cut: Cut,
+        drawn: WeatherAndDays,
     ) -> PyResult<Box<dyn Sampler>> {
         let mut groups: Vec<(&str, f64, Box<dyn Sampler>)> = Vec::new();
         for (building_type, populations) in &self.populations {
@@ -173,7 +173,7 @@ impl Episodes {
         let groups = groups.into_iter().map(|(_, weight, sampler)| (weight, sampler)).collect();
         let of = Weighted::new(groups).map_err(of_env)?;
         let tasks = if self.tasks.len() > 1 { self.tasks.clone() } else { Vec::new() };
-        Ok(cut.apply(Kept::new(WithTask { of, tasks }, episodes)))
+        Ok(drawn.apply(Kept::new(WithTask { of, tasks }, episodes)))
     }
 
     fn found_by_type(&self) -> BTreeMap<&'static str, Vec<Arc<Inner>>> {
@@ -195,14 +195,14 @@ fn zones(source: &Source) -> Vec<String> {
 }
 
 /// The weather and days that an episode draws, besides its building and task.
-pub struct Cut {
+pub struct WeatherAndDays {
     /// Weather files to use instead of the buildings' own.
     pub weather_years: Vec<PathBuf>,
     /// Days of an episode and number of first days; whole run periods if `None`.
     pub window: Option<(u32, u32)>,
 }
 
-impl Cut {
+impl WeatherAndDays {
     /// Returns a sampler that repeats a setting in each environment.
     pub fn of_fixed(self, settings: Vec<EpisodeSetting>) -> Box<dyn Sampler> {
         self.apply(Fixed(settings))

@@ -5,6 +5,7 @@ import gymnasium
 import numpy as np
 import pytest
 from building2building.errors import SettingError
+from building2building.learning.acting import acting_controller
 
 DAY = {"task": "operate", "run_period": "01-10..01-10"}
 
@@ -31,6 +32,26 @@ def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
     colder[env.metadata["action_names"].index("heating setpoint shift")] = -1.0
     env.reset(seed=0)
     assert sum(env.step(colder)[1] for _ in range(24)) != pytest.approx(total, rel=1e-4)
+
+
+def test_a_policy_for_an_acting_is_evaluated_as_it_acts():
+    env = b2b.make_env("OfficeSmall-0042", acting="supervisory:60", **DAY)
+    action = np.linspace(-0.5, 0.5, env.action_space.shape[0])
+    env.reset(seed=0)
+    total = sum(env.step(action * (hour > 6))[1] for hour in range(24))
+    hours = []
+
+    def policy(observation):
+        assert observation.shape == env.observation_space.shape
+        hours.append(len(hours))
+        return action * (hours[-1] % 24 > 6)
+
+    controller = acting_controller(policy, "supervisory:60")
+    plain = b2b.make_env("OfficeSmall-0042", rescale_action=True, **DAY)
+    trajectory = b2b.rollout(plain, controller(plain))
+    (row,) = b2b.evaluate(controller, "OfficeSmall-0042", "operate", run_periods=DAY["run_period"]).rows
+    assert len(hours) == 48 and row["policy"] == "policy"
+    assert row["return"] == pytest.approx(total, rel=1e-12) == trajectory.episode_return
 
 
 def test_a_batch_has_the_rewards_of_single_environments():

@@ -112,6 +112,7 @@ def test_the_configuration_of_the_documentation_is_the_example_and_trains(tmp_pa
 
 
 SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"]
+SUPERVISED = ["--decisions", 192, "--every", 192, "--held-out", "01-10..01-10", "--test"]
 
 
 @pytest.mark.learners
@@ -121,10 +122,32 @@ SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"
         ("train_ppo", SHORT, "after training: return"),
         ("cleanrl_ppo", [1024], "mean reward"),
         ("rllib_ppo", [1], "mean episode return -"),
+        ("torchrl_masked", ["--steps", 1, "--envs", 2, "--rollout", 64, "--tests", 1], "mean reward -"),
+        ("supervise_sb3", ["--building", "OfficeSmall-0042", *SUPERVISED], "01-01..01-31: cost "),
     ],
 )
 def test_an_example_learns(name, arguments, words):
     assert words in run(EXAMPLES / f"{name}.py", *arguments)
+
+
+@pytest.mark.learners
+def test_amago_stays_in_a_house_for_days(tmp_path):
+    """With a package that is not in the registry."""
+    pytest.importorskip("amago")
+    printed = run(EXAMPLES / "amago_rl2.py", tmp_path, "--epochs", 1, "--batches", 1, "--days", 2, "--envs", 2)
+    assert "Average Return : -" in printed and "384 steps in" in printed
+
+
+@pytest.mark.learners
+def test_a_transformer_learns_from_a_corpus_and_is_entered_with_its_memory(b2b_command, tmp_path):
+    (tmp_path / "one.toml").write_text(
+        (EXAMPLES / "houses.toml").read_text().replace("buildings = 52", "buildings = 1")
+    )
+    command = [b2b_command, "collect", "--corpus", "one.toml", "b2b/one-v0", "--out", "."]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    short = ["--updates", 8, "--batch", 2, "--test", "SingleFamilyHouse-0018", "--windows", "01-01..01-07"]
+    printed = run(EXAMPLES / "decision_pretrained.py", tmp_path / "b2b/one-v0", tmp_path / "entries", *short)
+    assert re.findall(r"(\w+): score \d", printed) == ["cloned", "transformer"]
 
 
 @pytest.mark.learners

@@ -45,7 +45,7 @@ pub struct Actor {
     pub distribution: Distribution,
 }
 
-/// Buffers of an actor in a building, reused from step to step, and the state of a recurrent network.
+/// Buffers of an actor in a building, reused from step to step, and the state of a network with a memory.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     form: Form,
@@ -61,7 +61,7 @@ pub struct Scratch {
 enum Form {
     Flat { layers: Vec<f32> },
     Recurrent(RecurrentScratch),
-    Graph { graph: Arc<Graph>, places: Places, tape: Box<Tape> },
+    Graph { graph: Arc<Graph>, places: Places, tape: Box<Tape>, state: Vec<f32> },
 }
 
 impl Actor {
@@ -86,14 +86,15 @@ impl Actor {
                 let free = graph.actions.iter().map(|place| place.number).collect();
                 let (graph, places) = (Arc::clone(graph), network.places());
                 let observations = graph.width();
-                let form = Form::Graph { graph, places, tape: Box::default() };
+                let state = vec![0.0; graph.nodes() * network.memory];
+                let form = Form::Graph { graph, places, tape: Box::default(), state };
                 Scratch { form, observations, outputs, free }
             }
             (Shape::Graph(_), None) => panic!("a graph network acts on the graph of a building"),
         }
     }
 
-    /// Writes the action without exploration: the mean, squashed if the distribution is. A recurrent network goes on to its next
+    /// Writes the action without exploration: the mean, squashed if the distribution is. A network with a memory goes on to its next
     /// state, here and in [`Actor::sample`]. Allocates only at the first call.
     ///
     /// # Panics
@@ -127,10 +128,10 @@ impl Actor {
             (Shape::Recurrent(network), Form::Recurrent(scratch_of_step)) => {
                 network.forward(&self.parameters, observation, scratch_of_step, &mut scratch.outputs);
             }
-            (Shape::Graph(network), Form::Graph { graph, places, tape }) => {
+            (Shape::Graph(network), Form::Graph { graph, places, tape, state }) => {
                 assert_eq!(observation.len(), graph.width(), "width of an observation");
                 let batch = Batch::of_one(graph, observation);
-                tape.forward(network, places, &self.parameters, batch, Layer::forward_rows);
+                tape.forward(network, places, &self.parameters, batch, state, Layer::forward_rows);
                 let count = graph.actions.len();
                 for (action, place) in graph.actions.iter().enumerate() {
                     let outputs = tape.outputs_of(network, 0, place.node);
@@ -171,11 +172,13 @@ impl Scratch {
         self.free.len()
     }
 
-    /// Returns the state of a recurrent network after the last step; empty for other networks.
+    /// Returns the state of a network with a memory after the last step, for a graph network of one node after another; empty
+    /// without a memory.
     pub fn state(&self) -> &[f32] {
         match &self.form {
             Form::Recurrent(own) => &own.state,
-            Form::Flat { .. } | Form::Graph { .. } => &[],
+            Form::Graph { state, .. } => state,
+            Form::Flat { .. } => &[],
         }
     }
 
@@ -183,7 +186,8 @@ impl Scratch {
     pub fn state_mut(&mut self) -> &mut [f32] {
         match &mut self.form {
             Form::Recurrent(own) => &mut own.state,
-            Form::Flat { .. } | Form::Graph { .. } => &mut [],
+            Form::Graph { state, .. } => state,
+            Form::Flat { .. } => &mut [],
         }
     }
 

@@ -64,9 +64,14 @@ impl Shape {
         }
     }
 
-    /// Returns the width of the state that the network keeps from step to step: 0 if it keeps none.
+    /// Returns the width of the state that the network keeps from step to step, for a graph network of each node: 0 if it keeps
+    /// none.
     pub fn state(&self) -> usize {
-        self.recurrent().map_or(0, Recurrent::state)
+        match self {
+            Self::Mlp(_) => 0,
+            Self::Recurrent(network) => network.state(),
+            Self::Graph(network) => network.memory,
+        }
     }
 
     /// Returns the graph network, if it is one.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use b2b_env::{Bands, NextPair, Spaces};
 use b2b_workers::Arrangement;
 
+use super::appended::{attribute_features, feedback_features, forecast_features};
 use super::feature::{Context, Feature, LinearFeature};
 use super::features::features;
-use super::known::{attribute_features, feedback_features, forecast_features};
 use super::memory::Memory;
 use super::options::{ObservationForm, ObservationOptions};
 use super::past::Past;
@@ -46,7 +46,7 @@ impl AgentObservation {
             ObservationForm::Roles => scaled::features(&Arrangement::ByRole.of(spaces)),
             ObservationForm::Features => match driver.supervisor() {
                 Some(supervisor) => supervised(spaces, supervisor),
-                None => features(spaces, !driver.base().is_empty()),
+                None => features(spaces, driver.names(), !driver.base().is_empty()),
             },
         };
         features.extend(attribute_features(attributes, spaces));

@@ -14,8 +14,8 @@ const WEEKDAYS: [&str; 7] = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
 /// Scale of HVAC power, W/m².
 const POWER: f64 = 20.0;
 
-/// Returns the features of a building: controlled zones, other zones, weather, calendar, energy, and actuators.
-pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
+/// Returns the features of a building: controlled zones, other zones, weather, calendar, energy, and actions.
+pub(super) fn features(spaces: &Spaces, actions: &[String], has_base: bool) -> Vec<Feature> {
     let mut features = Vec::new();
     let space = &spaces.observation;
     for (zone, temperature) in spaces.controlled_zones().enumerate() {
@@ -31,10 +31,10 @@ pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
     features.extend(of_calendar.into_iter().map(|(name, source)| Feature::new(name, source)));
     let of_energy = energy(space.electricity(), space.gas(), spaces.episode.steps_per_hour);
     features.extend(of_energy.map(|(name, source)| Feature::new(name, source)));
-    for (actuator, name) in spaces.action.names().iter().enumerate() {
-        features.push(Feature::new(format!("{name} previous"), Source::Previous(actuator)));
+    for (action, name) in actions.iter().enumerate() {
+        features.push(Feature::new(format!("{name} previous"), Source::Previous(action)));
         if has_base {
-            features.push(Feature::new(format!("{name} base"), Source::Base(actuator)));
+            features.push(Feature::new(format!("{name} base"), Source::Base(action)));
         }
     }
     features

@@ -1,9 +1,9 @@
 //! Observations of agents: the environment's observation, scaled to numbers of order one.
 
 mod agent_observation;
+mod appended;
 mod feature;
 mod features;
-mod known;
 mod memory;
 mod nodes;
 pub(crate) mod options;
@@ -13,9 +13,9 @@ mod scaled;
 mod supervised;
 
 pub use agent_observation::AgentObservation;
+pub use appended::attributes;
 pub use feature::Feature;
 pub(crate) use feature::LinearFeature;
-pub use known::attributes;
 pub use nodes::{NodeSpaces, NodeView};
 pub use options::{ObservationForm, ObservationOptions};
 pub(crate) use past::Past;

@@ -18,7 +18,7 @@ pub enum ObservationForm {
     /// Like `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
     /// Features for control: errors at several scales, their change and recent mean, targets, the calendar as sines,
-    /// the previous action and the base controller's action. See `docs/training.md`.
+    /// the previous action and the base controller's action. See `docs/training_reference.md`.
     #[default]
     Features,
 }
@@ -52,11 +52,10 @@ pub struct ObservationOptions {
     /// Whether to append attributes: the building's floor area, climate and envelope
     /// ([`COMMON`](b2b_building::morphology::COMMON)), and the task's energy weight.
     pub attributes: bool,
-    /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file, at most
-    /// `LONGEST_FORECAST`.
+    /// Hours of outdoor temperature to append as a perfect forecast from the weather file, at most `LONGEST_FORECAST`.
     pub forecast: u32,
-    /// Whether to append what a recurrent agent learns about its building from: the previous action (which features have
-    /// already), the root of the previous reward, and a flag at the first step of an episode.
+    /// Whether to append feedback, from which a recurrent agent learns about its building: the previous action (already
+    /// among `features`), the signed square root of the previous reward, and a flag at the first step of an episode.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub feedback: bool,
 }
@@ -130,11 +129,14 @@ mod tests {
         let all =
             ObservationOptions { form: ObservationForm::Raw, attributes: true, forecast: 6, feedback: false };
         assert_eq!(read(&serde_json::to_string(&all).unwrap()).unwrap(), all);
-        assert!(!serde_json::to_string(&all).unwrap().contains("feedback"), "as before there was the option");
+        assert!(
+            !serde_json::to_string(&all).unwrap().contains("feedback"),
+            "files without the option stay the same"
+        );
         let with = ObservationOptions { feedback: true, ..all };
         assert_eq!(read(&serde_json::to_string(&with).unwrap()).unwrap(), with);
         assert_eq!(read(r#"{"forecast": 6, "attributes": true, "form": "raw"}"#).unwrap(), all);
-        // As many slots would need more memory than there is.
+        // A slot for each of so many hours would exhaust the memory.
         assert_eq!(read(r#"{"forecast": 168}"#).unwrap().forecast, 168);
         let said = read(r#"{"forecast": 2147483648}"#).unwrap_err().to_string();
         assert!(said.contains("`forecast` is 2147483648; expected at most 168 hours"), "{said}");

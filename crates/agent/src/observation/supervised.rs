@@ -69,7 +69,7 @@ fn zone_features(spaces: &Spaces, zone: usize, slot: usize) -> Vec<(&'static str
     features
 }
 
-/// A quantity ahead, of which a task with a preview has a slot for every hour.
+/// A quantity of the preview, with a slot for each of the next hours.
 struct Ahead {
     quantity: Observed,
     name: &'static str,
@@ -109,7 +109,7 @@ fn preview(spaces: &Spaces) -> impl Iterator<Item = Feature> {
     features.filter_map(|(name, source)| Some(Feature::new(name, source?)))
 }
 
-/// Returns the features ahead of a node, 0 without a preview: prices of energy, and weather.
+/// Returns the features of a node's preview, 0 without a preview: prices at the energy node, weather at the weather node.
 pub(super) fn node_preview(
     node_type: NodeType,
     node: Option<&SupervisedNode<'_>>,
@@ -124,8 +124,8 @@ pub(super) fn node_preview(
     features.map(|(name, source)| (name, source.unwrap_or(Source::Constant(0.0))))
 }
 
-/// Returns the features of a decision of the sequences: one per mode, or the value on a scale by its unit. The setpoints in use
-/// follow from the band and the last shifts.
+/// Returns the features of a decision of the sequences: one per mode, or the scaled value. Setpoints in use are left out, because
+/// they follow from the band and the last shifts.
 fn decided(number: usize, slot: &DecisionSlot) -> Vec<Feature> {
     if !slot.states.is_empty() {
         let mode = |(index, state): (usize, &&str)| {
@@ -156,7 +156,7 @@ impl<'a> SupervisedNode<'a> {
         Self { spaces, supervisor, owner }
     }
 
-    /// Returns the number of a decision of the sequences, by its name without the node's.
+    /// Returns the index of a decision of the sequences, given its name without the node's name.
     fn decision(&self, what: &str) -> Option<usize> {
         let building = &self.spaces.building;
         let mut systems = building.laid_out_systems().enumerate();
@@ -172,7 +172,7 @@ impl<'a> SupervisedNode<'a> {
         self.supervisor.guideline().record()?.slots().iter().position(|slot| slot.name == name)
     }
 
-    /// Returns the number of the action of a shift.
+    /// Returns the index of a shift's action.
     fn action(&self, shift: Shift) -> Option<usize> {
         let points = self.supervisor.guideline().supervisory_points().iter();
         points.zip(0..).find(|(point, _)| point.owner == self.owner && point.shift == shift).map(|(_, at)| at)
@@ -196,7 +196,7 @@ const ZONE_FEATURES: [&str; 7] = [
     "change ahead",
 ];
 
-/// Returns the shifts of a node of a type; not every node of the type has all of them.
+/// Returns the shifts of a node type; a node of the type may lack some.
 pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     match node_type {
         NodeType::AirLoop => Shift::AIR_LOOP.to_vec(),
@@ -212,8 +212,8 @@ pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     }
 }
 
-/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type: 0 where a node has
-/// nothing to observe, and without a node, for the names.
+/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type. What a node lacks
+/// is 0. Without a node, all are 0, for their names.
 pub(super) fn node_features(node_type: NodeType, node: Option<&SupervisedNode<'_>>) -> Vec<(String, Source)> {
     let is_zone = node_type != NodeType::AirLoop;
     let own = node.map_or_else(Vec::new, SupervisedNode::zone_features);

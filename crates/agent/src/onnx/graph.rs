@@ -3,13 +3,15 @@
 //! Nodes are in the order of their types. Values between the layers have the shape [batch, nodes, embedding].
 
 use super::file::{File, list, number, whole};
-use super::plain::{activation, columns, last};
-use crate::network::graph::{BlockPlaces, EPSILON, EdgeScores, LARGEST, NormPlaces};
+use super::plain::{NEXT_STATE, activation, columns, gated_unit, last};
+use crate::network::graph::{BlockPlaces, EPSILON, EdgeScores, LARGEST, MemoryPlaces, NormPlaces};
 use crate::network::{Actor, Graph, GraphNetwork, Layer};
 use crate::observation::LinearFeature;
 
 /// Score of a pair of nodes without attention; its exponential is 0.
 const NO_ATTENTION: f32 = -1e9;
+/// Extent of a shape that follows from the others, -1 in the file.
+const REST: usize = usize::MAX;
 
 /// Returns the file for a building whose nodes have these features, one node after another.
 pub(super) fn file(
@@ -29,8 +31,18 @@ pub(super) fn file(
         stream = export.feed_forward(&stream, block);
     }
     let normed = export.normalize(&stream, &places.norm);
-    export.decode(&normed);
-    export.file.finish(&[("observation", width)], &[("action", graph.actions.len())])
+    let (mut inputs, mut outputs) = (vec![("observation", width)], vec![("action", graph.actions.len())]);
+    let decoded = match &places.memory {
+        None => normed,
+        Some(memory) => {
+            let state = graph.nodes() * network.memory;
+            inputs.push(("state", state));
+            outputs.push((NEXT_STATE, state));
+            export.remember(&normed, memory)
+        }
+    };
+    export.decode(&decoded);
+    export.file.finish(&inputs, &outputs)
 }
 
 struct Export<'a> {
@@ -105,8 +117,7 @@ impl Export<'_> {
         let weights = self.file.operator("Softmax", &[&scores], &[whole("axis", 3)]);
         let mixed = self.file.operator("MatMul", &[&weights, &values], &[]);
         let mixed = self.file.operator("Transpose", &[&mixed], &[list("perm", &[0, 2, 1, 3])]);
-        let together = self.file.integers(&[3], &[0, nodes, embedding]);
-        let mixed = self.file.operator("Reshape", &[&mixed, &together], &[]);
+        let mixed = self.reshape(&mixed, &[0, nodes, embedding]);
         let change = self.linear(&mixed, &block.mixing, 0..embedding);
         self.file.operator("Add", &[stream, &change], &[])
     }
@@ -138,7 +149,25 @@ impl Export<'_> {
         self.file.operator("Add", &[stream, &change], &[])
     }
 
-    fn decode(&mut self, normed: &str) {
+    /// Adds the memory, and returns the next states: [batch, nodes, width].
+    fn remember(&mut self, normed: &str, memory: &MemoryPlaces) -> String {
+        let (MemoryPlaces { input, cell }, nodes) = (memory, self.order.len());
+        // The nodes of a batch of buildings are the batch of the unit.
+        let sequence = self.reshape(normed, &[1, REST, input.inputs]);
+        let state = self.reshape("state", &[1, REST, cell.inputs]);
+        let parameters = &self.actor.parameters[..];
+        let states = gated_unit(&mut self.file, [&sequence, &state], (input, parameters), (cell, parameters));
+        let flat = self.file.integers(&[2], &[REST, nodes * cell.inputs]);
+        self.file.named("Reshape", &[&states, &flat], &[], NEXT_STATE);
+        self.reshape(&states, &[REST, nodes, cell.inputs])
+    }
+
+    fn reshape(&mut self, values: &str, shape: &[usize]) -> String {
+        let shape = self.file.integers(&[shape.len()], shape);
+        self.file.operator("Reshape", &[values, &shape], &[])
+    }
+
+    fn decode(&mut self, decoded: &str) {
         // Start of the outputs of each node.
         let (mut places, mut outputs, mut count) = (vec![0; self.graph.nodes()], Vec::new(), 0);
         for (node_type, layer) in self.network.places().decoders.iter().enumerate() {
@@ -148,11 +177,10 @@ impl Export<'_> {
             }
             let tokens: Vec<usize> = (first..first + nodes.len()).collect();
             let tokens = self.file.integers(&[nodes.len()], &tokens);
-            let own = self.file.operator("Gather", &[normed, &tokens], &[whole("axis", 1)]);
+            let own = self.file.operator("Gather", &[decoded, &tokens], &[whole("axis", 1)]);
             let own = self.linear(&own, layer, 0..layer.outputs);
             let width = nodes.len() * layer.outputs;
-            let flat = self.file.integers(&[2], &[0, width]);
-            outputs.push(self.file.operator("Reshape", &[&own, &flat], &[]));
+            outputs.push(self.reshape(&own, &[0, width]));
             for node in nodes {
                 places[node] = count;
                 count += layer.outputs;

@@ -1,4 +1,4 @@
-//! ONNX export of agents whose actions depend only on the current observation, and on the state of a recurrent network.
+//! ONNX export of agents whose actions depend only on the current observation, and on the state of a memory.
 
 mod file;
 mod graph;
@@ -17,9 +17,9 @@ use crate::{Error, Result};
 
 impl Agent {
     /// Returns the agent as an ONNX file. The input is the environment's unscaled observation, or the observation by
-    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. A recurrent
-    /// network's file has its state as second input and the next state as second output. A graph network's file is for this
-    /// building only.
+    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. With a
+    /// memory, the state is the second input and the next state the second output. A graph network's file is for this building
+    /// only.
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
@@ -35,8 +35,9 @@ impl Agent {
             return Err(self.not_exportable("it observes attributes or a forecast"));
         }
         if feedback {
-            return Err(self
-                .not_exportable("it observes its previous action and reward; its state alone may remember"));
+            return Err(self.not_exportable(
+                "it observes its previous action and reward, which the file has no input for",
+            ));
         }
         if interface.acting != Acting::Direct {
             return Err(self.not_exportable("it corrects the reactive controllers"));

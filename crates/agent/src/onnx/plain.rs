@@ -29,7 +29,7 @@ pub(super) fn recurrent(actor: &Actor, network: &Recurrent, bounds: &[[f64; 2]],
 }
 
 /// Name of the output with the next state.
-const NEXT_STATE: &str = "next state";
+pub(super) const NEXT_STATE: &str = "next state";
 
 struct Export<'a> {
     file: File,
@@ -79,25 +79,35 @@ impl Export<'_> {
         self.file.operator("Gemm", &[input, &weights, &biases], &[])
     }
 
-    /// Adds the gated recurrent unit, whose sequence has one step, and returns the next state.
-    fn cell(&mut self, input: &str, (gates, encoder): (&Layer, &[f32]), places: &RecurrentPlaces) -> String {
-        let (cell, parameters) = (&places.cell, &self.actor.parameters[..]);
-        let shape = |layer: &Layer| [1, layer.outputs, layer.inputs];
-        let of_input = self.file.tensor(&shape(gates), &transposed(encoder, gates));
-        let of_state = self.file.tensor(&shape(cell), &transposed(parameters, cell));
-        let biases = [&encoder[gates.biases.clone()], &parameters[cell.biases.clone()]].concat();
-        let biases = self.file.tensor(&[1, 2 * GATES * cell.inputs], &biases);
+    /// Adds the gated recurrent unit, and returns the next state.
+    fn cell(&mut self, input: &str, gates: (&Layer, &[f32]), places: &RecurrentPlaces) -> String {
         let axis = self.file.integers(&[1], &[0]);
         let sequence = self.file.operator("Unsqueeze", &[input, &axis], &[]);
         let state = self.file.operator("Unsqueeze", &["state", &axis], &[]);
-        let attributes = [whole("hidden_size", cell.inputs), whole("linear_before_reset", 1)];
-        // The fifth input is the length of each sequence, which all have the whole.
-        let inputs = [&*sequence, &of_input, &of_state, &biases, "", &state];
-        let states = self.file.operator("GRU", &inputs, &attributes);
+        let cell = (&places.cell, &self.actor.parameters[..]);
+        let states = gated_unit(&mut self.file, [&sequence, &state], gates, cell);
         let axes = self.file.integers(&[2], &[0, 1]);
         self.file.named("Squeeze", &[&states, &axes], &[], NEXT_STATE);
         NEXT_STATE.to_owned()
     }
+}
+
+/// Adds a gated recurrent unit of a layer from the input and a layer from the state, each with its parameters. Sequence and state
+/// have the shape [1, batch, width]. Returns the next states, of shape [1, 1, batch, width].
+pub(super) fn gated_unit(
+    file: &mut File,
+    [sequence, state]: [&str; 2],
+    (gates, of_gates): (&Layer, &[f32]),
+    (cell, parameters): (&Layer, &[f32]),
+) -> String {
+    let shape = |layer: &Layer| [1, layer.outputs, layer.inputs];
+    let of_input = file.tensor(&shape(gates), &transposed(of_gates, gates));
+    let of_state = file.tensor(&shape(cell), &transposed(parameters, cell));
+    let biases = [&of_gates[gates.biases.clone()], &parameters[cell.biases.clone()]].concat();
+    let biases = file.tensor(&[1, 2 * GATES * cell.inputs], &biases);
+    let attributes = [whole("hidden_size", cell.inputs), whole("linear_before_reset", 1)];
+    // The fifth input is the length of each sequence, which all have the whole.
+    file.operator("GRU", &[sequence, &of_input, &of_state, &biases, "", state], &attributes)
 }
 
 /// Returns the weights of a layer, with a row for each output.

@@ -41,7 +41,7 @@ fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> 
         format: FORMAT,
         interface,
         slots: pilot.observation().names(),
-        actuators: spaces.action.names().to_vec(),
+        actuators: pilot.action_names().to_vec(),
         node_types: vec![],
         network: actor.shape.clone(),
         distribution: actor.distribution.clone(),
@@ -64,16 +64,47 @@ const RESIDUAL: Interface =
     Interface { observation: FEATURES, acting: Acting::Residual { authority: 0.5 }, nodes: None };
 
 #[test]
-fn a_correction_of_zero_is_the_reactive_controllers() {
-    let folder = tempfile::tempdir().unwrap();
+fn a_correction_and_a_shift_of_zero_are_the_reactive_controllers() {
     let mut env = env("OfficeSmall-0042", "occupancy");
     let spaces = Arc::clone(env.spaces());
-    write(folder.path(), &spaces, RESIDUAL, 0.0);
-    let mut agent = Agent::read(folder.path()).unwrap().controller(&spaces).unwrap();
-    let corrected = rollout(&mut env, &mut agent, &mut ()).unwrap();
     let mut reactive = Reactive::for_env(&env);
     let reactive = rollout(&mut env, &mut reactive, &mut ()).unwrap();
-    assert_eq!(corrected.episode_return, reactive.episode_return);
+    for interface in [RESIDUAL, Interface { acting: TARGETS, ..RESIDUAL }] {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &spaces, interface, 0.0);
+        let mut agent = Agent::read(folder.path()).unwrap().controller(&spaces).unwrap();
+        let own = rollout(&mut env, &mut agent, &mut ()).unwrap();
+        assert_eq!(own.episode_return, reactive.episode_return, "{interface:?}");
+    }
+}
+
+const TARGETS: Acting = Acting::Targets { every: 60, shift: 1.5 };
+
+#[test]
+fn zones_follow_shifted_targets_and_errors_are_from_the_task_s() {
+    for building in ["OfficeSmall-0042", "SingleFamilyHouse-0018"] {
+        let mut env = env(building, "constant");
+        let spaces = Arc::clone(env.spaces());
+        let mut pilot = Pilot::new(Interface { acting: TARGETS, ..RESIDUAL }, &spaces).unwrap();
+        let zones = spaces.controlled_zones().count();
+        assert_eq!(pilot.action_names().len(), zones);
+        assert!(pilot.action_names().iter().all(|name| name.ends_with(" target")));
+        let mut evening = |share: f32| {
+            let mut observation = env.reset().unwrap().to_vec();
+            pilot.reset();
+            let mut error = 0.0;
+            for _ in 0..env.episode_steps() {
+                error = pilot.observe(&observation)[0];
+                observation.copy_from_slice(env.step(pilot.act(&vec![share; zones])).unwrap().observation);
+            }
+            let temperature = spaces.controlled_zones().next().unwrap();
+            (observation[temperature], error)
+        };
+        let [(lower, below), (middle, at), (higher, above)] = [-1.0, 0.0, 1.0].map(&mut evening);
+        assert!((middle - lower - 1.5).abs() < 0.3, "{building}: {lower} {middle}");
+        assert!((higher - middle - 1.5).abs() < 0.3, "{building}: {middle} {higher}");
+        assert!((below - at).abs() > 0.2 && (above - at).abs() > 0.2, "{building}: {below} {at} {above}");
+    }
 }
 
 #[test]

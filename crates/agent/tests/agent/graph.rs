@@ -42,6 +42,7 @@ fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
         feed_forward: 24,
         activation: Activation::Relu,
         edges: Edges::Bias,
+        memory: 0,
     };
     let shape = Shape::Graph(network.clone());
     let number = |index: usize| scale * (((index * 7919) % 101) as f32 / 50.0 - 1.0);

@@ -12,7 +12,7 @@ use b2b_evaluate::{EpisodeInfo, EpisodeResult};
 pub struct EpisodeCurve {
     /// The episodes, in order.
     pub points: Vec<EpisodePoint>,
-    /// Resolved score of the first episode minus that of the last, interquartile mean over buildings and tasks; above 0, the
+    /// Resolved score of the first episode minus the last episode's, interquartile mean over buildings and tasks; above 0, the
     /// last is better.
     pub improvement: Interval,
 }
@@ -28,7 +28,7 @@ pub struct EpisodePoint {
     pub performance: Performance,
 }
 
-/// Resolved scores of a policy minus those of a reference in the same episodes, interquartile mean over buildings and tasks;
+/// Resolved scores of a policy minus a reference's in the same episodes, interquartile mean over buildings and tasks;
 /// above 0, the reference is better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeDifference {

@@ -11,11 +11,11 @@ use b2b_evaluate::{EpisodeContext, Policy};
 pub struct External {
     /// Its name.
     pub name: String,
-    /// Identity, in one line.
+    /// One line that identifies it.
     pub identity: String,
-    /// Whether it acts differently with every seed.
+    /// Whether its actions depend on the seed.
     pub by_seed: bool,
-    /// The program.
+    /// The policy itself; `None` when read from a result.
     pub policy: Option<Box<dyn Policy + Send>>,
 }
 

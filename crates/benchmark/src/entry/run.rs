@@ -14,15 +14,15 @@ use b2b_evaluate::{EpisodeResult, Evaluation, Folder, Progress};
 /// The outcome of a run.
 #[derive(Debug)]
 pub enum RunOutcome {
-    /// The result, and its rows by stage.
+    /// The result with its rows by stage.
     Complete(Box<RunResult>, Stages),
-    /// The lost or unscored episodes; there is no result without them.
+    /// The episodes that were lost or have no score; no result is written.
     Incomplete(Vec<EpisodeResult>),
 }
 
 impl Entry {
-    /// Runs the episodes that a folder does not contain yet, and writes the result to it. A folder with the result is left
-    /// as it is.
+    /// Runs the episodes that a folder does not contain yet, and writes the result to it. A folder that
+    /// has the result already does not change.
     ///
     /// # Errors
     /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](b2b_evaluate::Error::OtherEvaluation) for the folder

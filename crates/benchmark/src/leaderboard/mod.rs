@@ -41,7 +41,7 @@ impl RankBy {
 /// Writes the page.
 ///
 /// # Errors
-/// The errors of the file.
+/// Errors of writing to the file.
 pub fn write(file: &mut impl Write, results: &[Ranked], rank_by: RankBy) -> std::io::Result<()> {
     let mut by_hash: Vec<(String, Vec<&Ranked>)> = Vec::new();
     for entry in results {
@@ -251,7 +251,7 @@ fn adaptation(board: &[&Ranked]) -> Option<Value> {
         "steps to baseline, median",
         "reaches baseline (%)",
         "last adaptation test (steps)",
-        "interquartile mean in it",
+        "score in the last test, interquartile mean",
     ];
     (!rows.is_empty()).then(|| table("adaptation", &header, rows))
 }
@@ -278,7 +278,7 @@ fn by_episode(board: &[&Ranked]) -> Option<Value> {
     Some(table(title, &header, curves.iter().map(row).collect()))
 }
 
-/// Returns by how much every entry's scores by episode are above the first entry's.
+/// Returns the scores by episode of every entry minus the first entry's.
 fn differences(board: &[&Ranked]) -> Option<Value> {
     let [first, others @ ..] = board else { return None };
     let row = |entry: &&Ranked| {
@@ -312,9 +312,9 @@ fn footer(results: &[Ranked], rank_by: RankBy) -> String {
     format!(
         "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
          the tuned reactive controllers' return (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
-         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
+         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In operation, both are the score at comfort: cost relative to Guideline 36's, plus a penalty for more discomfort. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
          type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
-         what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is the author's own program, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
+         entries that beat it, interquartile mean; shown if the board has a result of the random policy. Unverified: the policy is the author's own program, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )
 }

@@ -1,5 +1,4 @@
-//! The values of a model's schedules over years and its holidays, computed by the engine itself in a run without a
-//! building.
+//! A model's holidays and the values of its schedules over years, computed by the engine in a run without zones.
 
 use std::collections::BTreeMap;
 
@@ -14,29 +13,29 @@ use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
 use crate::{Error, Model, Result, RunPeriod};
 
-/// Values per day. A change between two values is seen at the next one.
+/// Values per day. A change takes effect at the next value.
 pub(super) const PER_DAY: usize = 96;
 
 /// Days that a model declares to be of a special type.
 const SPECIAL_DAYS: &str = "RunPeriodControl:SpecialDays";
-/// Prefixes of the classes that the values of schedules depend on.
+/// Prefixes of the classes on which schedule values depend.
 const NEEDED: [&str; 5] = ["Version", "Schedule", SPECIAL_DAYS, "Site:Location", "GlobalGeometryRules"];
-/// The engine's output of a schedule, and its output of the type of the day.
+/// EnergyPlus's output variables of a schedule and of the day type.
 const OUTPUTS: [&str; 2] = ["Schedule Value", "Site Day Type Index"];
-/// The engine's first type of a special day, a holiday; the types before are days of the week.
+/// EnergyPlus's first day type of a special day, a holiday; lower ones are days of the week.
 const FIRST_SPECIAL: f64 = 8.0;
 
 /// The values of schedules over one or more years.
 #[derive(Debug, Default)]
 pub(super) struct Sampled {
-    /// By upper-case name.
+    /// Values by upper-case name.
     values: BTreeMap<String, Vec<f64>>,
-    /// Days, from 1 on 1 January of the first year, whose type is not their day of the week.
+    /// Special days, from 1 on 1 January of the first year.
     holidays: Vec<u32>,
 }
 
 impl Sampled {
-    /// Computes the values of the named schedules of a model in years that follow each other.
+    /// Computes the values of a model's schedules over consecutive years.
     pub(super) fn of(model: &Model, names: &[&str], years: &[Calendar], library: &Library) -> Result<Self> {
         let mut sampled = Self::default();
         let mut varying = Vec::new();
@@ -58,7 +57,7 @@ impl Sampled {
         Ok(sampled)
     }
 
-    /// Adds a year after a number of days.
+    /// Adds a year that begins after `before` days.
     fn add(&mut self, model: &Model, year: Calendar, before: u32, library: &Library) -> Result<()> {
         let database = OutputDatabase::in_any_weather(model, year.is_leap(), library, "b2b-schedules-")?;
         let failed = |path, source| Error::ScheduleTable { path, source };
@@ -80,17 +79,17 @@ impl Sampled {
     }
 }
 
-/// The values of a schedule: one, or one for every quarter of an hour.
+/// The values of a schedule: one if it is constant, otherwise one for every quarter-hour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Values<'a>(&'a [f64]);
 
 impl Values<'_> {
-    /// Returns a value by its number.
+    /// Returns a value by its index.
     pub(super) fn at(self, index: usize) -> f64 {
         self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
 
-    /// Returns the share of the time in which it is zero, `year` being the first year.
+    /// Returns the share of the time in which it is zero, over all and by month of the first year, `year`.
     pub(super) fn share_off(self, year: Calendar) -> Off {
         let of_month = |month: usize| {
             let first = year.month_start(month) as usize - 1;
@@ -107,12 +106,12 @@ fn share_off(values: &[f64]) -> f64 {
     off as f64 / values.len().max(1) as f64
 }
 
-/// The value of a schedule that never changes.
+/// Returns the value of a constant schedule; `None` for others.
 fn constant(model: &Model, name: &str) -> Option<f64> {
     number(model.get("Schedule:Constant", name)?, "hourly_value")
 }
 
-/// Returns the model reduced to its schedules, with their quarter-hourly values over a year as output.
+/// Returns the model reduced to its schedules, with their quarter-hourly values over a year as outputs.
 fn schedules_alone(model: &Model, names: &[String], year: Calendar) -> Model {
     let mut alone = model.clone();
     let is_needed = |class: &str| NEEDED.iter().any(|needed| class.starts_with(needed));
@@ -135,7 +134,7 @@ fn schedules_alone(model: &Model, names: &[String], year: Calendar) -> Model {
     alone
 }
 
-/// Returns the values by upper-case name, in the order of time.
+/// Returns the values by upper-case name, in order of time.
 fn read_values(database: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<f64>>> {
     let mut values = BTreeMap::<String, Vec<f64>>::new();
     let mut rows = database.prepare(
@@ -150,7 +149,7 @@ fn read_values(database: &Connection) -> rusqlite::Result<BTreeMap<String, Vec<f
     Ok(values)
 }
 
-/// Returns the days of the year whose type is not their day of the week.
+/// Returns the special days of the year.
 fn read_holidays(database: &Connection) -> rusqlite::Result<Vec<u32>> {
     let mut rows = database.prepare(
         "SELECT Value FROM ReportData JOIN ReportDataDictionary USING (ReportDataDictionaryIndex) \

@@ -9,7 +9,7 @@ use crate::shape::is_relative;
 use crate::zone::{self, Surface};
 use crate::{Error, Model, Result};
 
-/// Surfaces that are given by azimuth, length and height rather than by their corners.
+/// Classes of surfaces that are given by azimuth, length and height instead of corners.
 const WITHOUT_CORNERS: [&str; 17] = [
     "Wall:Exterior",
     "Wall:Adiabatic",
@@ -33,7 +33,7 @@ const WITHOUT_CORNERS: [&str; 17] = [
 /// Classes of exterior walls other than `BuildingSurface:Detailed`.
 pub(super) const OTHER_WALLS: [&str; 2] = ["Wall:Exterior", "Wall:Detailed"];
 
-/// Sets the orientation: degrees from true north to the y axis of the building. Returns the number of objects.
+/// Sets the orientation: degrees from true north to the building's y axis. Returns the number of changed objects.
 pub fn turn(model: &mut Model, north_axis: f64) -> usize {
     let names = model.names("Building");
     for name in &names {
@@ -44,7 +44,7 @@ pub fn turn(model: &mut Model, north_axis: f64) -> usize {
     names.len()
 }
 
-/// Checks that the engine takes the orientation from the north axis.
+/// Checks that the north axis takes effect in EnergyPlus.
 ///
 /// # Errors
 /// [`Error::Edit`] for a model in world coordinates.
@@ -53,8 +53,8 @@ pub fn require_relative_coordinates(model: &Model) -> Result<()> {
         return Ok(());
     }
     let name = model.names("GlobalGeometryRules").into_iter().next().unwrap_or_default();
-    let why = "its coordinates are world coordinates, for which EnergyPlus ignores the north axis; turn the building in \
-               the program that drew it, or give it relative coordinates";
+    let why = "its coordinates are world coordinates, for which EnergyPlus ignores the north axis; rotate the building in \
+               the program that wrote the model, or export it with relative coordinates";
     Err(Error::edit("GlobalGeometryRules", &name, why))
 }
 
@@ -77,7 +77,7 @@ pub fn require_stretchable(model: &Model, x: f64, y: f64) -> Result<()> {
 pub(super) fn require_corners(model: &Model, classes: &[&str]) -> Result<()> {
     for class in classes {
         if let Some(name) = model.names(class).first() {
-            let why = "it is given without corners; convert it to BuildingSurface:Detailed or \
+            let why = "it has no corners (vertices); convert it to BuildingSurface:Detailed or \
                        FenestrationSurface:Detailed";
             return Err(Error::edit(class, name, why));
         }
@@ -127,23 +127,23 @@ fn stretch_object(class: &str, fields: &mut Fields, x: f64, y: f64) {
     }
 }
 
-/// Multiplies the x and y fields of a name in which `#` stands for the axis.
+/// Multiplies the x and the y field of this name, in which `#` stands for the axis.
 fn stretch_fields(fields: &mut Fields, name: &str, x: f64, y: f64) {
     multiply(fields, &name.replace('#', "x"), x);
     multiply(fields, &name.replace('#', "y"), y);
 }
 
-/// The engine's placeholder for a value that it calculates.
+/// EnergyPlus's placeholder for a value that it calculates.
 const CALCULATED: f64 = -9999.0;
 
-/// Multiplies a numeric field, which may be negative for other equipment. The engine's -9999 and `Autocalculate` stay.
+/// Multiplies a numeric field, except -9999 and `Autocalculate`. `OtherEquipment` may have negative values.
 pub(super) fn multiply(fields: &mut Fields, field: &str, factor: f64) {
     if let Some(value) = number(fields, field).filter(|value| *value != CALCULATED) {
         fields.insert(field.to_owned(), json!(value * factor));
     }
 }
 
-/// Areas and exposed edges of the slabs on grade. The edges follow the exterior walls of their zone.
+/// Scales the areas and exposed edges of slabs on grade; edges in proportion to their zone's exterior walls.
 fn stretch_slabs(
     model: &mut Model,
     area: f64,
@@ -175,7 +175,7 @@ fn stretch_slabs(
     Ok(())
 }
 
-/// Length of the exterior walls of each zone, m, by zone in lower case.
+/// Returns the length of each zone's exterior walls, m, by lower-case zone name.
 fn exposed_perimeters(model: &Model) -> Result<HashMap<String, f64>> {
     let mut lengths = HashMap::new();
     for wall in zone::surfaces(model)?.iter().filter(|s| s.is_exterior_wall()) {
@@ -184,7 +184,7 @@ fn exposed_perimeters(model: &Model) -> Result<HashMap<String, f64>> {
     Ok(lengths)
 }
 
-/// Extent of a vertical wall in plan, m.
+/// Returns the length of a vertical wall in plan, m.
 fn length(wall: &Surface) -> f64 {
     let extent = |axis: usize| {
         let values = wall.corners.iter().map(|corner| corner[axis]);
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_stretched_is_named() {
+    fn an_object_that_cannot_be_stretched_is_named() {
         let mut model = model();
         require_stretchable(&model, 2.0, 1.0).unwrap();
         model.require_mut("Zone", "Z").unwrap().insert("direction_of_relative_north".into(), json!(30));
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn the_north_axis_is_the_parameters_whatever_the_prototypes() {
+    fn the_given_north_axis_replaces_the_model_s() {
         let mut model = model();
         assert_eq!(turn(&mut model, 30.0), 1);
         assert_eq!(number(model.require("Building", "B").unwrap(), "north_axis"), Some(30.0));

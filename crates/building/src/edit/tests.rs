@@ -110,7 +110,7 @@ fn other_surfaces_keep_the_construction_that_they_shared() {
 }
 
 #[test]
-fn a_change_without_an_object_is_an_error_and_leaves_the_model() {
+fn a_change_without_an_object_is_an_error_and_leaves_the_model_unchanged() {
     let shipped = room();
     let mut model = shipped.clone();
     let error = apply(&mut model, &edits(&[(Change::Lights, 2.0), (Change::People, 2.0)])).unwrap_err();
@@ -130,7 +130,7 @@ fn a_stretched_room_has_the_same_lights_per_area() {
 }
 
 #[test]
-fn the_output_is_an_epjson() {
+fn the_output_is_epjson() {
     let error = check_output(Path::new("out.idf")).unwrap_err().to_string();
     assert!(error.contains("out.idf") && error.contains(".epJSON"), "{error}");
     let folder = tempfile::tempdir().unwrap();

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_capacity_of_a_coil_is_that_of_its_highest_speed() {
+    fn a_coil_has_the_capacity_of_its_highest_speed() {
         let coil = json!({"speed_1_gross_rated_total_cooling_capacity": 5e3, "rated_air_flow_rate": 9e9,
             "speed_2_gross_rated_total_cooling_capacity": 8e3});
         assert_eq!(capacity(coil.as_object().unwrap()), 8e3);

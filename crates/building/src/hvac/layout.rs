@@ -28,10 +28,10 @@ pub struct ServedZone {
 }
 
 impl SystemLayout {
-    /// Returns the layouts of the systems of a building with these zones, by name in model order.
+    /// Returns the layouts of a building's systems; `zones` are the names of all its zones, in model order.
     ///
     /// # Errors
-    /// [`Error::MissingObject`] for a system whose zone is not among them.
+    /// [`Error::MissingObject`] for a system whose zone is not in `zones`.
     pub(crate) fn of_all(systems: &[Box<dyn System>], zones: &[&str]) -> Result<Vec<Self>> {
         let served = |system: &dyn System| system.zones().into_iter().map(|zone| find(zone, zones)).collect();
         let served: Vec<Vec<usize>> =
@@ -125,7 +125,7 @@ mod tests {
     const ZONES: [&str; 6] = ["Attic", "West", "Core", "Hall", "South", "East"];
 
     #[test]
-    fn named_offsets_are_those_of_the_actuators() {
+    fn named_offsets_match_the_actuators() {
         let [unit, air_loop, heater] = systems();
         let of_terminals: Vec<_> =
             air_loop.as_any().downcast_ref::<AirLoop>().unwrap().of_terminals().collect();
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_follow_each_other_and_zones_are_resolved_whatever_their_case() {
+    fn ranges_are_contiguous_and_zones_are_found_in_any_case() {
         let layouts = SystemLayout::of_all(&systems(), &ZONES).unwrap();
         let ranges: Vec<_> = layouts.iter().map(|layout| layout.actions.clone()).collect();
         assert_eq!(ranges, [0..2, 2..9, 9..10]);

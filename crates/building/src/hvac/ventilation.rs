@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn air_changes_are_those_of_the_volume() {
+    fn air_changes_count_the_zone_s_volume() {
         let minimum = |method: &str| {
             let specification = json!({"outdoor_air_method": method, "outdoor_air_flow_per_person": 0.01,
                 "outdoor_air_flow_air_changes_per_hour": 3.0});

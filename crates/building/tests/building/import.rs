@@ -359,7 +359,7 @@ fn design_days_that_are_kept_are_compared_with_the_weather() {
 }
 
 #[test]
-fn the_calendar_is_that_of_the_run_period_or_else_of_the_measured_year() {
+fn the_calendar_follows_the_run_period_or_else_the_measured_year() {
     let stock = Stock::new();
     let site = Site::read(&stock.weather).unwrap();
     let mut model = room();

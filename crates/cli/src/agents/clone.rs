@@ -73,15 +73,7 @@ Examples:
 
 /// Runs the command.
 pub fn clone(arguments: &Arguments) -> Result<()> {
-    if !(arguments.learning_rate > 0.0 && arguments.learning_rate.is_finite()) {
-        bail!("--learning-rate is {}; expected a number above 0", arguments.learning_rate);
-    }
-    if arguments.hidden.contains(&0) {
-        bail!("--hidden has a layer of width 0; expected widths from 1 on");
-    }
-    if arguments.out.exists() {
-        bail!("--out {} exists; remove it or choose another folder", arguments.out.display());
-    }
+    check(arguments)?;
     let dataset = Dataset::open(&arguments.dataset)?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let config = CloneConfig {
@@ -122,6 +114,19 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
             arguments.out.display()
         )
     })
+}
+
+fn check(arguments: &Arguments) -> Result<()> {
+    if !(arguments.learning_rate > 0.0 && arguments.learning_rate.is_finite()) {
+        bail!("--learning-rate is {}; expected a number above 0", arguments.learning_rate);
+    }
+    if arguments.hidden.contains(&0) {
+        bail!("--hidden has a layer of width 0; expected widths from 1 on");
+    }
+    if arguments.out.exists() {
+        bail!("--out {} exists; remove it or choose another folder", arguments.out.display());
+    }
+    Ok(())
 }
 
 /// Creates the agent's folder. Errors if another command has created it since this one began.

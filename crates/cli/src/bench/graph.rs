@@ -13,7 +13,7 @@ use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::random::RandomStream;
 use b2b_learn::rollout::{Rollout, Scene, Widths};
-use b2b_learn::train::{PolicyConfig, TrainConfig};
+use b2b_learn::train::TrainConfig;
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
@@ -141,14 +141,9 @@ impl MeasuredLearner {
         let interface: Interface = config.agent.interface();
         let pilot = Pilot::new(interface, spaces)?;
         let (observation, action) = pilot.widths();
-        let widths = Widths { observation, action, parts: 1 };
-        let ppo = match &config.agent.policy {
-            PolicyConfig::Flat => Ppo::new(widths, ppo, 0)?,
-            PolicyConfig::Recurrent(policy) => Ppo::recurrent(policy, widths, ppo, 0)?,
-            PolicyConfig::Graph(policy) => {
-                Ppo::of_graphs(&policy.network(interface), widths, ppo, policy.normalize, 0)?
-            }
-        };
+        let nodes = pilot.graph().map_or(1, |graph| graph.nodes());
+        let widths = Widths { observation, action, parts: 1, nodes };
+        let ppo = Ppo::of_policy(&config.agent.policy, interface, widths, ppo, 0)?;
         Ok(Self { actor: ppo.actor(), ppo, graph: pilot.graph().cloned(), widths })
     }
 

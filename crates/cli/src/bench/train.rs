@@ -5,7 +5,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, BuildingName, Catalog, Split};
-use b2b_learn::train::{Design, PolicyConfig, RecurrentPolicy, TrainConfig, TrainingLoop, UpdateTimes};
+use b2b_learn::train::{
+    Design, GraphPolicy, PolicyConfig, RecurrentPolicy, TrainConfig, TrainingLoop, UpdateTimes,
+};
 use cpu_time::ProcessTime;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -44,7 +46,8 @@ Columns:
 Examples:
   b2b bench train
   b2b bench train --type OfficeSmall --steps 20000 --python none
-  b2b bench train --recurrent 64 --python none
+  b2b bench train --recurrent 64
+  b2b bench train --graph --recurrent 64
   b2b bench train --type SingleFamilyHouse-0042 --python venv/bin/python --json")]
 pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042
@@ -57,7 +60,11 @@ pub struct Arguments {
     /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
-    /// Give actor and critic a gated recurrent unit of this width before their last layer; without Stable-Baselines3, which has none
+    /// Train graph networks instead of flat ones; without Stable-Baselines3, which has none
+    #[arg(long)]
+    graph: bool,
+    /// Give actor and critic a gated recurrent unit of this width before their last layer, in a graph network for each node; without
+    /// Stable-Baselines3, which has none
     #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u16).range(1..))]
     recurrent: Option<u16>,
     /// Python interpreter with building2building and stable-baselines3, or none to skip Stable-Baselines3
@@ -92,7 +99,7 @@ struct MeasuredDesign {
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let buildings = arguments.buildings.iter().map(training_building).collect::<Result<Vec<_>>>()?;
-    let has_none = arguments.python == "none" || arguments.recurrent.is_some();
+    let has_none = arguments.python == "none" || arguments.graph || arguments.recurrent.is_some();
     let python = if has_none { None } else { Python::find(&arguments.python)? };
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut measured = Vec::new();
@@ -135,11 +142,11 @@ fn costs(
     let mut config = TrainConfig::preset("paper")?;
     config.training_set.buildings = vec![building.to_string()];
     config.budget.environments = arguments.environments as usize;
-    if let Some(width) = arguments.recurrent {
-        let width = usize::from(width);
-        config.agent.policy =
-            PolicyConfig::Recurrent(RecurrentPolicy { width, ..RecurrentPolicy::default() });
-    }
+    config.agent.policy = match (arguments.graph, arguments.recurrent.map_or(0, usize::from)) {
+        (true, memory) => PolicyConfig::Graph(GraphPolicy { memory, ..GraphPolicy::default() }),
+        (false, 0) => PolicyConfig::Flat,
+        (false, width) => PolicyConfig::Recurrent(RecurrentPolicy { width, ..RecurrentPolicy::default() }),
+    };
     let mut turns = Vec::new();
     for design in Design::ALL {
         let workers = worker_options(catalog.library().path());

@@ -1,4 +1,4 @@
-//! What an episode under a schedule came to, day by day.
+//! Use and discomfort of an episode under a schedule, by day.
 
 use b2b_env::{Metrics, Observer, Step};
 use serde::{Deserialize, Serialize};

@@ -35,7 +35,7 @@ pub struct Planned {
     pub guideline36: u32,
 }
 
-/// What an episode came to.
+/// Totals of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EpisodeTotal {

@@ -54,11 +54,20 @@ impl Reactive {
 
     /// Creates controllers that hold every controlled zone at the same target.
     pub(crate) fn at(target: Target, spaces: &Spaces, parameters: &ReactiveParameters) -> Self {
-        let (building, space) = (&spaces.building, &spaces.observation);
-        Self::with_targets(building, space, spaces.episode.steps_per_hour, parameters, &|_| target)
+        Self::following(spaces, parameters, &|_| target)
     }
 
-    /// Creates controllers that hold controlled zones, given by number, at these targets.
+    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be behind the observation of
+    /// the environment.
+    pub fn following(
+        spaces: &Spaces,
+        parameters: &ReactiveParameters,
+        target: &dyn Fn(usize) -> Target,
+    ) -> Self {
+        let (building, space) = (&spaces.building, &spaces.observation);
+        Self::with_targets(building, space, spaces.episode.steps_per_hour, parameters, target)
+    }
+
     fn with_targets(
         building: &PreparedBuilding,
         space: &ObservationSpace,

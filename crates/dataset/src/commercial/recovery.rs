@@ -62,20 +62,8 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
     let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
     model.insert(WHEEL, &wheel, wheel_fields([&outdoor, &recovered, &relief, &exhaust], has_setpoint));
     if has_setpoint {
-        model.insert(
-            "SetpointManager:OutdoorAirPretreat",
-            &wheel,
-            json!({
-                "control_variable": "Temperature",
-                "minimum_setpoint_temperature": -99.0,
-                "maximum_setpoint_temperature": 99.0,
-                "reference_setpoint_node_name": mixed,
-                "mixed_air_stream_node_name": mixed,
-                "outdoor_air_stream_node_name": outdoor,
-                "return_air_stream_node_name": back,
-                "setpoint_node_or_nodelist_name": recovered,
-            }),
-        );
+        let fields = pretreat_fields([&mixed, &outdoor, &back, &recovered]);
+        model.insert("SetpointManager:OutdoorAirPretreat", &wheel, fields);
     }
     model.require_mut(MIXER, &mixer)?.insert("outdoor_air_stream_node_name".into(), recovered.into());
     model.insert(
@@ -87,6 +75,20 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
         }),
     );
     Ok(())
+}
+
+/// Returns the fields of the setpoint of the recovered air: nodes of mixed, outdoor, return and recovered air.
+fn pretreat_fields([mixed, outdoor, back, recovered]: [&str; 4]) -> Value {
+    json!({
+        "control_variable": "Temperature",
+        "minimum_setpoint_temperature": -99.0,
+        "maximum_setpoint_temperature": 99.0,
+        "reference_setpoint_node_name": mixed,
+        "mixed_air_stream_node_name": mixed,
+        "outdoor_air_stream_node_name": outdoor,
+        "return_air_stream_node_name": back,
+        "setpoint_node_or_nodelist_name": recovered,
+    })
 }
 
 /// Returns the fields of a wheel between four nodes: supply inlet and outlet, exhaust inlet and outlet.

@@ -28,7 +28,7 @@ const FOLDER: &str = "/";
 /// A working package client.
 pub(super) struct Client {
     command: &'static [&'static str],
-    /// Its version and location, as it reports them.
+    /// Version and location, as the client reports them.
     pub(super) version: String,
 }
 
@@ -98,7 +98,7 @@ impl Client {
 }
 
 /// Creates a command without standard input, in a folder to which only the administrator can write: interpreters and
-/// package clients read code and settings from the current folder and those above it, which may be a stranger's.
+/// package clients read code and settings from the current folder and its parents, which others may have written.
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null()).current_dir(FOLDER);

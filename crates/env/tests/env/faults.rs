@@ -57,7 +57,7 @@ fn equal_tasks_have_equal_faults_and_seeds_differ() {
 }
 
 #[test]
-fn own_faults_are_those_of_the_building_s_name() {
+fn own_faults_follow_the_building_s_name() {
     let mut house = Case::at_home(BuildingType::SingleFamilyHouse);
     let mut run = |name: &str, task: &str| {
         Arc::make_mut(&mut house.building).name = name.into();

@@ -23,7 +23,7 @@ impl Policy for Agent {
     }
 
     fn has_memory(&self) -> bool {
-        self.info().network.recurrent().is_some()
+        self.info().network.state() > 0
     }
 
     fn trained_task(&self) -> Option<&Task> {

@@ -132,7 +132,9 @@ fn fault(
     let there: Vec<EpisodeResult> = subject.rows.iter().filter(is_own).cloned().collect();
     let episodes = Episodes { buildings, ..(*episodes).clone() };
     let order = Order::evaluate(&policy, &episodes, EVALUATION);
-    if let Some(error) = runner.carry_out(&order, again.path(), &again.path().join("log.txt"), None)? {
+    if let Some(error) =
+        runner.carry_out(&order, again.path(), &again.path().join("log.txt"), None, &mut || ())?
+    {
         return Ok(Some(error));
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;

@@ -30,6 +30,38 @@ pub struct Runner<'a> {
     pub interrupted: fn() -> bool,
 }
 
+/// Counts the time of a job, and writes it every minute, so that little is lost when the program is killed.
+struct Clock<'a> {
+    own: &'a JobFolder,
+    /// Time of the job's commands before this run, s.
+    earlier: f64,
+    begun: Instant,
+    /// Time at which it was last written, s.
+    written: f64,
+}
+
+impl<'a> Clock<'a> {
+    fn new(own: &'a JobFolder, earlier: f64) -> Self {
+        Self { own, earlier, begun: Instant::now(), written: earlier }
+    }
+
+    fn seconds(&self) -> f64 {
+        self.earlier + self.begun.elapsed().as_secs_f64()
+    }
+
+    fn write(&mut self) -> Result<()> {
+        self.written = self.seconds();
+        self.own.set_seconds(self.written)
+    }
+
+    /// Writes the time if a minute has passed. A failed write is reported by the one at the end.
+    fn tick(&mut self) {
+        if self.seconds() >= self.written + 60.0 {
+            drop(self.write());
+        }
+    }
+}
+
 impl Runner<'_> {
     /// Runs the unfinished jobs in order. A failed job does not stop the others. `done` is called with every job that ends
     /// and how it ended.
@@ -51,12 +83,11 @@ impl Runner<'_> {
     fn run_job(&self, job: &Job) -> Result<State> {
         let own = self.folder.job(job);
         std::fs::create_dir_all(own.path()).map_err(at(own.path()))?;
-        let earlier = self.folder.seconds(job);
-        let begun = Instant::now();
+        let mut clock = Clock::new(&own, self.folder.seconds(job));
         let mut error = None;
         for action in &job.actions[self.folder.actions_done(job)..] {
-            let ended = self.act(job, &own, action);
-            own.set_seconds(earlier + begun.elapsed().as_secs_f64())?;
+            let ended = self.act(job, &own, action, &mut clock);
+            clock.write()?;
             error = ended?;
             if error.is_some() {
                 break;
@@ -68,7 +99,13 @@ impl Runner<'_> {
     }
 
     /// Runs an action unless its result exists. Returns why it failed.
-    fn act(&self, job: &Job, own: &JobFolder, action: &Action) -> Result<Option<String>> {
+    fn act(
+        &self,
+        job: &Job,
+        own: &JobFolder,
+        action: &Action,
+        clock: &mut Clock<'_>,
+    ) -> Result<Option<String>> {
         if let Action::Train { agent, config, .. } = action {
             if own.is_trained(agent) {
                 return Ok(other_training(own, agent, config));
@@ -76,17 +113,20 @@ impl Runner<'_> {
             own.set_config(config)?;
         }
         let result = matches!(action, Action::Measure(_)).then(|| own.path().join(MEASURED));
-        self.carry_out(&Order::of(action, job), own.path(), &own.log(), result.as_deref())
+        self.carry_out(&Order::of(action, job), own.path(), &own.log(), result.as_deref(), &mut || {
+            clock.tick();
+        })
     }
 
     /// Carries out an order in a folder. Appends the command that does the same and the output to a log; the result goes to
-    /// the log, too, or to a file. Returns why it failed.
+    /// the log, too, or to a file. Calls `waiting` several times a second until then. Returns why it failed.
     pub(super) fn carry_out(
         &self,
         order: &Order,
         path: &Path,
         log: &Path,
         result: Option<&Path>,
+        waiting: &mut dyn FnMut(),
     ) -> Result<Option<String>> {
         let mut file = append(log).map_err(at(log))?;
         writeln!(file, "$ {}", order.command()).map_err(at(log))?;
@@ -94,7 +134,12 @@ impl Runner<'_> {
         let process = ActionProcess::start(&self.launcher, ACTION, order, |command| {
             command.current_dir(path).stdin(Stdio::null()).stdout(output).stderr(errors);
         });
-        let end = process.and_then(|process| process.wait(self.interrupted));
+        let end = process.and_then(|process| {
+            process.wait(|| {
+                waiting();
+                (self.interrupted)()
+            })
+        });
         let text = match end.map_err(at(self.launcher.program()))? {
             ActionEnd::Interrupted => return Err(Error::Interrupted),
             ActionEnd::Failed(why) => return Ok(Some(why)),

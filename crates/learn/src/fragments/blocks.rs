@@ -22,7 +22,7 @@ pub struct Block {
 impl Block {
     /// Returns the block that begins at `place` and has room for `steps` steps, and for a state of this width.
     pub(super) fn new(place: usize, steps: usize, widths: Widths, state: usize) -> Self {
-        let Widths { observation, action, parts } = widths;
+        let Widths { observation, action, parts, .. } = widths;
         Self { place, steps, observation, action, parts, state }
     }
 

@@ -30,7 +30,8 @@ impl GraphBuilding {
         let credit = match by_node {
             true => Credit::by_node(spaces, &plan, &graph, &owners),
             false => {
-                Credit::joint(Widths { observation: graph.width(), action: graph.actions.len(), parts: 1 })
+                let (observation, action, nodes) = (graph.width(), graph.actions.len(), graph.nodes());
+                Credit::joint(Widths { observation, action, parts: 1, nodes })
             }
         };
         Ok(Some(Self { plan, graph: Arc::new(graph), credit: Arc::new(credit) }))
@@ -39,6 +40,7 @@ impl GraphBuilding {
     /// Returns the widths of its observation, of its actions and of the parts of a reward.
     pub(crate) fn widths(&self) -> Widths {
         let Self { graph, credit, .. } = self;
-        Widths { observation: graph.width(), action: graph.actions.len(), parts: credit.parts().len() }
+        let (observation, action) = (graph.width(), graph.actions.len());
+        Widths { observation, action, parts: credit.parts().len(), nodes: graph.nodes() }
     }
 }

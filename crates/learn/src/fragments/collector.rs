@@ -40,7 +40,7 @@ pub struct FragmentCollector {
     /// Steps for which a decision is held, and the discount of their rewards.
     hold: usize,
     discount: f32,
-    /// Episodes in a building that the memory of a recurrent actor spans, and the width of its state.
+    /// Episodes in a building that the memory of an actor spans, and the width of its state in the largest building.
     pub(super) memory_episodes: u64,
     pub(super) state: usize,
     /// Factors of the penalty of discomfort.
@@ -77,7 +77,7 @@ impl FragmentCollector {
     ) -> Result<Self> {
         environments.reset(seed)?;
         let mut progress = Vec::with_capacity(environments.len());
-        let mut widths = Widths { observation: 0, action: 0, parts: 1 };
+        let mut widths = Widths { observation: 0, action: 0, parts: 1, nodes: 1 };
         let mut hold = 1;
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
@@ -85,11 +85,7 @@ impl FragmentCollector {
             let building = GraphBuilding::of(interface, by_zone, spaces)?;
             widths = widths.covering(match &building {
                 Some(building) => building.widths(),
-                None => {
-                    let (observation, action) = Pilot::new(interface, spaces)?.widths();
-                    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
-                    Widths { observation, action, parts }
-                }
+                None => flat_widths(interface, by_zone, spaces)?,
             });
             let attributes = attributes(interface.observation, spaces)?;
             progress.push(EnvironmentProgress::new(scale(spaces)? as f32, building, attributes));
@@ -198,7 +194,7 @@ impl FragmentCollector {
         if self.parameters.1 < numbers.len() {
             self.parameters = (self.environments.workers().reserve_memory(numbers.len())?, numbers.len());
         }
-        let state = actor.shape.state();
+        let state = self.state_of(actor);
         if self.blocks.1 < steps || self.state < state {
             (self.blocks, self.state) = ((0, self.blocks.1.max(steps)), state);
             let count = self.environments.len() * self.block(0).numbers();
@@ -207,6 +203,11 @@ impl FragmentCollector {
         self.progress.iter_mut().for_each(|progress| progress.state.resize(state, 0.0));
         self.memory.write(self.parameters.0, &numbers);
         Ok(())
+    }
+
+    /// Returns the width of an actor's state in the largest building.
+    pub(super) fn state_of(&self, actor: &Actor) -> usize {
+        actor.shape.state() * self.widths.nodes
     }
 
     pub(super) fn block(&self, environment: usize) -> Block {
@@ -360,7 +361,7 @@ impl FragmentCollector {
 
     /// Copies the blocks to a rollout.
     fn write(&self, steps: usize, rollout: &mut Rollout) {
-        let Widths { observation, action, parts } = self.widths;
+        let Widths { observation, action, parts, .. } = self.widths;
         rollout.resize(self.progress.len(), steps, self.widths);
         for (index, progress) in self.progress.iter().enumerate() {
             let block = self.block(index);
@@ -382,6 +383,13 @@ impl FragmentCollector {
             rollout.pairs.extend(pairs.map(|pair| pair[0].in_step_with(&pair[1], steps)));
         }
     }
+}
+
+/// Returns the widths of a network that is not a graph network.
+fn flat_widths(interface: Interface, by_zone: bool, spaces: &Arc<Spaces>) -> Result<Widths> {
+    let (observation, action) = Pilot::new(interface, spaces)?.widths();
+    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
+    Ok(Widths { observation, action, parts, nodes: 1 })
 }
 
 impl Collector for FragmentCollector {

@@ -52,7 +52,7 @@ impl FragmentCollector {
                 actions,
                 ..EnvironmentProgress::new(scale, building, attributes)
             };
-            progress.state = vec![0.0; actor.shape.state()];
+            progress.state = vec![0.0; self.state_of(actor)];
             if !progress.state.is_empty() && !progress.forgets(self.memory_episodes) {
                 state.read_f32(&state_of(index), &mut progress.state)?;
             }

@@ -1,6 +1,7 @@
 //! Training of networks over flat parameters: products of matrices, batched passes, initialization and optimization.
 
 mod adam;
+mod cell;
 pub mod graph;
 mod orthogonal;
 mod parallel;
@@ -11,12 +12,13 @@ mod schedule;
 
 pub use adam::{Adam, clip_norm};
 pub(crate) use b2b_agent::network::graph::sized;
+pub use cell::Sequences;
 pub use orthogonal::{InitialGains, orthogonal};
 pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
 pub use product::{Matrix, multiply};
+pub use recurrent::RecurrentPass;
 pub(crate) use recurrent::initialize as initialize_recurrent;
-pub use recurrent::{RecurrentPass, Sequences};
 pub use schedule::RateSchedule;
 
 #[cfg(test)]

@@ -27,6 +27,18 @@ pub(crate) fn forward(shape: &Mlp, parameters: &[f64], input: &[f64]) -> Vec<f64
     values
 }
 
+/// Replaces the state of a gated recurrent unit by the next one, given the inputs of its gates from the input and from the state.
+pub(crate) fn next_state(of_input: &[f64], of_state: &[f64], state: &mut [f64]) {
+    let (logistic, width) = (|x: f64| 1.0 / (1.0 + (-x).exp()), state.len());
+    for (unit, state) in state.iter_mut().enumerate() {
+        let [update, reset, candidate] = [0, 1, 2].map(|gate| gate * width + unit);
+        let z = logistic(of_input[update] + of_state[update]);
+        let r = logistic(of_input[reset] + of_state[reset]);
+        let n = (of_input[candidate] + r * of_state[candidate]).tanh();
+        *state = (1.0 - z) * n + z * *state;
+    }
+}
+
 /// Asserts that gradients equal the central finite differences of a loss.
 pub(crate) fn assert_gradients(at: &[f64], gradients: &[f32], loss: impl Fn(&[f64]) -> f64) {
     const STEP: f64 = 1e-6;

@@ -429,7 +429,7 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
     let acting = config.agent.acting;
     let base_controllers = match acting.is_supervision() {
         true => Some(format!("guideline36 revision {guideline36}")),
-        false => acting.is_correction().then_some(controllers),
+        false => acting.has_base().then_some(controllers),
     };
     TrainingInfo {
         algorithm: config.learner.name().into(),

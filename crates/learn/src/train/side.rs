@@ -51,20 +51,20 @@ impl TrainingSide {
         budget: &mut Budget,
     ) -> Result<()> {
         match &mut agent.policy {
-            PolicyConfig::Flat | PolicyConfig::Recurrent(_) if !self.is_one_type => {
+            PolicyConfig::Graph(graph) => graph.attributes |= self.gives_attributes,
+            _ if !self.is_one_type => {
                 return Err(Error::Invalid(format!(
                     "the buildings of {} are of several types, which are for graph networks; choose the preset graph",
                     self.name
                 )));
             }
-            PolicyConfig::Flat | PolicyConfig::Recurrent(_) => {
+            _ => {
                 agent.observation.attributes |= self.gives_attributes;
                 let has_roles = self.is_by_role && self.types == [BuildingType::SingleFamilyHouse];
                 if has_roles && agent.observation.form == ObservationForm::Raw {
                     agent.observation.form = ObservationForm::Roles;
                 }
             }
-            PolicyConfig::Graph(graph) => graph.attributes |= self.gives_attributes,
         }
         set.buildings = self.listed.iter().flatten().map(ToString::to_string).collect();
         set.building_type = match self.listed {

@@ -80,6 +80,9 @@ const RECURRENT: Interface = Interface {
 /// Graph networks of houses and offices.
 const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
 
+/// Graph networks of houses and offices with a memory.
+const REMEMBERING_GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: false }), ..RESIDUAL };
+
 /// Graph networks that supervise houses and offices.
 const GRAPH_SUPERVISORY: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..SUPERVISORY };
 
@@ -161,8 +164,9 @@ fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
         feed_forward: 16,
         activation: Activation::Relu,
         edges: Edges::Mixed,
+        memory: if interface == REMEMBERING_GRAPH { WIDTH } else { 0 },
     };
-    Ppo::of_graphs(&network, widths, config, true, seed).unwrap().actor()
+    Ppo::of_graphs((&network, 2), widths, config, true, seed).unwrap().actor()
 }
 
 /// Collects the rollouts with these numbers, each with its own actor.
@@ -185,9 +189,14 @@ fn rollouts(
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
     // With 32 steps, the episode ends on the last step of the third rollout.
-    for (interface, steps) in
-        [(DIRECT, 32), (RESIDUAL, STEPS), (RECURRENT, 32), (RECURRENT, STEPS), (GRAPH, STEPS)]
-    {
+    for (interface, steps) in [
+        (DIRECT, 32),
+        (RESIDUAL, STEPS),
+        (RECURRENT, 32),
+        (RECURRENT, STEPS),
+        (GRAPH, STEPS),
+        (REMEMBERING_GRAPH, 32),
+    ] {
         let ours = rollouts(&mut fragments(interface, 0.4), interface, 1..=4, steps);
         let theirs = rollouts(&mut lockstep(interface, 0.4), interface, 1..=4, steps);
         let ends = |rollouts: &[Rollout]| rollouts.iter().map(|each| each.ends.len()).collect::<Vec<_>>();
@@ -202,11 +211,15 @@ fn fragments_and_lockstep_collect_the_same_bits() {
 
 #[test]
 fn a_memory_of_two_episodes_is_the_same_bits_in_fragments_and_lockstep_and_after_a_restoration() {
+    [RECURRENT, REMEMBERING_GRAPH].into_iter().for_each(assert_a_memory_of_two_episodes);
+}
+
+fn assert_a_memory_of_two_episodes(interface: Interface) {
     let numbers = 1..=9;
-    let with = |collector: &mut dyn Collector| rollouts(collector, RECURRENT, numbers.clone(), STEPS);
-    let mut fragments_of_two = fragments(RECURRENT, 0.4).with_memory_episodes(2);
+    let with = |collector: &mut dyn Collector| rollouts(collector, interface, numbers.clone(), STEPS);
+    let mut fragments_of_two = fragments(interface, 0.4).with_memory_episodes(2);
     let all = with(&mut fragments_of_two);
-    assert!(all == with(&mut lockstep(RECURRENT, 0.4).with_memory_episodes(2)));
+    assert!(all == with(&mut lockstep(interface, 0.4).with_memory_episodes(2)));
     // Episodes of 96 steps end in rollouts of 34 steps after 96, 192 and 288 steps: the memory begins anew after the second.
     let starts = |rollouts: &[Rollout]| -> Vec<(usize, usize)> {
         let of_first = |(number, each): (usize, &Rollout)| {
@@ -216,18 +229,20 @@ fn a_memory_of_two_episodes_is_the_same_bits_in_fragments_and_lockstep_and_after
         rollouts.iter().enumerate().flat_map(of_first).collect()
     };
     assert_eq!(starts(&all), [(0, 0), (5, 22)]);
-    let one = with(&mut fragments(RECURRENT, 0.4));
+    let one = with(&mut fragments(interface, 0.4));
     assert_eq!(starts(&one), [(0, 0), (2, 28), (5, 22), (8, 16)]);
     assert!(one[..2] == all[..2] && one[2] != all[2]);
-    assert!(all.iter().all(|each| each.states.len() == ENVIRONMENTS * WIDTH));
+    let width = fragments_of_two.widths().nodes * WIDTH;
+    assert!(all.iter().all(|each| each.states.len() == ENVIRONMENTS * width));
+    assert!(all[2..].iter().all(|each| each.states.iter().any(|value| *value != 0.0)));
     // In the middle of the second episode of a memory.
-    let mut whole = fragments(RECURRENT, 0.4).with_memory_episodes(2);
-    rollouts(&mut whole, RECURRENT, 1..=4, STEPS);
-    let mut restored = fragments(RECURRENT, 0.4).with_memory_episodes(2);
-    let any = actor(restored.widths(), RECURRENT, 0);
+    let mut whole = fragments(interface, 0.4).with_memory_episodes(2);
+    rollouts(&mut whole, interface, 1..=4, STEPS);
+    let mut restored = fragments(interface, 0.4).with_memory_episodes(2);
+    let any = actor(restored.widths(), interface, 0);
     restored.restore(&State::from_bytes(&whole.state().to_bytes()).unwrap(), &any).unwrap();
     assert!(restored.state() == whole.state());
-    assert!(rollouts(&mut restored, RECURRENT, 5..=9, STEPS) == all[4..]);
+    assert!(rollouts(&mut restored, interface, 5..=9, STEPS) == all[4..]);
 }
 
 /// The controller of an agent, with its actions.
@@ -257,11 +272,14 @@ fn training_and_evaluation_act_and_remember_alike() {
     let form = ObservationForm::Features;
     let features =
         Interface { observation: ObservationOptions { form, ..RECURRENT.observation }, ..RECURRENT };
-    for (interface, hold) in [(RECURRENT, 1), (Interface { acting: SUPERVISORY.acting, ..features }, 4)] {
+    let supervisory = Interface { acting: SUPERVISORY.acting, ..features };
+    for (interface, hold) in [(RECURRENT, 1), (supervisory, 4), (REMEMBERING_GRAPH, 1)] {
         let mut collector = fragments(interface, 0.0);
         let width = collector.widths().action;
-        let distribution = Distribution::Gaussian { log_std: vec![-80.0; width] };
-        let quiet = Arc::new(Actor { distribution, ..actor(collector.widths(), interface, 1) });
+        let mut quiet = actor(collector.widths(), interface, 1);
+        let Distribution::Gaussian { log_std } = &mut quiet.distribution else { panic!("a Gaussian") };
+        log_std.fill(-80.0);
+        let quiet = Arc::new(quiet);
         let mut rollout = Rollout::default();
         collector.collect(&quiet, DAY / hold, &mut rollout).unwrap();
         let mut env = house(interface);
@@ -408,6 +426,7 @@ fn a_restored_collection_of_recurrent_networks_continues_with_the_same_bits() {
 #[test]
 fn a_restored_collection_of_graphs_continues_with_the_same_bits() {
     a_restored_collection_continues(GRAPH);
+    a_restored_collection_continues(REMEMBERING_GRAPH);
 }
 
 #[test]

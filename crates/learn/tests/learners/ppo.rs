@@ -1,8 +1,9 @@
 //! Learning of toy environments by PPO, and the time of an update.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_agent::network::Actor;
+use b2b_agent::network::{Actor, Graph};
 use b2b_learn::collector::Collector;
 use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{LogStd, Ppo, PpoConfig};
@@ -15,7 +16,12 @@ const SEEDS: [u64; 3] = [0, 1, 2];
 
 /// Returns the mean return of the actor without exploration.
 pub fn evaluate<T: Toy>(actor: &Actor) -> f64 {
-    let (mut scratch, mut steps) = (actor.scratch(None), 0);
+    evaluate_in::<T>(actor, None)
+}
+
+/// Like [`evaluate`], with the building of a graph network.
+pub fn evaluate_in<T: Toy>(actor: &Actor, graph: Option<&Arc<Graph>>) -> f64 {
+    let (mut scratch, mut steps) = (actor.scratch(graph), 0);
     mean_return::<T>(20, |observation, action| {
         if steps % T::STEPS == 0 {
             scratch.state_mut().fill(0.0);
@@ -118,7 +124,7 @@ fn constant_and_proportional_heating_are_the_reference_of_the_rooms() {
 #[test]
 #[ignore = "measures time"]
 fn time_of_an_update() {
-    let widths = Widths { observation: 11, action: 2, parts: 1 };
+    let widths = Widths { observation: 11, action: 2, parts: 1, nodes: 1 };
     let hidden = vec![256, 256];
     let config = PpoConfig {
         actor_hidden: hidden.clone(),

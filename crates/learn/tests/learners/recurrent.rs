@@ -1,13 +1,17 @@
 //! Learning of a toy environment with a hidden context by recurrent PPO.
 
+use std::sync::Arc;
+
 use b2b_agent::Agent;
+use b2b_agent::network::graph::{ActionPlace, NodeWidths};
+use b2b_agent::network::{Activation, Edges, Graph, GraphNetwork};
 use b2b_learn::collector::Collector;
 use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{Ppo, PpoConfig};
-use b2b_learn::rollout::Rollout;
+use b2b_learn::rollout::{Rollout, Widths};
 use b2b_learn::train::{RecurrentPolicy, TrainConfig};
 
-use super::ppo::evaluate;
+use super::ppo::evaluate_in;
 use super::random_search::run;
 use super::toy::{Hidden, Local, Toy};
 
@@ -27,20 +31,20 @@ fn config() -> PpoConfig {
     }
 }
 
-/// Returns the mean return without exploration after the updates.
-fn train<const SEEN: bool>(policy: Option<&RecurrentPolicy>, seed: u64) -> f64 {
-    let mut collector = Local::<Hidden<SEEN>>::new(ENVIRONMENTS, seed);
-    let widths = collector.widths();
-    let mut ppo = match policy {
-        Some(policy) => Ppo::recurrent(policy, widths, config(), seed).unwrap(),
-        None => Ppo::new(widths, config(), seed).unwrap(),
-    };
+/// Returns the mean return without exploration after the updates of a learner of these widths, in a building for graph networks.
+fn train<const SEEN: bool>(
+    graphs: &[Arc<Graph>],
+    seed: u64,
+    learner: impl Fn(Widths) -> b2b_learn::Result<Ppo>,
+) -> f64 {
+    let mut collector = Local::<Hidden<SEEN>>::new(ENVIRONMENTS, seed).with_graphs(graphs.to_vec());
+    let mut ppo = learner(collector.widths()).unwrap();
     let mut rollout = Rollout::default();
     for _ in 0..UPDATES {
         collector.collect(&ppo.actor(), config().n_steps, &mut rollout).unwrap();
         assert_eq!(ppo.update(&rollout).unwrap().skipped, 0);
     }
-    evaluate::<Hidden<SEEN>>(&ppo.actor())
+    evaluate_in::<Hidden<SEEN>>(&ppo.actor(), graphs.last())
 }
 
 #[test]
@@ -49,29 +53,63 @@ fn memory_reaches_the_return_of_a_context_in_sight_and_no_memory_does_not() {
     for (sequence, seeds) in [(20, 0..2), (10, 2..3)] {
         let policy = RecurrentPolicy { width: 16, sequence, ..RecurrentPolicy::default() };
         for seed in seeds {
-            let seen = train::<true>(None, seed);
-            let [with, without] = [Some(&policy), None].map(|policy| train::<false>(policy, seed));
+            let flat = |widths| Ppo::new(widths, config(), seed);
+            let (seen, without) = (train::<true>(&[], seed, flat), train::<false>(&[], seed, flat));
+            let with = train::<false>(&[], seed, |widths| Ppo::recurrent(&policy, widths, config(), seed));
             println!("sequences of {sequence}: seen {seen:.1}, memory {with:.1}, no memory {without:.1}");
             assert!(seen > 19.0 && with > seen - 2.0 && without < 5.0, "{seen} {with} {without}");
         }
     }
 }
 
+/// Returns a building of a node that acts and of others, which only pay attention.
+fn building(others: usize) -> Arc<Graph> {
+    let nodes = 1 + others;
+    Arc::new(Graph {
+        names: (0..nodes).map(|node| format!("node {node}")).collect(),
+        types: (0..nodes).map(|node| node.min(1)).collect(),
+        features: std::iter::once(0).chain(std::iter::repeat_n(3, nodes)).collect(),
+        actions: vec![ActionPlace { node: 0, output: 0, number: 0 }],
+        relations: vec![0; nodes * nodes],
+    })
+}
+
+#[test]
+fn a_memory_of_nodes_reaches_the_return_of_a_context_in_sight_in_buildings_of_two_sizes() {
+    let graphs = [building(1), building(3)];
+    let network = |memory| GraphNetwork {
+        types: vec![NodeWidths { features: 3, outputs: 1 }, NodeWidths { features: 0, outputs: 0 }],
+        embedding: 16,
+        heads: 2,
+        layers: 1,
+        feed_forward: 16,
+        activation: Activation::Tanh,
+        edges: Edges::None,
+        memory,
+    };
+    let of = |memory: usize, sequence: usize| {
+        move |widths| Ppo::of_graphs((&network(memory), sequence), widths, config(), true, 0)
+    };
+    let (seen, without) = (train::<true>(&graphs, 0, of(0, 1)), train::<false>(&graphs, 0, of(0, 1)));
+    let with = [20, 10].map(|sequence| train::<false>(&graphs, 0, of(16, sequence)));
+    println!("seen {seen:.1}, memory {with:.1?} with sequences of 20 and 10, no memory {without:.1}");
+    assert!(seen > 18.5 && with.iter().all(|with| *with > seen - 2.0) && without < 5.0);
+}
+
 const OPTIONS: &str = "
-    preset = 'recurrent'
     buildings = ['SingleFamilyHouse-0014']
     period = '01-10..01-11'
     environments = 2
     window_days = 0
     steps = 1728
-    policy = { kind = 'recurrent', width = 16, sequence = 48, memory_episodes = 2 }
     mirrored_noise = false
     evaluation = { every = 0, whole_period = false }
     ppo = { n_steps = 144, batch_size = 96 }";
 
-#[test]
-fn a_run_that_is_resumed_in_the_middle_of_an_episode_learns_the_same_weights() {
-    let config = TrainConfig::default().with_changes(OPTIONS).unwrap();
+/// Asserts that a run ends with the same weights if it is resumed twice, and returns the agent.
+fn assert_resumes(preset: &str, policy: &str) -> Agent {
+    let config = TrainConfig::preset(preset).unwrap();
+    let config = config.with_changes(&format!("policy = {policy}\n{OPTIONS}")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
     run(&config, &whole);
@@ -83,7 +121,18 @@ fn a_run_that_is_resumed_in_the_middle_of_an_episode_learns_the_same_weights() {
     let [whole, parts] = [whole, parts].map(|folder| Agent::read(&folder).unwrap());
     assert_eq!(whole.info().training.steps, 1728);
     assert_eq!(whole.info().weights, parts.info().weights);
-    assert!(whole.actor().shape.recurrent().is_some() && whole.info().interface.observation.feedback);
+    whole
+}
+
+#[test]
+fn a_run_that_is_resumed_in_the_middle_of_an_episode_learns_the_same_weights() {
+    let agent =
+        assert_resumes("recurrent", "{ kind = 'recurrent', width = 16, sequence = 48, memory_episodes = 2 }");
+    assert!(agent.actor().shape.recurrent().is_some() && agent.info().interface.observation.feedback);
+    let sizes = "embedding = 16, heads = 2, layers = 1, feed_forward = 16";
+    let agent =
+        assert_resumes("graph", &format!("{{ kind = 'graph', {sizes}, memory = 8, memory_episodes = 2 }}"));
+    assert_eq!(agent.actor().shape.state(), 8);
 }
 
 #[test]

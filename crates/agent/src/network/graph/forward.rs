@@ -6,9 +6,10 @@ use super::attention::{EdgeScores, attend};
 use super::buffer::sized;
 use super::layer_norm::{NormTape, normalize};
 use super::network::GraphNetwork;
-use super::places::{BlockPlaces, Places};
+use super::places::{BlockPlaces, MemoryPlaces, Places};
 use super::topology::Graph;
 use crate::network::Layer;
+use crate::network::recurrent::step;
 
 /// Limit of a normalized feature, in standard deviations.
 pub(crate) const LARGEST: f32 = 10.0;
@@ -63,7 +64,7 @@ pub struct Tape {
     pub inputs: Vec<Vec<f32>>,
     /// Layers of the transformer.
     pub blocks: Vec<BlockTape>,
-    /// Normalization before the decoders.
+    /// Normalization after the transformer.
     pub norm: NormTape,
     /// Inputs of the decoder of each type.
     pub decoded: Vec<Vec<f32>>,
@@ -75,6 +76,8 @@ pub struct Tape {
     change: Vec<f32>,
     /// Keys of a head of one building.
     keys: Vec<f32>,
+    /// Inputs of the gates from the embeddings, and from the states.
+    gates: [Vec<f32>; 2],
 }
 
 /// The tokens of a row, and its attention.
@@ -111,12 +114,32 @@ impl Tape {
         self.types.len()
     }
 
-    /// Computes the outputs of all nodes of a batch. `linear` computes the linear layers; everything else has the same
-    /// bits on every machine.
+    /// Computes the outputs of all nodes of a batch, and replaces the states of its tokens, tokens × width, by the next ones.
+    /// `linear` computes the linear layers; everything else has the same bits on every machine.
+    ///
+    /// # Panics
+    /// If the length of the parameters, the rows or the states does not match the shape.
+    pub fn forward(
+        &mut self,
+        network: &GraphNetwork,
+        places: &Places,
+        parameters: &[f32],
+        batch: Batch<'_>,
+        states: &mut [f32],
+        linear: Linear,
+    ) {
+        self.embed(network, places, parameters, batch, linear);
+        if let Some(memory) = &places.memory {
+            self.remember(memory, parameters, states, linear);
+        }
+        self.decode(network, places, parameters, states, linear);
+    }
+
+    /// Computes the normalized embeddings of all nodes of a batch.
     ///
     /// # Panics
     /// If the length of the parameters or the rows does not match the shape.
-    pub fn forward(
+    pub fn embed(
         &mut self,
         network: &GraphNetwork,
         places: &Places,
@@ -133,7 +156,24 @@ impl Tape {
         }
         let stream = &self.stream[..self.types.len() * network.embedding];
         normalize(stream, network.embedding, &places.norm, parameters, &mut self.norm);
-        self.decode(network, places, parameters, linear);
+    }
+
+    /// Returns the normalized embeddings: tokens × embedding.
+    pub fn embeddings(&self, network: &GraphNetwork) -> &[f32] {
+        &self.norm.outputs[..self.tokens() * network.embedding]
+    }
+
+    /// Replaces the states of the tokens by the next ones.
+    fn remember(&mut self, memory: &MemoryPlaces, parameters: &[f32], states: &mut [f32], linear: Linear) {
+        let (tokens, MemoryPlaces { input, cell }) = (self.types.len(), memory);
+        assert_eq!(states.len(), tokens * cell.inputs, "states of the nodes");
+        let [of_input, of_state] = self.gates.each_mut().map(|gates| sized(gates, tokens * cell.outputs));
+        linear(input, parameters, &self.norm.outputs[..tokens * input.inputs], of_input);
+        linear(cell, parameters, states, of_state);
+        let gates = of_input.chunks_exact_mut(cell.outputs).zip(of_state.chunks_exact(cell.outputs));
+        for ((of_input, of_state), state) in gates.zip(states.chunks_exact_mut(cell.inputs)) {
+            step(of_input, of_state, state);
+        }
     }
 
     /// Assigns the nodes of the batch to tokens.
@@ -260,8 +300,17 @@ impl Tape {
         stream.iter_mut().zip(change).for_each(|(sum, change)| *sum += *change);
     }
 
-    fn decode(&mut self, network: &GraphNetwork, places: &Places, parameters: &[f32], linear: Linear) {
-        let width = network.embedding;
+    /// Computes the outputs of all nodes from their embeddings or, with a memory, from their states: tokens × width.
+    pub fn decode(
+        &mut self,
+        network: &GraphNetwork,
+        places: &Places,
+        parameters: &[f32],
+        states: &[f32],
+        linear: Linear,
+    ) {
+        let width = network.decoded();
+        let inputs = if network.memory > 0 { states } else { &self.norm.outputs };
         for (index, layer) in places.decoders.iter().enumerate() {
             let count = self.counts[index];
             if count == 0 || layer.outputs == 0 {
@@ -269,8 +318,7 @@ impl Tape {
             }
             let decoded = sized(&mut self.decoded[index], count * width);
             for (token, place) in tokens_of(index, &self.types, &self.places) {
-                let embedded = &self.norm.outputs[token * width..][..width];
-                decoded[place * width..][..width].copy_from_slice(embedded);
+                decoded[place * width..][..width].copy_from_slice(&inputs[token * width..][..width]);
             }
             linear(layer, parameters, decoded, sized(&mut self.outputs[index], count * layer.outputs));
         }

@@ -3,7 +3,8 @@
 //!
 //! 1. A linear encoder per node type maps the features of each node to the embedding.
 //! 2. A transformer (pre-norm, no causal mask) lets every node attend to every other.
-//! 3. A linear decoder per node type maps the embedding of each node to its outputs.
+//! 3. With a memory, a gated recurrent unit that all nodes share maps the embedding of each node to its next state.
+//! 4. A linear decoder per node type maps the embedding or the state of each node to its outputs.
 //!
 //! A [`GraphNetwork`] covers all node types; a [`Graph`] is one building. A batch may mix buildings: their nodes are
 //! one list of tokens without padding, and only attention separates the buildings ([`Tape::forward`]).
@@ -23,5 +24,5 @@ pub use forward::{Batch, BlockTape, Linear, Span, Tape};
 pub(crate) use layer_norm::EPSILON;
 pub use layer_norm::{NormTape, lane_sum};
 pub use network::{Edges, GraphNetwork, NodeWidths};
-pub use places::{BlockPlaces, EncoderPlaces, NormPlaces, Places};
+pub use places::{BlockPlaces, EncoderPlaces, MemoryPlaces, NormPlaces, Places};
 pub use topology::{ActionPlace, Graph, REACHES, RELATIONS};

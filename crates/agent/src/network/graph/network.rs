@@ -21,6 +21,20 @@ pub struct GraphNetwork {
     pub activation: Activation,
     /// How attention uses the edges.
     pub edges: Edges,
+    /// Width of the state of each node, which a gated recurrent unit after the transformer keeps; 0 for no memory.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub memory: usize,
+}
+
+impl GraphNetwork {
+    /// Returns the width of the inputs of the decoders: of a node's state or, without a memory, of its embedding.
+    pub fn decoded(&self) -> usize {
+        if self.memory > 0 { self.memory } else { self.embedding }
+    }
+}
+
+fn is_zero(width: &usize) -> bool {
+    *width == 0
 }
 
 /// The widths of a node type.

@@ -6,6 +6,7 @@ use b2b_building::morphology::NodeType;
 
 use super::network::{Edges, GraphNetwork};
 use super::topology::RELATIONS;
+use crate::network::recurrent::GATES;
 use crate::network::{Layer, Tensor};
 
 /// Ranges of the parameters of a graph network in one slice.
@@ -15,8 +16,10 @@ pub struct Places {
     pub encoders: Vec<EncoderPlaces>,
     /// Layers of the transformer.
     pub blocks: Vec<BlockPlaces>,
-    /// Normalization before the decoders.
+    /// Normalization after the transformer.
     pub norm: NormPlaces,
+    /// The memory of the nodes, if they have one.
+    pub memory: Option<MemoryPlaces>,
     /// Decoder of each type.
     pub decoders: Vec<Layer>,
     parameters: usize,
@@ -53,6 +56,15 @@ pub struct BlockPlaces {
     pub narrowing: Layer,
 }
 
+/// Ranges of a gated recurrent unit: see [`recurrent`](crate::network::recurrent). All nodes share it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryPlaces {
+    /// From the normalized embedding to the inputs of the gates.
+    pub input: Layer,
+    /// From the state to the inputs of the gates.
+    pub cell: Layer,
+}
+
 /// Ranges of a layer normalization.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NormPlaces {
@@ -79,12 +91,16 @@ impl Allocation {
     fn norm(&mut self, width: usize) -> NormPlaces {
         NormPlaces { gain: self.take(width), bias: self.take(width) }
     }
+
+    fn memory(&mut self, inputs: usize, state: usize) -> MemoryPlaces {
+        MemoryPlaces { input: self.layer(inputs, GATES * state), cell: self.layer(state, GATES * state) }
+    }
 }
 
 impl GraphNetwork {
     /// Returns the ranges of the parameters.
     pub fn places(&self) -> Places {
-        let Self { types, embedding, heads, layers, feed_forward, edges, .. } = self;
+        let Self { types, embedding, heads, layers, feed_forward, edges, memory, .. } = self;
         let (width, mut at) = (*embedding, Allocation(0));
         let encoders = types
             .iter()
@@ -107,8 +123,9 @@ impl GraphNetwork {
             })
             .collect();
         let norm = at.norm(width);
-        let decoders = types.iter().map(|node| at.layer(width, node.outputs)).collect();
-        Places { encoders, blocks, norm, decoders, parameters: at.0 }
+        let memory = (*memory > 0).then(|| at.memory(width, *memory));
+        let decoders = types.iter().map(|node| at.layer(self.decoded(), node.outputs)).collect();
+        Places { encoders, blocks, norm, memory, decoders, parameters: at.0 }
     }
 }
 
@@ -155,6 +172,9 @@ impl Places {
             tensors.extend(block.narrowing.tensors(&name("narrowing")));
         }
         tensors.extend(norm("norm", &self.norm));
+        if let Some(MemoryPlaces { input, cell }) = &self.memory {
+            tensors.extend(input.tensors("memory.input").into_iter().chain(cell.tensors("memory.cell")));
+        }
         let decoders = self.decoders.iter().enumerate();
         tensors.extend(
             decoders.flat_map(|(index, layer)| layer.tensors(&format!("decoders.{}", name_of(index)))),

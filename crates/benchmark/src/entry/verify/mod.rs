@@ -341,7 +341,7 @@ fn compare(
 ) -> Result<CheckOutcome> {
     let (mut here, step_rewards, there) = match (outcome, row.outcome.clone()) {
         (Ok(finished), Ok(there)) => (finished.record, finished.step_rewards, there),
-        (Err(lost), _) | (_, Err(lost)) => return Ok(Err(format!("it was lost: {lost}"))),
+        (Err(lost), _) | (_, Err(lost)) => return Ok(Err(format!("the episode was lost: {lost}"))),
     };
     // The policy is named after the user's file.
     here.info.policy.clone_from(&row.info.policy);

@@ -31,7 +31,7 @@ pub(super) fn is_of(row: &EpisodeResult, episode: &EpisodePlan) -> bool {
         && row.metrics().is_none_or(|metrics| metrics.steps as u64 == episode.steps())
 }
 
-/// Returns whether a row has the place of its building, and the climate zone where the dataset lists it.
+/// Returns whether a row has its building's place and, if the dataset lists one, climate zone.
 fn is_at(row: &EpisodeResult, episode: &EpisodePlan) -> bool {
     let BuildingName::Id(id) = episode.subject.name else { return true };
     let building = &b2b_dataset::row(id).building;
@@ -48,7 +48,7 @@ pub(super) fn scores(stages: &[(Stage, Vec<EpisodeResult>)]) -> CheckOutcome {
 }
 
 fn score(row: &EpisodeResult) -> Result<(), String> {
-    let scored = row.outcome.as_ref().map_err(|lost| format!("it was lost: {lost}"))?;
+    let scored = row.outcome.as_ref().map_err(|lost| format!("the episode was lost: {lost}"))?;
     let EpisodeMetrics { episode_return, temperature_penalty, energy_penalty, steps, .. } = scored.metrics;
     let sum = -temperature_penalty - energy_penalty;
     if !near(episode_return, sum) {
@@ -66,7 +66,7 @@ fn score(row: &EpisodeResult) -> Result<(), String> {
     let Scores { score, resolved } =
         baseline.scores(&scored.metrics, scored.resource, row.info.steps_per_hour);
     if score.is_none() || score != scored.score {
-        return Err(format!("the score is {:?}; relative to the baseline it is {score:?}", scored.score));
+        return Err(format!("the score is {:?}; the baseline gives {score:?}", scored.score));
     }
     if resolved.is_none() || resolved != scored.resolved_score {
         return Err(format!("the resolved score is {:?}; expected {resolved:?}", scored.resolved_score));
@@ -109,12 +109,14 @@ pub(super) fn baselines(
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
             if !same(there, &here, ROUNDING) {
-                return Err(wrong(there, "another row with the same episode"));
+                return Err(wrong(there, "another row of the same episode"));
             }
             rows_checked += 1;
         }
     }
-    Ok(format!("equal where they are the same; {rows_known} of {rows_checked} compared with known ones"))
+    Ok(format!(
+        "rows with the same baseline agree; {rows_known} of {rows_checked} agree with known baselines"
+    ))
 }
 
 /// Checks the amount of the task's resource in the episode and in its baseline. Older results have neither.

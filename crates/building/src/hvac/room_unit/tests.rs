@@ -1,4 +1,4 @@
-//! The edits on units of rooms.
+//! Tests of how a room unit is made controllable.
 
 use std::path::Path;
 
@@ -50,7 +50,7 @@ fn edit(model: &mut Model) -> Result<RoomUnit> {
 }
 
 #[test]
-fn a_fan_coil_becomes_the_unit_of_an_air_loop_of_its_own() {
+fn a_fan_coil_becomes_a_unitary_system_on_its_own_air_loop() {
     let mut model = fan_coil();
     let system = edit(&mut model).unwrap();
     let [served] = &served_zones(&model, "FC Air Loop").unwrap()[..] else { panic!("one zone") };
@@ -84,7 +84,7 @@ fn a_room_with_dedicated_outdoor_air_returns_air_to_both_loops() {
     let connections = model.require_mut("ZoneHVAC:EquipmentConnections", "C").unwrap();
     connections.insert("zone_return_air_node_or_nodelist_name".into(), json!("To Outdoor Air"));
     let nodes = json!({"outlet_node_name": "X", "nodes": [{"inlet_node_name": "to outdoor air"}]});
-    model.insert("AirLoopHVAC:ZoneMixer", "Theirs", nodes);
+    model.insert("AirLoopHVAC:ZoneMixer", "Outdoor Air Mixer", nodes);
     edit(&mut model).unwrap();
     let connections = model.require("ZoneHVAC:EquipmentConnections", "C").unwrap();
     let list = text(connections, "zone_return_air_node_or_nodelist_name").unwrap();
@@ -92,7 +92,7 @@ fn a_room_with_dedicated_outdoor_air_returns_air_to_both_loops() {
 }
 
 #[test]
-fn the_schedule_of_outdoor_air_becomes_that_of_the_damper() {
+fn the_outdoor_air_schedule_becomes_the_damper_s_schedule() {
     let mut model = fan_coil();
     let system = edit(&mut model).unwrap();
     let damper = system.ventilation().unwrap().damper.as_ref().unwrap();
@@ -102,7 +102,7 @@ fn the_schedule_of_outdoor_air_becomes_that_of_the_damper() {
 }
 
 #[test]
-fn a_unit_that_feeds_a_mixer_or_takes_air_from_elsewhere_is_refused_by_name() {
+fn a_unit_whose_nodes_are_not_its_zone_s_is_refused_by_name() {
     for (field, why) in [
         ("zone_air_inlet_node_or_nodelist_name", "not an inlet node of its zone"),
         ("zone_air_exhaust_node_or_nodelist_name", "not an exhaust node of its zone"),
@@ -127,7 +127,7 @@ fn a_unit_without_outdoor_air_has_no_mixer() {
 }
 
 #[test]
-fn a_unit_that_changes_the_air_of_its_room_every_minute_is_refused() {
+fn a_unit_with_more_than_60_air_changes_per_hour_is_refused() {
     let mut model = fan_coil();
     let zone = model.require_mut("Zone", "Room").unwrap();
     zone.insert("volume".into(), json!(0.3 * 60.0 + 1.0));

@@ -156,8 +156,11 @@ fn flat_and_recurrent_networks_export_to_onnx_and_score_alike() {
 fn a_graph_network_exports_to_onnx_for_a_building_and_scores_alike() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    for edges in ["bias", "mixed"] {
-        let config = GRAPH.replace("bias", edges).replace("layers = 1", "layers = 2");
+    for edges in ["bias", "mixed", "memory"] {
+        let config = match edges {
+            "memory" => GRAPH.replace("layers = 1", "layers = 1, memory = 12"),
+            _ => GRAPH.replace("bias", edges).replace("layers = 1", "layers = 2"),
+        };
         std::fs::write(path.join("graph.toml"), config).unwrap();
         let run = format!("train --config graph.toml --steps 192 --direct --observation raw --out {edges}");
         let output = b2b(path, &run);

@@ -63,7 +63,7 @@ fn show_as_json_has_the_description_and_the_morphology() {
     }
 }
 
-/// The warehouse has floors with a corner turned in.
+/// The warehouse has floors with a reentrant corner.
 #[test]
 fn the_page_of_a_building_draws_every_surface_at_its_size_and_needs_no_network() {
     let sandbox = Sandbox::new();

@@ -78,7 +78,7 @@ fn a_unitary_system_in_its_room_follows_its_commands() {
 }
 
 #[test]
-fn fan_coils_beside_dedicated_outdoor_air_are_driven_and_their_energy_is_that_of_the_meters() {
+fn fan_coils_beside_dedicated_outdoor_air_are_driven_and_their_energy_equals_the_meters() {
     let case = Case::imported("RefBldgLargeHotelNew2004_Chicago.idf", CHICAGO);
     assert_eq!(kinds(&case, "room_unit"), 9);
     let outdoor_air =

@@ -54,7 +54,7 @@ fn a_model_with_a_thermostat_only_is_controlled_through_both_setpoints_whatever_
 }
 
 #[test]
-fn crossing_setpoints_are_kept_apart_and_energy_is_that_of_the_meters() {
+fn crossing_setpoints_are_kept_apart_and_energy_equals_the_meters() {
     let case = Case::of_user(&room(), Controls::default());
     let mut env = case.env(DAY).observe_effects();
     let mut dice = Dice::new(env.action_space(), 3);

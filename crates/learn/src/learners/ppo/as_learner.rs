@@ -7,7 +7,6 @@ use super::learner::Ppo;
 use super::update::Update;
 use crate::error::Result;
 use crate::learner::{Abilities, Learner, LearnerOptions, LearnerSetting};
-use crate::policy::PolicyConfig;
 use crate::random::RandomStream;
 use crate::rollout::Rollout;
 use crate::state::State;
@@ -98,15 +97,10 @@ impl LearnerOptions for PpoConfig {
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
         let LearnerSetting { widths, seed, policy, .. } = *setting;
         let gamma = setting.discount_of_decision(self.gamma);
-        let own = Self { gamma, credit: setting.credit.clone(), ..self.clone() };
-        let mut ppo = match policy {
-            PolicyConfig::Flat => Ppo::new(widths, own, seed)?,
-            PolicyConfig::Recurrent(policy) => Ppo::recurrent(policy, widths, own, seed)?,
-            PolicyConfig::Graph(policy) => {
-                let network = policy.network(setting.interface);
-                Ppo::of_graphs(&network, widths, Self { credit: None, ..own }, policy.normalize, seed)?
-            }
-        };
+        // Graph networks take credit from their scenes.
+        let credit = setting.credit.clone().filter(|_| !policy.is_graph());
+        let own = Self { gamma, credit, ..self.clone() };
+        let mut ppo = Ppo::of_policy(policy, setting.interface, widths, own, seed)?;
         ppo.set_threads(setting.threads);
         Ok(Box::new(ppo))
     }

@@ -1,14 +1,14 @@
 use std::sync::Arc;
 
-use b2b_agent::network::graph::{ActionPlace, Edges, NodeWidths};
-use b2b_agent::network::{Activation, Graph, GraphNetwork};
+use b2b_agent::network::graph::{ActionPlace, Batch, Edges, NodeWidths, Tape};
+use b2b_agent::network::{Activation, Graph, GraphNetwork, Layer};
 
 use super::config::{LogStd, PpoConfig};
 use super::learner::Ppo;
-use super::worker::{Minibatch, Worker};
+use super::worker::{ACTOR, CRITIC, Minibatch, Worker};
 use crate::credit::Credit;
 use crate::learner::Learner as _;
-use crate::nn::graph::reference;
+use crate::nn::graph::reference::{self, Tokens};
 use crate::nn::reference::{assert_gradients, wide};
 use crate::random::RandomStream;
 use crate::rollout::{End, Rollout, Scene};
@@ -16,7 +16,7 @@ use crate::state::State;
 use crate::widths::Widths;
 
 /// The largest building has three zones of two features and one action, and a node of one feature without actions.
-const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1 };
+const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1, nodes: 4 };
 /// With a reward part for each node.
 const BY_NODE: Widths = Widths { parts: 4, ..WIDTHS };
 
@@ -29,6 +29,7 @@ fn network() -> GraphNetwork {
         feed_forward: 6,
         activation: Activation::Tanh,
         edges: Edges::None,
+        memory: 0,
     }
 }
 
@@ -58,7 +59,7 @@ fn config(log_std: LogStd) -> PpoConfig {
 }
 
 fn learner(log_std: LogStd, seed: u64) -> Ppo {
-    Ppo::of_graphs(&network(), WIDTHS, config(log_std), true, seed).unwrap()
+    Ppo::of_graphs((&network(), 1), WIDTHS, config(log_std), true, seed).unwrap()
 }
 
 /// Returns random steps of two environments; the second changes from a building of three zones to a building of two.
@@ -107,7 +108,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_restar
     for log_std in [LogStd::Free, LogStd::OfState] {
         let run = |threads: usize| {
             let config = PpoConfig { batch_size: 300, ..config(log_std) };
-            let mut ppo = Ppo::of_graphs(&network(), WIDTHS, config, true, 3).unwrap();
+            let mut ppo = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 3).unwrap();
             ppo.set_threads(threads);
             (0..2).for_each(|seed| assert_eq!(ppo.update(&rollout(150, seed)).unwrap().skipped, 0));
             ppo.state()
@@ -144,15 +145,33 @@ fn features_are_normalized_over_all_nodes_of_a_type() {
     }
 }
 
+/// Sets the states of the nodes before a row that begins a sequence or forgets.
+fn begin(batch: &Minibatch<'_>, row: usize, network: usize, states: &mut Tokens) {
+    let (networks, nodes) = (batch.networks, batch.graphs[batch.samples.scenes[row]].nodes());
+    let (length, stride) = (networks.sequence, networks.states()[network]);
+    if stride == 0 {
+        return;
+    }
+    if batch.samples.starts[row] {
+        *states = vec![vec![0.0; MEMORY]; nodes];
+    } else if row % length == 0 {
+        let given = &batch.samples.states[network][row / length * stride..];
+        *states = given.chunks(MEMORY).take(nodes).map(wide).collect();
+    }
+}
+
 /// Returns the loss of a minibatch in double precision.
 fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
     let Minibatch { networks, samples, config, .. } = batch;
     let [actor, critic] = [&networks.actor, &networks.critic].map(|shape| shape.graph().unwrap());
     let mut sum = 0.0;
+    let mut states = [Vec::new(), Vec::new()];
     for row in 0..batch.rows {
         let graph = &batch.graphs[samples.scenes[row]];
+        states.iter_mut().enumerate().for_each(|(network, states)| begin(batch, row, network, states));
         let input = wide(&samples.observations[row * 7..][..graph.width()]);
-        let outputs = reference::forward(actor, &parameters[networks.actors()], graph, &input);
+        let of_actor = &parameters[networks.actors()];
+        let outputs = reference::forward(actor, of_actor, graph, &input, &mut states[ACTOR]);
         let credit = &batch.credits[samples.scenes[row]];
         let mut log_densities = vec![0.0; credit.groups()];
         let mut log_stds = 0.0;
@@ -174,7 +193,8 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
             sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));
         }
         sum -= f64::from(config.entropy_coefficient) * log_stds;
-        let values = reference::forward(critic, &parameters[networks.critics()], graph, &input);
+        let of_critic = &parameters[networks.critics()];
+        let values = reference::forward(critic, of_critic, graph, &input, &mut states[CRITIC]);
         let returns = &samples.returns[row * networks.widths.parts..];
         let error = |(node, target): (&Vec<f64>, &f32)| (node[0] - f64::from(*target)).powi(2);
         sum += 0.5
@@ -191,10 +211,21 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
 
 #[test]
 fn gradients_of_all_parameters_match_finite_differences() {
-    let cases = [(LogStd::Free, WIDTHS), (LogStd::OfState, WIDTHS), (LogStd::Free, BY_NODE)];
-    for (log_std, widths) in cases {
-        let mut ppo = Ppo::of_graphs(&network(), widths, config(log_std), true, 3).unwrap();
-        ppo.prepare_for_test(&rollout_of(widths, 20, 0));
+    let cases = [
+        (LogStd::Free, WIDTHS, false),
+        (LogStd::OfState, WIDTHS, false),
+        (LogStd::Free, BY_NODE, false),
+        (LogStd::OfState, BY_NODE, true),
+    ];
+    for (log_std, widths, remembers) in cases {
+        let mut ppo = match remembers {
+            true => remembering(widths, config(log_std), 3),
+            false => Ppo::of_graphs((&network(), 1), widths, config(log_std), true, 3).unwrap(),
+        };
+        ppo.prepare_for_test(&match remembers {
+            true => remembered(widths, 20, 0),
+            false => rollout_of(widths, 20, 0),
+        });
         let mut worker = Worker::new(&ppo.networks);
         let batch = Minibatch {
             config: &ppo.config,
@@ -232,7 +263,7 @@ fn gradients_of_all_parameters_match_finite_differences() {
 fn actions_learn_from_the_rewards_of_their_own_nodes_and_of_nodes_that_count_for_all() {
     let config = PpoConfig { normalize_values: false, ..config(LogStd::Free) };
     let advantages = |changed: Option<usize>| {
-        let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config.clone(), true, 3).unwrap();
+        let mut ppo = Ppo::of_graphs((&network(), 1), BY_NODE, config.clone(), true, 3).unwrap();
         let mut rollout = rollout_of(BY_NODE, 20, 0);
         // A step of the second environment, in the building of three zones.
         changed.into_iter().for_each(|node| rollout.rewards[(20 + 2) * 4 + node] += 1.0);
@@ -249,7 +280,7 @@ fn actions_learn_from_the_rewards_of_their_own_nodes_and_of_nodes_that_count_for
 
 #[test]
 fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
-    let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config(LogStd::Free), false, 3).unwrap();
+    let mut ppo = Ppo::of_graphs((&network(), 1), BY_NODE, config(LogStd::Free), false, 3).unwrap();
     let mut shifted = rollout_of(BY_NODE, 20, 0);
     shifted.rewards.iter_mut().for_each(|reward| *reward = 5.0 * *reward - 40.0);
     ppo.prepare(&shifted);
@@ -270,6 +301,100 @@ fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
 #[test]
 fn a_credit_matrix_is_an_error() {
     let config = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
-    let error = Ppo::of_graphs(&network(), WIDTHS, config, true, 0).unwrap_err();
+    let error = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 0).unwrap_err();
     assert!(error.to_string().contains("`credit` is a matrix"), "{error}");
+}
+
+const MEMORY: usize = 3;
+
+/// Returns a learner with a memory, and sequences of five steps.
+fn remembering(widths: Widths, config: PpoConfig, seed: u64) -> Ppo {
+    let network = GraphNetwork { memory: MEMORY, ..network() };
+    Ppo::of_graphs((&network, 5), widths, config, true, seed).unwrap()
+}
+
+/// Returns steps of actors that forget in the first step of the first environment, and where the second changes its building.
+fn remembered(widths: Widths, steps: usize, seed: u64) -> Rollout {
+    let mut states = vec![0.0; 2 * widths.nodes * MEMORY];
+    RandomStream::new(seed, 2).normals(&mut states);
+    Rollout { states, starts: vec![(0, 0), (1, 6)], ..rollout_of(widths, steps, seed) }
+}
+
+/// Returns the outputs of the nodes of a building in a step, and replaces their states by the next ones.
+fn pass(
+    network: &GraphNetwork,
+    parameters: &[f32],
+    graph: &Arc<Graph>,
+    observation: &[f32],
+    state: &mut [f32],
+) -> Vec<Vec<f32>> {
+    let (mut tape, batch) = (Tape::default(), Batch::of_one(graph, &observation[..graph.width()]));
+    tape.forward(network, &network.places(), parameters, batch, state, Layer::forward_rows);
+    (0..graph.nodes()).map(|node| tape.outputs_of(network, 0, node).to_vec()).collect()
+}
+
+#[test]
+fn sequences_have_the_densities_and_values_of_single_steps() {
+    let rollout = remembered(WIDTHS, 20, 0);
+    let mut ppo = remembering(WIDTHS, PpoConfig { normalize_values: false, ..config(LogStd::Free) }, 3);
+    ppo.prepare(&rollout);
+    ppo.critic_states.fill(0.0);
+    let values = ppo.evaluate(&rollout);
+    let [actor, critic] = [&ppo.networks.actor, &ppo.networks.critic].map(|shape| shape.graph().unwrap());
+    let [of_actor, of_critic] =
+        [ppo.networks.actors(), ppo.networks.critics()].map(|range| &ppo.parameters[range]);
+    let value = |graph: &Arc<Graph>, observation: &[f32], state: &mut [f32]| {
+        let outputs = pass(critic, of_critic, graph, observation, state);
+        outputs.iter().map(|node| node[0]).sum::<f32>() / outputs.len() as f32
+    };
+    let near = |one: f32, other: f32| (one - other).abs() < 1e-4 * (1.0 + other.abs());
+    for environment in 0..2 {
+        let mut states = [Vec::new(), Vec::new()];
+        for step in 0..20 {
+            let scene = rollout.scene_of(environment, step);
+            let (graph, row) = (&rollout.scenes[scene].graph, environment * 20 + step);
+            let numbers = graph.nodes() * MEMORY;
+            if step == 0 {
+                let first = &rollout.states[environment * WIDTHS.nodes * MEMORY..][..numbers];
+                states = [first.to_vec(), vec![0.0; numbers]];
+            }
+            if rollout.starts.contains(&(environment, step)) {
+                states = [vec![0.0; numbers], vec![0.0; numbers]];
+            }
+            let observation = &rollout.observations[row * 7..][..7];
+            let outputs = pass(actor, of_actor, graph, observation, &mut states[0]);
+            let mean: Vec<f32> =
+                graph.actions.iter().map(|place| outputs[place.node][place.output]).collect();
+            let (action, log_std) = (&rollout.actions[row * 3..][..mean.len()], vec![-0.3; mean.len()]);
+            let density = super::loss::group_log_density(&ppo.credits[scene], 0, action, &mean, &log_std);
+            assert!(near(ppo.samples.old[row * ppo.groups], density), "row {row}");
+            assert!(near(values.steps[row], value(graph, observation, &mut states[1])), "row {row}");
+            if (environment, step) == (1, 5) {
+                let end = value(graph, &rollout.ends[0].observation, &mut states[1].clone());
+                assert!(near(values.ends[0], end));
+            }
+        }
+        let graph = &rollout.scenes[rollout.scene_of(environment, 19)].graph;
+        let kept = &ppo.critic_states[environment * WIDTHS.nodes * MEMORY..];
+        assert!(kept.iter().zip(&states[1]).all(|(kept, state)| near(*kept, *state)));
+        let next = value(graph, &rollout.next[environment * 7..][..7], &mut states[1]);
+        assert!(near(values.next[environment], next));
+    }
+}
+
+#[test]
+fn networks_with_a_memory_learn_the_same_bits_on_any_number_of_threads_and_after_a_restart() {
+    let config = PpoConfig { batch_size: 320, ..config(LogStd::OfState) };
+    let learned = |threads: usize| {
+        let mut ppo = remembering(BY_NODE, config.clone(), 3);
+        ppo.set_threads(threads);
+        assert_eq!(ppo.update(&remembered(BY_NODE, 160, 0)).unwrap().skipped, 0);
+        ppo
+    };
+    let mut first = learned(1);
+    assert!(first.state() == learned(3).state());
+    let mut restored = remembering(BY_NODE, config.clone(), 8);
+    restored.restore(&State::from_bytes(&first.state().to_bytes()).unwrap()).unwrap();
+    let again = |ppo: &mut Ppo| (ppo.update(&remembered(BY_NODE, 160, 1)).unwrap(), ppo.state());
+    assert!(again(&mut first) == again(&mut restored));
 }

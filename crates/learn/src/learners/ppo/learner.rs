@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use b2b_agent::Interface;
 use b2b_agent::network::{Graph, GraphNetwork};
 
 use super::config::PpoConfig;
@@ -13,7 +14,7 @@ use super::worker::Worker;
 use crate::credit::Credit;
 use crate::error::{Error, Result};
 use crate::nn::Adam;
-use crate::policy::RecurrentPolicy;
+use crate::policy::{PolicyConfig, RecurrentPolicy};
 use crate::random::RandomStream;
 use crate::widths::Widths;
 
@@ -48,7 +49,7 @@ pub struct Ppo {
     pub(super) minibatch: Samples,
     /// Order of the sequences of an epoch.
     pub(super) order: Vec<usize>,
-    /// States of a recurrent critic after the last rollout: environments × width.
+    /// States of a critic with a memory after the last rollout: environments × width.
     pub(super) critic_states: Vec<f32>,
     pub(super) workers: Vec<Worker>,
     pub(super) gradients: Vec<f32>,
@@ -80,13 +81,13 @@ impl Ppo {
     }
 
     /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
-    /// same shape. `widths` are the largest building's. With `normalize`, features are scaled to mean 0 and deviation 1
-    /// over all nodes of a type.
+    /// same shape. With a memory, they learn from sequences of this number of steps. `widths` are the largest building's. With
+    /// `normalize`, features are scaled to mean 0 and deviation 1 over all nodes of a type.
     ///
     /// # Errors
     /// Same as [`Ppo::new`], and when there is a credit matrix.
     pub fn of_graphs(
-        network: &GraphNetwork,
+        (network, sequence): (&GraphNetwork, usize),
         widths: Widths,
         config: PpoConfig,
         normalize: bool,
@@ -95,8 +96,32 @@ impl Ppo {
         if config.credit.is_some() {
             return Err(Error::config("credit", "a matrix", "graph networks take it from their scenes"));
         }
-        let networks = Networks::new(widths, &config, NetworkKind::Graph(network));
+        let networks = Networks::new(widths, &config, NetworkKind::Graph(network, sequence));
         Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
+    }
+
+    /// Returns a learner for the networks of a policy.
+    ///
+    /// # Errors
+    /// Same as [`Ppo::recurrent`] and [`Ppo::of_graphs`].
+    pub fn of_policy(
+        policy: &PolicyConfig,
+        interface: Interface,
+        widths: Widths,
+        config: PpoConfig,
+        seed: u64,
+    ) -> Result<Self> {
+        if let Some(policy) = policy.recurrent() {
+            policy.check_steps("ppo.n_steps", config.n_steps)?;
+        }
+        match policy {
+            PolicyConfig::Flat => Self::new(widths, config, seed),
+            PolicyConfig::Recurrent(policy) => Self::recurrent(policy, widths, config, seed),
+            PolicyConfig::Graph(policy) => {
+                let shape = (&policy.network(interface), policy.sequence);
+                Self::of_graphs(shape, widths, config, policy.normalize, seed)
+            }
+        }
     }
 
     fn with_networks(

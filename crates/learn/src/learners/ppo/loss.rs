@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn gradients_of_the_policy_match_finite_differences() {
-        let widths = Widths { observation: 1, action: ACTIONS, parts: 2 };
+        let widths = Widths { observation: 1, action: ACTIONS, parts: 2, nodes: 1 };
         assert_policy_gradients(&Credit::new(None, widths).unwrap());
         let matrix = [vec![1.0, 0.0], vec![0.0, 1.0], vec![1.0, 1.0]];
         assert_policy_gradients(&Credit::new(Some(&matrix), widths).unwrap());
@@ -215,7 +215,7 @@ mod tests {
     fn gradients_of_values_match_finite_differences() {
         let (values, returns) = ([0.5, -1.0, 2.0, 0.3], [0.0, 1.0, 2.5, -0.1]);
         let mut gradients = [0.0; 4];
-        let credit = Credit::joint(Widths { observation: 1, action: ACTIONS, parts: 4 });
+        let credit = Credit::joint(Widths { observation: 1, action: ACTIONS, parts: 4, nodes: 1 });
         let found = value_loss(&values, &returns, &credit, (0.5, 1), &mut gradients);
         let loss = |values: &[f64]| {
             values

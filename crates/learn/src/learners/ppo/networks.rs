@@ -23,7 +23,7 @@ pub(super) struct Networks {
     /// in parts, their mean is the value.
     pub critic: Shape,
     pub widths: Widths,
-    /// Steps of a sequence through which recurrent networks are differentiated; 1 for other networks.
+    /// Steps of a sequence through which networks with a memory are differentiated; 1 for other networks.
     pub sequence: usize,
     /// Whether standard deviations depend on the observation.
     of_state: bool,
@@ -38,8 +38,8 @@ pub(super) struct Networks {
 pub(super) enum NetworkKind<'a> {
     Flat,
     Recurrent(&'a RecurrentPolicy),
-    /// Graph networks for an actor of this shape, whose outputs are its actions.
-    Graph(&'a GraphNetwork),
+    /// Graph networks for an actor of this shape, whose outputs are its actions, and the steps of a sequence.
+    Graph(&'a GraphNetwork, usize),
 }
 
 impl Networks {
@@ -60,7 +60,7 @@ impl Networks {
                 let actor = shape(&config.actor_hidden, halves * widths.action);
                 (actor, shape(&config.critic_hidden, widths.parts))
             }
-            NetworkKind::Graph(network) => {
+            NetworkKind::Graph(network, _) => {
                 let with = |outputs: &dyn Fn(usize) -> usize| {
                     let types = network.types.iter();
                     let types = types.map(|node| NodeWidths { outputs: outputs(node.outputs), ..*node });
@@ -78,7 +78,8 @@ impl Networks {
         let ends = [end, end + free, end + free + critic.parameters()];
         let sequence = match kind {
             NetworkKind::Recurrent(policy) => policy.sequence,
-            NetworkKind::Flat | NetworkKind::Graph(_) => 1,
+            NetworkKind::Graph(network, sequence) if network.memory > 0 => sequence,
+            NetworkKind::Flat | NetworkKind::Graph(..) => 1,
         };
         Self { actor, critic, widths, sequence, of_state, ends, minimum: config.minimum_log_std }
     }
@@ -103,13 +104,13 @@ impl Networks {
                 orthogonal(mlp, InitialGains { hidden: std::f32::consts::SQRT_2, last }, random)
             }
             Shape::Recurrent(network) => initialize_recurrent(network, last, self.sequence, random),
-            Shape::Graph(network) => graph::initialize(network, last, random),
+            Shape::Graph(network) => graph::initialize(network, last, self.sequence, random),
         }
     }
 
-    /// Returns the widths of the states of actor and critic; 0 if the networks keep none.
+    /// Returns the widths of the states of actor and critic in the largest building; 0 if the networks keep none.
     pub fn states(&self) -> [usize; 2] {
-        [self.actor.state(), self.critic.state()]
+        [&self.actor, &self.critic].map(|shape| shape.state() * self.widths.nodes)
     }
 
     /// Returns the biases of the actor's last layers, and the index where the log standard deviations begin.

@@ -12,7 +12,7 @@ pub(super) struct Samples {
     pub observations: Vec<f32>,
     /// Building of each row among the scenes of the rollout.
     pub scenes: Vec<usize>,
-    /// Whether a recurrent network forgets before each row; empty for other networks.
+    /// Whether a network with a memory forgets before each row; empty for other networks.
     pub starts: Vec<bool>,
     /// States of actor and critic before the first step of each sequence: sequences × width.
     pub states: [Vec<f32>; 2],
@@ -27,10 +27,10 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Copies the observations and actions of a rollout and, for recurrent networks, where they forget.
-    pub fn read(&mut self, rollout: &Rollout, is_recurrent: bool) {
+    /// Copies the observations and actions of a rollout and, for networks with a memory, where they forget.
+    pub fn read(&mut self, rollout: &Rollout, remembers: bool) {
         self.starts.clear();
-        if is_recurrent {
+        if remembers {
             self.starts.resize(rollout.rows(), false);
             let rows = rollout.starts.iter().map(|(environment, step)| environment * rollout.steps + step);
             rows.for_each(|row| self.starts[row] = true);
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn advantages_are_normalized_by_kind() {
         let credit = |matrix: &[Vec<f32>]| {
-            let widths = Widths { observation: 1, action: matrix.len(), parts: 2 };
+            let widths = Widths { observation: 1, action: matrix.len(), parts: 2, nodes: 1 };
             Arc::new(Credit::new(Some(matrix), widths).unwrap())
         };
         let two = credit(&[vec![1.0, 0.0], vec![0.0, 1.0]]);

@@ -159,7 +159,7 @@ mod tests {
         let mut critic =
             orthogonal(&shape, InitialGains { hidden: 1.0, last: 1.0 }, &mut RandomStream::new(0, 0));
         let layer = shape.layers().last().unwrap();
-        let credits = [Arc::new(Credit::joint(Widths { observation: 2, action: 1, parts: 2 }))];
+        let credits = [Arc::new(Credit::joint(Widths { observation: 2, action: 1, parts: 2, nodes: 1 }))];
         let rows = |scenes| Rows { credits: &credits, scenes, parts: 2 };
         let mut scale = ValueScale::new(2, 0.3);
         let value = |critic: &[f32], scale: &ValueScale| {
@@ -180,7 +180,7 @@ mod tests {
     fn normalized_returns_have_mean_0_and_deviation_1() {
         let shape = Mlp::new(1, &[], 1, Activation::Tanh);
         let (mut scale, mut returns) = (ValueScale::new(1, 0.1), [-12.0, -8.0]);
-        let credits = [Arc::new(Credit::joint(Widths { observation: 1, action: 1, parts: 1 }))];
+        let credits = [Arc::new(Credit::joint(Widths { observation: 1, action: 1, parts: 1, nodes: 1 }))];
         let rows = |scenes| Rows { credits: &credits, scenes, parts: 1 };
         let outputs = |kind| vec![(shape.layers().last().unwrap(), kind)];
         scale.update(rows(&[0, 0]), &returns, outputs, &mut [0.0; 2]);

@@ -1,19 +1,24 @@
-//! Log densities and values of a rollout under recurrent networks, before the epochs of an update.
+//! Log densities and values of a rollout under networks with a memory, before the epochs of an update.
 //!
 //! The networks pass through the sequences of all environments at a time, from the states that they had when the rollout began.
 //! The actor's are known from the collection; the critic's are what it had after the previous rollout, before that update.
 
+use std::ops::Range;
+
+use b2b_agent::network::Shape;
 use b2b_agent::network::graph::Batch;
 
 use super::advantage::RolloutValues;
 use super::learner::Ppo;
-use super::worker::{ACTOR, CRITIC, Inputs};
+use super::networks::Networks;
+use super::update::BLOCK;
+use super::worker::{ACTOR, CRITIC, Inputs, Worker};
 use crate::error::{Error, Result};
 use crate::nn::Sequences;
-use crate::rollout::Rollout;
+use crate::rollout::{End, Rollout};
 
 impl Ppo {
-    /// Checks that a rollout has the states and the whole sequences of recurrent networks.
+    /// Checks that a rollout has the states and the whole sequences of networks with a memory.
     pub(super) fn check_sequences(&self, rollout: &Rollout) -> Result<()> {
         let (length, [width, _]) = (self.networks.sequence, self.networks.states());
         let states = rollout.environments * width;
@@ -26,67 +31,82 @@ impl Ppo {
     }
 
     /// Computes the log densities of the actions, and the states before every sequence. Returns the outputs of the critic.
-    pub(super) fn evaluate_sequences(&mut self, rollout: &Rollout) -> RolloutValues {
-        let (rows, [actor, critic]) = (rollout.rows(), self.networks.states());
-        let sequences = rows / self.networks.sequence;
+    pub(super) fn evaluate_sequences(
+        &mut self,
+        rollout: &Rollout,
+        [of_ends, of_next]: &[Vec<usize>; 2],
+    ) -> RolloutValues {
+        let (rows, widths, length) = (rollout.rows(), self.networks.states(), self.networks.sequence);
         self.samples.old = vec![0.0; rows * self.groups];
-        self.samples.states = [vec![0.0; sequences * actor], vec![0.0; sequences * critic]];
-        self.critic_states.resize(rollout.environments * critic, 0.0);
-        self.minibatch.states = [rollout.states.clone(), std::mem::take(&mut self.critic_states)];
-        let mut values = vec![0.0; rows * self.widths.parts];
-        // States of the critic after every step.
-        let mut after = vec![0.0; rows * critic];
-        for number in 0..rollout.steps / self.networks.sequence {
-            self.evaluate_sequence(number, rollout, &mut values, &mut after);
+        self.samples.states = widths.map(|width| vec![0.0; rows / length * width]);
+        self.critic_states.resize(rollout.environments * widths[CRITIC], 0.0);
+        let mut walk = Walk {
+            states: [rollout.states.clone(), std::mem::take(&mut self.critic_states)],
+            values: vec![0.0; rows * self.widths.parts],
+            ends: vec![0.0; rollout.ends.len() * widths[CRITIC]],
+        };
+        // Passes through the networks of many buildings are made in parts.
+        let count = match self.networks.critic {
+            Shape::Graph(_) => (BLOCK / length).max(1),
+            Shape::Mlp(_) | Shape::Recurrent(_) => rollout.environments,
+        };
+        for number in 0..rollout.steps / length {
+            for first in (0..rollout.environments).step_by(count) {
+                let environments = first..rollout.environments.min(first + count);
+                self.evaluate_sequence(number, environments, rollout, &mut walk);
+            }
         }
-        self.critic_states = std::mem::take(&mut self.minibatch.states[CRITIC]);
-        let of_ends = rollout.ends.iter().map(|end| end.environment * rollout.steps + end.step);
-        let of_ends = gathered(&after, of_ends, critic);
+        let Walk { states: [_, after], values: steps, ends: before_ends } = walk;
+        self.critic_states = after;
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
         RolloutValues {
-            next: self.value_after(&rollout.next, &self.critic_states.clone()),
-            ends: self.value_after(&ends, &of_ends),
-            steps: values,
+            next: self.value_after(&rollout.next, of_next, &self.critic_states.clone()),
+            ends: self.value_after(&ends, of_ends, &before_ends),
+            steps,
         }
     }
 
-    /// Evaluates the sequences of this number of all environments. The minibatch has the states before them, and then those after.
-    fn evaluate_sequence(&mut self, number: usize, rollout: &Rollout, values: &mut [f32], after: &mut [f32]) {
+    /// Evaluates the sequences of this number of some environments.
+    fn evaluate_sequence(
+        &mut self,
+        number: usize,
+        environments: Range<usize>,
+        rollout: &Rollout,
+        walk: &mut Walk,
+    ) {
         let Self {
             workers, networks, credits, groups, parameters, widths, graphs, samples, minibatch, ..
         } = self;
         let (length, count) = (networks.sequence, rollout.steps / networks.sequence);
-        let sequences = (0..rollout.environments).map(|environment| environment * count + number);
+        let sequences = environments.clone().map(|environment| environment * count + number);
         let rows: Vec<usize> =
             sequences.clone().flat_map(|each| each * length..(each + 1) * length).collect();
         minibatch.gather_steps(samples, &rows, *widths);
-        for (network, width) in networks.states().into_iter().enumerate() {
-            scatter(&mut samples.states[network], &minibatch.states[network], sequences.clone(), width);
-        }
+        let states = [ACTOR, CRITIC].map(|network| {
+            let width = networks.states()[network];
+            let before = &walk.states[network][environments.start * width..environments.end * width];
+            scatter(&mut samples.states[network], before, sequences.clone(), width);
+            before.to_vec()
+        });
         let (observations, of_rows) = (&minibatch.observations[..], &minibatch.scenes[..]);
         let batch = Batch { graphs, of_rows, observations, width: widths.observation };
         let inputs = |network: usize| Inputs {
             batch,
-            sequences: Sequences { length, states: &minibatch.states[network], starts: &minibatch.starts },
+            sequences: Sequences { length, states: &states[network], starts: &minibatch.starts },
         };
         let (worker, mut densities, mut found) = (&mut workers[0], Vec::new(), Vec::new());
         let actions = (inputs(ACTOR), &minibatch.actions[..]);
         worker.log_densities(networks, (&credits[..], *groups), parameters, actions, &mut densities);
         worker.values(networks, parameters, inputs(CRITIC), &mut found);
         scatter(&mut samples.old, &densities, rows.iter().copied(), *groups);
-        scatter(values, &found, rows.iter().copied(), widths.parts);
-        scatter(after, worker.states()[CRITIC], rows.iter().copied(), networks.states()[CRITIC]);
-        let last = (0..rollout.environments).map(|environment| (environment + 1) * length - 1);
-        for (network, width) in networks.states().into_iter().enumerate() {
-            minibatch.states[network] = gathered(worker.states()[network], last.clone(), width);
-        }
+        scatter(&mut walk.values, &found, rows.iter().copied(), widths.parts);
+        walk.take_states(worker, networks, (number, environments), rollout);
     }
 
-    /// Returns the outputs of the critic for observations after these states.
-    fn value_after(&mut self, observations: &[f32], states: &[f32]) -> Vec<f32> {
+    /// Returns the outputs of the critic for observations in these scenes, after these states.
+    fn value_after(&mut self, observations: &[f32], of_rows: &[usize], states: &[f32]) -> Vec<f32> {
         let Self { workers, networks, parameters, widths, graphs, .. } = self;
-        let count = observations.len() / widths.observation;
-        let (of_rows, starts) = (&vec![0; count][..], &vec![false; count][..]);
+        let starts = &vec![false; of_rows.len()][..];
         let batch = Batch { graphs, of_rows, observations, width: widths.observation };
         let mut values = Vec::new();
         let sequences = Sequences { length: 1, states, starts };
@@ -95,9 +115,39 @@ impl Ppo {
     }
 }
 
-/// Returns rows of values of a width.
-fn gathered(values: &[f32], rows: impl Iterator<Item = usize>, width: usize) -> Vec<f32> {
-    rows.flat_map(|row| &values[row * width..(row + 1) * width]).copied().collect()
+/// What a walk through the sequences of a rollout computes.
+struct Walk {
+    /// States of actor and critic before the next sequences: environments × width.
+    states: [Vec<f32>; 2],
+    /// Outputs of the critic.
+    values: Vec<f32>,
+    /// States of the critic after the last steps of episodes: ends × width.
+    ends: Vec<f32>,
+}
+
+impl Walk {
+    /// Takes the states after the sequences of this number of some environments, which a worker has just passed through.
+    fn take_states(
+        &mut self,
+        worker: &Worker,
+        networks: &Networks,
+        (number, environments): (usize, Range<usize>),
+        rollout: &Rollout,
+    ) {
+        let (length, first) = (networks.sequence, environments.start);
+        for (network, width) in networks.states().into_iter().enumerate() {
+            for environment in environments.clone() {
+                let state = &mut self.states[network][environment * width..][..width];
+                worker.write_state(network, (environment - first + 1) * length - 1, state);
+            }
+        }
+        let width = networks.states()[CRITIC];
+        let is_here = |end: &End| environments.contains(&end.environment) && end.step / length == number;
+        for (index, end) in rollout.ends.iter().enumerate().filter(|(_, end)| is_here(end)) {
+            let row = (end.environment - first) * length + end.step % length;
+            worker.write_state(CRITIC, row, &mut self.ends[index * width..][..width]);
+        }
+    }
 }
 
 /// Writes values of a width to rows.

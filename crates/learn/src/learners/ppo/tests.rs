@@ -11,7 +11,7 @@ use crate::rollout::{End, Rollout};
 use crate::state::State;
 use crate::widths::Widths;
 
-const WIDTHS: Widths = Widths { observation: 4, action: 2, parts: 2 };
+const WIDTHS: Widths = Widths { observation: 4, action: 2, parts: 2, nodes: 1 };
 
 fn config(log_std: LogStd) -> PpoConfig {
     PpoConfig {

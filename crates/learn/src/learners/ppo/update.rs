@@ -15,7 +15,7 @@ use crate::nn::{Sequences, chunk, chunk_count, clip_norm, for_each, threads_for}
 use crate::rollout::Rollout;
 
 /// Rows of a pass through the networks before the epochs.
-const BLOCK: usize = 256;
+pub(super) const BLOCK: usize = 256;
 /// Number of consecutive updates with skipped steps after which learning fails.
 const FAILURES: u64 = 3;
 /// Multiple of the target divergence at which an update stops, as in Stable-Baselines3.
@@ -119,9 +119,9 @@ impl Ppo {
             self.graphs = rollout.scenes.iter().map(|scene| Arc::clone(&scene.graph)).collect();
             self.credits = rollout.scenes.iter().map(|scene| Arc::clone(&scene.credit)).collect();
         }
-        let is_recurrent = self.networks.actor.state() > 0;
-        self.samples.read(rollout, is_recurrent);
-        if !is_recurrent {
+        let remembers = self.networks.actor.state() > 0;
+        self.samples.read(rollout, remembers);
+        if !remembers {
             self.evaluate_actions();
         }
         let values = self.evaluate(rollout);
@@ -168,13 +168,13 @@ impl Ppo {
         }
     }
 
-    /// Returns the values of the observations of a rollout; for recurrent networks, also computes the log densities of its
-    /// actions.
+    /// Returns the values of the observations of a rollout; for networks with a memory, also computes the log densities of
+    /// its actions.
     pub(super) fn evaluate(&mut self, rollout: &Rollout) -> RolloutValues {
         let after = scenes_after(rollout);
         let mut values = match self.networks.critic.state() {
             0 => self.outputs_of_critic(rollout, &after),
-            _ => self.evaluate_sequences(rollout),
+            _ => self.evaluate_sequences(rollout, &after),
         };
         self.denormalize(&after, &mut values);
         values
@@ -237,7 +237,7 @@ impl Ppo {
         update.set_means(&sums);
     }
 
-    /// Learns from a minibatch of these sequences, which are single steps unless networks are recurrent, and adds its losses
+    /// Learns from a minibatch of these sequences, which are single steps unless networks have a memory, and adds its losses
     /// to the sums.
     fn learn(&mut self, sequences: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
         let length = self.networks.sequence;

@@ -23,7 +23,7 @@ pub(super) const CRITIC: usize = 1;
 pub(super) struct Inputs<'a> {
     /// Observations.
     pub batch: Batch<'a>,
-    /// The sequences of a recurrent network.
+    /// The sequences of networks with a memory.
     pub sequences: Sequences<'a>,
 }
 
@@ -106,11 +106,12 @@ impl NetworkPass {
         }
     }
 
-    /// Returns the number of rows per pass: the whole chunk, or as many buildings as fit in the processor's cache.
-    fn rows(&self) -> usize {
+    /// Returns the number of rows per pass, in sequences of this length: the whole chunk, or as many buildings as fit in the
+    /// processor's cache.
+    fn rows(&self, length: usize) -> usize {
         match self {
             Self::Flat(_) | Self::Recurrent(_) => usize::MAX,
-            Self::Graph(_) => 32,
+            Self::Graph(_) => (32 / length).max(1) * length,
         }
     }
 
@@ -119,7 +120,7 @@ impl NetworkPass {
         match self {
             Self::Flat(pass) => pass.forward(parameters, batch.observations, batch.of_rows.len()),
             Self::Recurrent(pass) => pass.forward(parameters, batch.observations, sequences),
-            Self::Graph(pass) => pass.forward(parameters, batch),
+            Self::Graph(pass) => pass.forward(parameters, batch, sequences),
         }
     }
 
@@ -131,21 +132,20 @@ impl NetworkPass {
         }
     }
 
-    /// Returns the states of a recurrent network after the rows of the last forward pass.
-    fn states(&self) -> &[f32] {
+    /// Returns the state after a row of the last forward pass; empty without a memory.
+    fn state(&self, row: usize) -> &[f32] {
         match self {
-            Self::Recurrent(pass) => pass.states(),
-            Self::Flat(_) | Self::Graph(_) => &[],
+            Self::Flat(_) => &[],
+            Self::Recurrent(pass) => pass.state(row),
+            Self::Graph(pass) => pass.state(row),
         }
     }
 
     fn backward(&mut self, parameters: &[f32], inputs: Inputs<'_>, gradients: &[f32], sums: &mut [f32]) {
-        let Inputs { batch, sequences } = inputs;
+        let Inputs { batch, .. } = inputs;
         match self {
             Self::Flat(pass) => pass.backward(parameters, batch.observations, gradients, Some(sums), None),
-            Self::Recurrent(pass) => {
-                pass.backward(parameters, (batch.observations, sequences), gradients, sums);
-            }
+            Self::Recurrent(pass) => pass.backward(parameters, batch.observations, gradients, sums),
             Self::Graph(pass) => pass.backward(parameters, batch, gradients, sums),
         }
     }
@@ -183,7 +183,7 @@ impl Worker {
     pub fn learn(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         self.gradients.fill(0.0);
         self.losses = Losses::default();
-        let size = self.actor.rows();
+        let size = self.actor.rows(batch.networks.sequence);
         let mut first = rows.start;
         while first < rows.end {
             let block = first..rows.end.min(first.saturating_add(size));
@@ -284,9 +284,10 @@ impl Worker {
         values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], inputs));
     }
 
-    /// Returns the states of actor and critic after the rows of their last passes.
-    pub fn states(&self) -> [&[f32]; 2] {
-        [self.actor.states(), self.critic.states()]
+    /// Writes the state of the actor or the critic after a row of its last pass, before padding.
+    pub fn write_state(&self, network: usize, row: usize, to: &mut [f32]) {
+        let state = [&self.actor, &self.critic][network].state(row);
+        to[..state.len()].copy_from_slice(state);
     }
 }
 

@@ -223,7 +223,7 @@ impl ReplayBuffer {
     fn add_step(&mut self, rollout: &Rollout, environment: usize, step: usize) {
         let place = self.place(environment, self.added + step);
         let from = environment * rollout.steps + step;
-        let Widths { observation, action, parts } = self.widths;
+        let Widths { observation, action, parts, .. } = self.widths;
         let next = match step + 1 < rollout.steps {
             true => row(&rollout.observations, from + 1, observation),
             false => row(&rollout.next, environment, observation),
@@ -273,7 +273,7 @@ mod tests {
     use super::*;
     use crate::rollout::End;
 
-    const WIDTHS: Widths = Widths { observation: 1, action: 1, parts: 2 };
+    const WIDTHS: Widths = Widths { observation: 1, action: 1, parts: 2, nodes: 1 };
     const GAMMA: f32 = 0.9;
 
     /// A step: observation, reward, observation after it, and whether it ended an episode.

@@ -12,7 +12,7 @@ use crate::rollout::{End, Rollout};
 use crate::state::State;
 use crate::widths::Widths;
 
-const WIDTHS: Widths = Widths { observation: 3, action: 2, parts: 1 };
+const WIDTHS: Widths = Widths { observation: 3, action: 2, parts: 1, nodes: 1 };
 
 fn config() -> SacConfig {
     SacConfig {

@@ -2,10 +2,12 @@
 
 use b2b_agent::network::Layer;
 use b2b_agent::network::graph::{
-    Batch, BlockPlaces, BlockTape, GraphNetwork, NormPlaces, NormTape, Places, Tape, lane_sum, sized,
+    Batch, BlockPlaces, BlockTape, GraphNetwork, MemoryPlaces, NormPlaces, NormTape, Places, Tape, lane_sum,
+    sized,
 };
 
 use super::attention::{self, Attended};
+use crate::nn::cell::CellPass;
 use crate::nn::pass::add_parameter_gradients;
 use crate::nn::{Matrix, multiply};
 
@@ -43,11 +45,14 @@ impl Gradients {
         }
     }
 
-    /// Propagates the gradients of the outputs of a forward pass to the parameters.
-    pub fn propagate(&mut self, target: &mut Target<'_>, tape: &Tape, batch: Batch<'_>) {
+    /// Propagates the gradients of the outputs of a forward pass to the parameters. `cell` made the pass through the memory.
+    pub fn propagate(&mut self, target: &mut Target<'_>, tape: &Tape, cell: &mut CellPass, batch: Batch<'_>) {
         let (network, places) = (target.network, target.places);
         let length = tape.tokens() * network.embedding;
         self.decoders(target, tape);
+        if let Some(memory) = &places.memory {
+            self.memory(memory, target, tape, cell);
+        }
         sized(&mut self.stream, length).fill(0.0);
         add_norm(&places.norm, &tape.norm, &self.change[..length], target, &mut self.stream[..length]);
         for (layer, block) in places.blocks.iter().enumerate().rev() {
@@ -57,9 +62,19 @@ impl Gradients {
         self.encoders(target, tape);
     }
 
+    /// Replaces the gradients of the states in `change` by the gradients of the embeddings.
+    fn memory(&mut self, places: &MemoryPlaces, target: &mut Target<'_>, tape: &Tape, pass: &mut CellPass) {
+        let MemoryPlaces { input, cell } = places;
+        let (_, of_states) = pass.gradients(cell);
+        of_states.copy_from_slice(&self.change[..of_states.len()]);
+        let of_input = pass.backward(cell, target.parameters, target.sums);
+        let embeddings = tape.embeddings(target.network);
+        backward(input, target, embeddings, of_input, sized(&mut self.change, embeddings.len()));
+    }
+
     /// Writes the gradients of the inputs of the decoders to `change`.
     fn decoders(&mut self, target: &mut Target<'_>, tape: &Tape) {
-        let width = target.network.embedding;
+        let width = target.network.decoded();
         let change = sized(&mut self.change, tape.tokens() * width);
         change.fill(0.0);
         for (index, layer) in target.places.decoders.iter().enumerate() {

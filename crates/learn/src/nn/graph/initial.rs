@@ -2,8 +2,9 @@
 
 use std::f32::consts::SQRT_2;
 
-use b2b_agent::network::graph::GraphNetwork;
+use b2b_agent::network::graph::{GraphNetwork, MemoryPlaces};
 
+use crate::nn::cell;
 use crate::nn::orthogonal::write_weights;
 use crate::random::RandomStream;
 
@@ -11,8 +12,9 @@ use crate::random::RandomStream;
 const TYPE_DEVIATION: f32 = 0.5;
 
 /// Returns initial parameters: orthogonal matrices, scaled by `last` in the decoders and, in layers that add to the
-/// embedding, by the number of such layers (Radford et al. 2019). Biases are 0, except in the encoders.
-pub fn initialize(network: &GraphNetwork, last: f32, random: &mut RandomStream) -> Vec<f32> {
+/// embedding, by the number of such layers (Radford et al. 2019). Biases are 0, except in the encoders and in a memory, which
+/// remembers for up to `memory` steps.
+pub fn initialize(network: &GraphNetwork, last: f32, memory: usize, random: &mut RandomStream) -> Vec<f32> {
     let places = network.places();
     let mut parameters = vec![0.0; places.parameters()];
     for encoder in &places.encoders {
@@ -37,6 +39,10 @@ pub fn initialize(network: &GraphNetwork, last: f32, random: &mut RandomStream) 
     }
     for norm in places.norms() {
         parameters[norm.gain.clone()].fill(1.0);
+    }
+    if let Some(MemoryPlaces { input, cell }) = &places.memory {
+        write_weights(input, 1.0, random, &mut parameters[input.weights.clone()]);
+        cell::initialize(cell, memory, random, &mut parameters);
     }
     for layer in places.decoders.iter().filter(|layer| layer.outputs > 0) {
         write_weights(layer, last, random, &mut parameters[layer.weights.clone()]);

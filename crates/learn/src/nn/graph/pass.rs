@@ -1,8 +1,9 @@
 //! Forward and backward passes of batches of buildings.
 
-use b2b_agent::network::graph::{Batch, Graph, GraphNetwork, Places, Tape};
+use b2b_agent::network::graph::{Batch, Graph, GraphNetwork, MemoryPlaces, Places, Span, Tape};
 
 use super::backward::{Gradients, Target};
+use crate::nn::cell::{CellPass, Sequences};
 use crate::nn::pass::forward;
 use crate::nn::sized;
 
@@ -33,6 +34,8 @@ pub struct GraphPass {
     places: Places,
     readout: Readout,
     tape: Tape,
+    /// The pass through the memory.
+    cell: CellPass,
     gradients: Gradients,
     outputs: Vec<f32>,
 }
@@ -45,6 +48,7 @@ impl GraphPass {
             places: network.places(),
             readout,
             tape: Tape::default(),
+            cell: CellPass::default(),
             gradients: Gradients::default(),
             outputs: Vec::new(),
         }
@@ -64,14 +68,31 @@ impl GraphPass {
         &self.outputs[..self.tape.rows.len() * self.width()]
     }
 
-    /// Computes and returns the outputs of a batch: rows × width. Padding is 0.
+    /// Returns the states of the nodes after a row of the last forward pass.
+    pub fn state(&self, row: usize) -> &[f32] {
+        let Some(MemoryPlaces { cell, .. }) = &self.places.memory else { return &[] };
+        let Span { first, nodes, .. } = self.tape.rows[row];
+        &self.cell.states(cell)[first * cell.inputs..][..nodes * cell.inputs]
+    }
+
+    /// Computes and returns the outputs of a batch, whose rows are the steps of sequences for a network with a memory: rows ×
+    /// width. Padding is 0.
     ///
     /// # Panics
     /// When the parameters or the rows have another length than the shape.
-    pub fn forward(&mut self, parameters: &[f32], batch: Batch<'_>) -> &[f32] {
+    pub fn forward(&mut self, parameters: &[f32], batch: Batch<'_>, sequences: Sequences<'_>) -> &[f32] {
         let (width, rows) = (self.width(), batch.of_rows.len());
-        self.tape.forward(&self.network, &self.places, parameters, batch, forward);
-        let Self { network, tape, outputs, readout, .. } = self;
+        let Self { network, places, tape, cell: pass, outputs, readout, .. } = self;
+        tape.embed(network, places, parameters, batch, forward);
+        let mut states = &[][..];
+        if let Some(MemoryPlaces { input, cell }) = &places.memory {
+            let tokens = |row: usize| tape.rows[row].first..tape.rows[row].first + tape.rows[row].nodes;
+            pass.arrange(cell.inputs, sequences, tokens);
+            forward(input, parameters, tape.embeddings(network), pass.inputs(cell));
+            pass.forward(cell, parameters, sequences.states);
+            states = pass.states(cell);
+        }
+        tape.decode(network, places, parameters, states, forward);
         let outputs = sized(outputs, rows * width);
         outputs.fill(0.0);
         for ((row, graph), outputs) in batch.graphs().enumerate().zip(outputs.chunks_exact_mut(width)) {
@@ -89,7 +110,7 @@ impl GraphPass {
     /// When a slice has another length than the shape.
     pub fn backward(&mut self, parameters: &[f32], batch: Batch<'_>, gradients: &[f32], sums: &mut [f32]) {
         let width = self.width();
-        let Self { network, places, readout, tape, gradients: buffers, .. } = self;
+        let Self { network, places, readout, tape, cell, gradients: buffers, .. } = self;
         buffers.begin(network, tape);
         for ((row, graph), gradients) in batch.graphs().enumerate().zip(gradients.chunks_exact(width)) {
             each(*readout, network, graph, |node, output, place, share| {
@@ -100,7 +121,7 @@ impl GraphPass {
             });
         }
         let mut target = Target { network, places, parameters, sums };
-        buffers.propagate(&mut target, tape, batch);
+        buffers.propagate(&mut target, tape, cell, batch);
     }
 }
 

@@ -1,16 +1,19 @@
 //! The network in double precision, written by its definition, against which tests compare outputs and gradients.
 
-use b2b_agent::network::graph::{Graph, GraphNetwork, NormPlaces, REACHES, RELATIONS};
+use b2b_agent::network::graph::{Graph, GraphNetwork, MemoryPlaces, NormPlaces, REACHES, RELATIONS};
 use b2b_agent::network::{Activation, Layer};
+
+use crate::nn::reference::next_state;
 
 pub(crate) type Tokens = Vec<Vec<f64>>;
 
-/// Returns the outputs of every node of a building.
+/// Returns the outputs of every node of a building. With a memory, replaces the states of the nodes by the next ones.
 pub(crate) fn forward(
     network: &GraphNetwork,
     parameters: &[f64],
     graph: &Graph,
     observation: &[f64],
+    states: &mut Tokens,
 ) -> Tokens {
     let places = network.places();
     let nodes = 0..graph.nodes();
@@ -46,10 +49,22 @@ pub(crate) fn forward(
             add(token, &linear(&block.narrowing, parameters, &hidden));
         }
     }
-    let decode = |(node, token): (usize, &Vec<f64>)| {
-        linear(&places.decoders[graph.types[node]], parameters, &norm(&places.norm, parameters, token))
-    };
-    stream.iter().enumerate().map(decode).collect()
+    let mut decoded: Tokens = stream.iter().map(|token| norm(&places.norm, parameters, token)).collect();
+    if let Some(memory) = &places.memory {
+        remember(memory, parameters, states, &mut decoded);
+    }
+    let decode =
+        |(node, token): (usize, &Vec<f64>)| linear(&places.decoders[graph.types[node]], parameters, token);
+    decoded.iter().enumerate().map(decode).collect()
+}
+
+/// Replaces the states of the nodes by the next ones, and their embeddings by these.
+fn remember(memory: &MemoryPlaces, parameters: &[f64], states: &mut Tokens, embeddings: &mut Tokens) {
+    let MemoryPlaces { input, cell } = memory;
+    for (state, token) in states.iter_mut().zip(embeddings) {
+        next_state(&linear(input, parameters, token), &linear(cell, parameters, state), state);
+        token.clone_from(state);
+    }
 }
 
 fn attend(

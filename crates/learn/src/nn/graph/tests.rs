@@ -4,13 +4,14 @@ use b2b_agent::network::graph::{ActionPlace, Batch, Edges, Graph, GraphNetwork, 
 use b2b_agent::network::{Activation, Layer};
 
 use super::{GraphPass, Readout, initialize, reference};
+use crate::nn::cell::Sequences;
 use crate::nn::reference::{assert_gradients, wide};
 use crate::random::RandomStream;
 
 /// Features and outputs of three node types, the last of which is only observed, and the second only controlled.
 const TYPES: [(usize, usize); 3] = [(3, 2), (0, 1), (2, 0)];
 
-fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {
+fn network((edges, memory): (Edges, usize), outputs: fn(usize) -> usize) -> GraphNetwork {
     GraphNetwork {
         types: TYPES.map(|(features, actions)| NodeWidths { features, outputs: outputs(actions) }).to_vec(),
         embedding: 8,
@@ -19,6 +20,7 @@ fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {
         feed_forward: 6,
         activation: Activation::Tanh,
         edges,
+        memory,
     }
 }
 
@@ -52,31 +54,55 @@ fn graphs() -> Vec<Arc<Graph>> {
     types.into_iter().zip(1..).map(|(types, seed)| Arc::new(graph(types, seed))).collect()
 }
 
-const OF_ROWS: [usize; 5] = [2, 0, 1, 2, 0];
+/// Two sequences of three steps. The first changes its building before the last step; the second forgets before its second step.
+const OF_ROWS: [usize; 6] = [2, 2, 0, 1, 1, 1];
+const STARTS: [bool; 6] = [false, false, true, false, true, false];
+const LENGTH: usize = 3;
 const WIDTH: usize = 18;
+/// Nodes of the largest building.
+const NODES_OF_LARGEST: usize = 8;
 
 fn random_parameters(network: &GraphNetwork) -> Vec<f32> {
     let mut random = RandomStream::new(5, 0);
-    let mut parameters = initialize(network, 1.0, &mut random);
+    let mut parameters = initialize(network, 1.0, 20, &mut random);
     parameters.iter_mut().for_each(|value| *value += 0.2 * random.normal() as f32);
     parameters
 }
 
-fn observations() -> Vec<f32> {
-    let mut observations = vec![0.0; OF_ROWS.len() * WIDTH];
-    RandomStream::new(9, 0).normals(&mut observations);
-    observations
+fn normals(count: usize, seed: u64) -> Vec<f32> {
+    let mut values = vec![0.0; count];
+    RandomStream::new(seed, 0).normals(&mut values);
+    values
 }
 
-const ALL: [Edges; 4] = [Edges::None, Edges::Bias, Edges::Mask, Edges::Mixed];
+fn observations() -> Vec<f32> {
+    normals(OF_ROWS.len() * WIDTH, 9)
+}
 
-/// Returns outputs of a batch by the definition, rows × 8 actions or rows × 1.
+/// Returns states before sequences of a number of rows, padded to the largest building.
+fn states(network: &GraphNetwork, sequences: usize) -> Vec<f32> {
+    normals(sequences * NODES_OF_LARGEST * network.memory, 8)
+}
+
+/// Uses of edges and widths of memories.
+const ALL: [(Edges, usize); 5] =
+    [(Edges::None, 0), (Edges::Bias, 0), (Edges::Mask, 0), (Edges::Mixed, 0), (Edges::Bias, 11)];
+
+/// Returns outputs of a batch by the definition, rows × 12 actions, rows × 9 nodes or rows × 1.
 fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], readout: Readout) -> Vec<f64> {
     let graphs = graphs();
-    let rows = OF_ROWS.iter().zip(observations.chunks(WIDTH));
-    rows.flat_map(|(of_row, observation)| {
+    let rows = OF_ROWS.iter().zip(observations.chunks(WIDTH)).enumerate();
+    let (width, given) = (network.memory.max(1), wide(&states(network, OF_ROWS.len() / LENGTH)));
+    let mut state = Vec::new();
+    rows.flat_map(|(row, (of_row, observation))| {
         let graph = &graphs[*of_row];
-        let outputs = reference::forward(network, parameters, graph, observation);
+        if STARTS[row] {
+            state = vec![vec![0.0; network.memory]; graph.nodes()];
+        } else if row % LENGTH == 0 {
+            let first = row / LENGTH * NODES_OF_LARGEST * network.memory;
+            state = given[first..].chunks(width).take(graph.nodes()).map(<[f64]>::to_vec).collect();
+        }
+        let outputs = reference::forward(network, parameters, graph, observation, &mut state);
         match readout {
             Readout::Actions { actions, .. } => {
                 let mut row: Vec<f64> =
@@ -100,24 +126,25 @@ const NODES: Readout = Readout::Nodes { nodes: 9 };
 
 #[test]
 fn outputs_and_gradients_match_the_definition() {
-    for edges in ALL {
+    for kind in ALL {
         for (readout, outputs) in
             [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1), (NODES, |_| 1)]
         {
-            let network = network(edges, outputs);
+            let network = network(kind, outputs);
             let (parameters, observations, graphs) = (random_parameters(&network), observations(), graphs());
+            let states = states(&network, OF_ROWS.len() / LENGTH);
+            let sequences = Sequences { length: LENGTH, states: &states, starts: &STARTS };
             let batch =
                 Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
             let mut pass = GraphPass::new(&network, readout);
-            let outputs = pass.forward(&parameters, batch).to_vec();
+            let outputs = pass.forward(&parameters, batch, sequences).to_vec();
             let observed = wide(&observations);
             let by_definition = expected(&network, &wide(&parameters), &observed, readout);
             assert_eq!(outputs.len(), by_definition.len());
             for (output, expected) in outputs.iter().zip(&by_definition) {
-                assert!((f64::from(*output) - expected).abs() < 2e-5, "{edges:?}: {output} {expected}");
+                assert!((f64::from(*output) - expected).abs() < 2e-5, "{kind:?}: {output} {expected}");
             }
-            let mut weights = vec![0.0; outputs.len()];
-            RandomStream::new(2, 0).normals(&mut weights);
+            let weights = normals(outputs.len(), 2);
             let mut sums = vec![0.0; parameters.len()];
             pass.backward(&parameters, batch, &weights, &mut sums);
             // Means and scales of features are not learned.
@@ -143,27 +170,40 @@ fn outputs_and_gradients_match_the_definition() {
 #[test]
 fn a_building_in_a_batch_has_the_outputs_that_it_has_alone() {
     let (graphs, observations) = (graphs(), observations());
-    for edges in ALL {
-        let network = network(edges, |actions| actions);
+    for kind in ALL {
+        let network = network(kind, |actions| actions);
         let (parameters, places) = (random_parameters(&network), network.places());
         let batch = Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
+        let padded = states(&network, OF_ROWS.len());
+        let nodes_of = |row: usize| graphs[OF_ROWS[row]].nodes();
+        let own = |row: usize| {
+            let first = row * NODES_OF_LARGEST * network.memory;
+            padded[first..first + nodes_of(row) * network.memory].to_vec()
+        };
+        let mut all: Vec<f32> = (0..OF_ROWS.len()).flat_map(own).collect();
         let mut together = Tape::default();
-        together.forward(&network, &places, &parameters, batch, Layer::forward_rows);
+        together.forward(&network, &places, &parameters, batch, &mut all, Layer::forward_rows);
         let mut pass = GraphPass::new(&network, ACTIONS);
-        let learned = pass.forward(&parameters, batch).to_vec();
+        let sequences = Sequences { length: 1, states: &padded, starts: &[false; OF_ROWS.len()] };
+        let learned = pass.forward(&parameters, batch, sequences).to_vec();
         let mut alone = Tape::default();
         for (row, (of_row, observation)) in OF_ROWS.iter().zip(observations.chunks(WIDTH)).enumerate() {
-            let graph = &graphs[*of_row];
+            let (graph, mut state) = (&graphs[*of_row], own(row));
             let batch = Batch::of_one(graph, &observation[..graph.width()]);
-            alone.forward(&network, &places, &parameters, batch, Layer::forward_rows);
+            alone.forward(&network, &places, &parameters, batch, &mut state, Layer::forward_rows);
             for node in 0..graph.nodes() {
                 let bits =
                     [(&together, row), (&alone, 0)].map(|(tape, row)| tape.outputs_of(&network, row, node));
                 assert_eq!(bits[0], bits[1]);
             }
+            let first = together.rows[row].first * network.memory;
+            assert_eq!(state, all[first..first + state.len()], "states after the step");
+            let near = |one: &f32, other: &f32| (one - other).abs() < 1e-5;
+            assert_eq!(pass.state(row).len(), state.len());
+            assert!(pass.state(row).iter().zip(&state).all(|(one, other)| near(one, other)));
             for (action, place) in graph.actions.iter().enumerate() {
                 let output = alone.outputs_of(&network, 0, place.node)[place.output];
-                assert!((output - learned[row * 12 + action]).abs() < 1e-5, "the learner's pass");
+                assert!(near(&output, &learned[row * 12 + action]), "the learner's pass");
             }
         }
     }
@@ -182,22 +222,22 @@ fn permuted_nodes_have_permuted_outputs() {
     let observation = &observations()[..original.width()];
     let features = |node: &usize| &observation[original.features[*node]..original.features[*node + 1]];
     let moved: Vec<f32> = order.iter().flat_map(features).copied().collect();
-    for edges in ALL {
-        let network = network(edges, |actions| actions);
+    for kind in ALL {
+        let network = network(kind, |actions| actions);
         let (parameters, places) = (random_parameters(&network), network.places());
-        let [mut before, mut after] = [Tape::default(), Tape::default()];
-        before.forward(
-            &network,
-            &places,
-            &parameters,
-            Batch::of_one(original, observation),
-            Layer::forward_rows,
-        );
-        after.forward(&network, &places, &parameters, Batch::of_one(&permuted, &moved), Layer::forward_rows);
+        let states = states(&network, 1);
+        let moved_states = order.iter().flat_map(|node| &states[node * network.memory..][..network.memory]);
+        let both =
+            [(original, observation, states.clone()), (&permuted, &moved, moved_states.copied().collect())];
+        let [before, after] = both.map(|(graph, observation, mut states)| {
+            let (mut tape, batch) = (Tape::default(), Batch::of_one(graph, observation));
+            tape.forward(&network, &places, &parameters, batch, &mut states, Layer::forward_rows);
+            tape
+        });
         for (place, node) in order.iter().enumerate() {
             let outputs = after.outputs_of(&network, 0, place).iter();
             for (output, expected) in outputs.zip(before.outputs_of(&network, 0, *node)) {
-                assert!((output - expected).abs() < 1e-5, "{edges:?}: {output} {expected}");
+                assert!((output - expected).abs() < 1e-5, "{kind:?}: {output} {expected}");
             }
         }
     }

@@ -41,10 +41,7 @@ impl AgentConfig {
 
     /// Returns whether the agent observes the attributes of its building.
     pub(crate) fn observes_attributes(&self) -> bool {
-        match &self.policy {
-            PolicyConfig::Graph(graph) => graph.attributes,
-            PolicyConfig::Flat | PolicyConfig::Recurrent(_) => self.observation.attributes,
-        }
+        self.policy.nodes().map_or(self.observation.attributes, |form| form.attributes)
     }
 
     /// Checks the values.

@@ -104,6 +104,12 @@ fn values_that_do_not_go_together_are_errors() {
         ("acting = { kind = 'residual', authority = 1.5 }", "authority"),
         ("acting = { kind = 'supervisory', every = 60 }", "choose `task` = operate"),
         ("task = 'operate'\nacting = { kind = 'supervisory', every = 20 }", "expected 15, 30 or 60 min"),
+        ("acting = { kind = 'targets', every = 20, shift = 1 }", "expected 15, 30 or 60 min"),
+        ("acting = { kind = 'targets', every = 60, shift = 9 }", "`acting.shift` is 9"),
+        (
+            "acting = { kind = 'targets', every = 60, shift = 1 }\npolicy = { kind = 'graph' }",
+            "`acting` shifts targets, which graph networks cannot",
+        ),
         (
             "task = 'operate'\nacting = { kind = 'supervisory', every = 15 }\nsteps_per_hour = 6",
             "of which an hour has 6",
@@ -119,6 +125,11 @@ fn values_that_do_not_go_together_are_errors() {
         ("algorithm = 'sac'\ncredit_by_zone = true", "`credit_by_zone` is for ppo"),
         ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
         ("policy = { kind = 'graph', heads = 3 }", "`policy.heads` is 3"),
+        (
+            "policy = { kind = 'graph', memory_episodes = 2 }",
+            "`policy.memory_episodes` is 2 and `policy.memory` is 0",
+        ),
+        ("policy = { kind = 'graph', memory = 8, sequence = 100 }", "a multiple of `policy.sequence`, 100"),
         (
             "algorithm = 'sac'\npolicy = { kind = 'recurrent' }",
             "`algorithm` with recurrent networks: it must be ppo",

@@ -140,11 +140,17 @@ impl TrainConfig {
             "`comfort_rate` follows evaluations, and `evaluation.every` is 0: there are none; change one of them".into()
         })?;
         agent.acting.check(training_set.steps_per_hour).map_err(Error::Invalid)?;
-        let Acting::Supervisory { .. } = agent.acting else { return Ok(()) };
-        require(operates, || {
+        let shifts_targets = matches!(agent.acting, Acting::Targets { .. });
+        if !shifts_targets && !agent.acting.is_supervision() {
+            return Ok(());
+        }
+        require(shifts_targets || operates, || {
             "`acting` supervises guideline36, the controller of operation; choose `task` = operate".into()
         })?;
-        require(!rewards.credit_by_zone || agent.policy.is_graph(), || {
+        require(!shifts_targets || !agent.policy.is_graph(), || {
+            "`acting` shifts targets, which graph networks cannot; choose residual, or `policy` = flat".into()
+        })?;
+        require(shifts_targets || !rewards.credit_by_zone || agent.policy.is_graph(), || {
             "`credit_by_zone` is not for flat agents that shift all zones; choose false".into()
         })
     }

@@ -4,19 +4,19 @@ use b2b_workers::{Draw, Sampler};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The draws of a sampler, the same for both environments of a pair: 0 and 1, 2 and 3, and so on.
+/// A sampler whose draws are the same for both environments of a pair: 0 and 1, 2 and 3, and so on.
 pub(super) struct Paired<S> {
-    /// A sampler for the first environment of every pair, and its twin for the second.
-    of: [S; 2],
+    /// A sampler for the first environment of every pair, and an equal one for the second.
+    samplers: [S; 2],
     seed: u64,
     /// The random stream of each environment, the same for both of a pair.
     random: Vec<ChaCha8Rng>,
 }
 
 impl<S> Paired<S> {
-    /// Returns the draws of two samplers that draw alike.
-    pub(super) fn new(of: [S; 2], seed: u64) -> Self {
-        Self { of, seed, random: Vec::new() }
+    /// Pairs environments, given two equal samplers.
+    pub(super) fn new(samplers: [S; 2], seed: u64) -> Self {
+        Self { samplers, seed, random: Vec::new() }
     }
 }
 
@@ -27,12 +27,12 @@ impl<S: Sampler> Sampler for Paired<S> {
             random.set_stream((number / 2) as u64);
             self.random.push(random);
         }
-        self.of[environment % 2].draw(environment / 2, &mut self.random[environment])
+        self.samplers[environment % 2].draw(environment / 2, &mut self.random[environment])
     }
 
     fn restart(&mut self) {
         self.random.clear();
-        self.of.iter_mut().for_each(Sampler::restart);
+        self.samplers.iter_mut().for_each(Sampler::restart);
     }
 }
 

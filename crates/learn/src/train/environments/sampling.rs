@@ -293,7 +293,7 @@ pub(crate) fn learner(config: &TrainConfig, widths: Widths, spaces: &Spaces) -> 
         environments: config.budget.environments,
         interface: config.agent.interface(),
         policy: &config.agent.policy,
-        credit: config.rewards.credit_by_zone.then(|| credit(spaces, spaces.action.owners())),
+        credit: config.rewards.credit_by_zone.then(|| credit(spaces, &config.agent.acting.owners(spaces))),
         hold: config.hold(),
         seed: config.budget.seed,
         threads: std::thread::available_parallelism().map_or(1, usize::from),
@@ -329,9 +329,9 @@ mod tests {
     #[test]
     fn the_episodes_of_a_memory_are_in_one_building() {
         let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
-        let check = |options: &str| {
+        let check_policy = |policy: &str, options: &str| {
             let options = format!(
-                "policy = {{ kind = 'recurrent', memory_episodes = 3 }}\nwindow_days = 7\nppo = {{ n_steps = 288 }}\n{options}"
+                "policy = {{ kind = {policy}, memory_episodes = 3 }}\nwindow_days = 7\nppo = {{ n_steps = 288 }}\n{options}"
             );
             let config = TrainConfig::default().with_changes(&options).unwrap();
             config.check().unwrap();
@@ -347,6 +347,7 @@ mod tests {
                 );
             })
         };
+        let check = |options: &str| check_policy("'recurrent'", options);
         let said = |options: &str| check(options).unwrap_err().to_string();
         let two = "buildings = ['OfficeSmall-0001', 'OfficeSmall-0002']\nenvironments";
         check(&format!("{two} = 2")).unwrap();
@@ -357,6 +358,8 @@ mod tests {
         assert!(wrong.contains("`building_episodes` is 4; expected a multiple of it"), "{wrong}");
         let wrong = said(&format!("{any} = 3"));
         assert!(wrong.contains("have 2 parts") && wrong.contains("`evaluation.held_out` = false"), "{wrong}");
+        let types = "building_type = ['OfficeSmall', 'Warehouse']\nbuilding_episodes = 3\nevaluation.held_out = false";
+        check_policy("'graph', memory = 8", types).unwrap();
     }
 
     #[test]

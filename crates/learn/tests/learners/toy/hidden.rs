@@ -15,7 +15,7 @@ pub struct Hidden<const SEEN: bool> {
 }
 
 impl<const SEEN: bool> Toy for Hidden<SEEN> {
-    const WIDTHS: Widths = Widths { observation: 3, action: 1, parts: 1 };
+    const WIDTHS: Widths = Widths { observation: 3, action: 1, parts: 1, nodes: 1 };
     const STEPS: usize = 20;
     const REWARD_SCALE: f32 = 1.0;
 

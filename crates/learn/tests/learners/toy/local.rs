@@ -1,16 +1,21 @@
 //! A collector of steps of toy environments in this process.
 
-use b2b_agent::network::{Actor, Scratch};
+use std::sync::Arc;
+
+use b2b_agent::network::{Actor, Graph, Scratch};
 use b2b_learn::Result;
 use b2b_learn::collector::Collector;
+use b2b_learn::credit::Credit;
 use b2b_learn::random::{Noise, RandomStream};
-use b2b_learn::rollout::{End, Rollout, Widths};
+use b2b_learn::rollout::{End, Rollout, Scene, Widths};
 
 use super::Toy;
 
 /// Environments in this process.
 pub struct Local<T> {
     environments: Vec<Running<T>>,
+    /// Buildings for graph networks, in which environments are in turn.
+    graphs: Vec<Arc<Graph>>,
 }
 
 /// An environment within an episode.
@@ -19,7 +24,7 @@ struct Running<T> {
     step: usize,
     random: RandomStream,
     noise: Noise,
-    /// State of a recurrent actor.
+    /// State of an actor with a memory.
     state: Vec<f32>,
 }
 
@@ -31,13 +36,21 @@ impl<T: Toy> Local<T> {
             let noise = Noise::new(T::WIDTHS.action, 0.0, RandomStream::new(seed, 2000 + index as u64));
             Running { toy: T::reset(&mut random), step: 0, random, noise, state: Vec::new() }
         };
-        Self { environments: (0..environments).map(start).collect() }
+        Self { environments: (0..environments).map(start).collect(), graphs: Vec::new() }
+    }
+
+    /// Sets the buildings for graph networks, whose first node has the observation and the actions.
+    #[must_use]
+    pub fn with_graphs(mut self, graphs: Vec<Arc<Graph>>) -> Self {
+        self.graphs = graphs;
+        self
     }
 }
 
 impl<T: Toy> Collector for Local<T> {
     fn widths(&self) -> Widths {
-        T::WIDTHS
+        let nodes = self.graphs.iter().map(|graph| graph.nodes()).max().unwrap_or(1);
+        Widths { nodes, ..T::WIDTHS }
     }
 
     fn environments(&self) -> usize {
@@ -46,10 +59,15 @@ impl<T: Toy> Collector for Local<T> {
 
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         *rollout = Rollout { environments: self.environments.len(), steps, ..Rollout::default() };
-        let mut scratch = actor.scratch(None);
+        let width = actor.shape.state() * self.widths().nodes;
         for (environment, running) in self.environments.iter_mut().enumerate() {
+            let graph = self.graphs.get(environment % self.graphs.len().max(1)).map(Arc::clone);
+            let mut scratch = actor.scratch(graph.as_ref());
+            let credit = Arc::new(Credit::joint(T::WIDTHS));
+            rollout.scenes.extend(graph.map(|graph| Scene { environment, step: 0, graph, credit }));
             running.state.resize(scratch.state().len(), 0.0);
             rollout.states.extend_from_slice(&running.state);
+            rollout.states.resize((environment + 1) * width, 0.0);
             scratch.state_mut().copy_from_slice(&running.state);
             for step in 0..steps {
                 if running.step == 0 && !scratch.state().is_empty() {

@@ -20,7 +20,7 @@ const TORQUE: f32 = 2.0;
 const SPEED: f32 = 8.0;
 
 impl Toy for Pendulum {
-    const WIDTHS: Widths = Widths { observation: 3, action: 1, parts: 1 };
+    const WIDTHS: Widths = Widths { observation: 3, action: 1, parts: 1, nodes: 1 };
     const STEPS: usize = 200;
     const REWARD_SCALE: f32 = 0.1;
 

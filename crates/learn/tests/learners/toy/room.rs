@@ -49,7 +49,7 @@ impl Room {
 }
 
 impl Toy for Room {
-    const WIDTHS: Widths = Widths { observation: 7, action: 2, parts: 2 };
+    const WIDTHS: Widths = Widths { observation: 7, action: 2, parts: 2, nodes: 1 };
     const STEPS: usize = 96;
     const REWARD_SCALE: f32 = 0.2;
 

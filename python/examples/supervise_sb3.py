@@ -1,0 +1,128 @@
+"""Train Stable-Baselines3's PPO to supervise Guideline 36 in a medium office, like the preset `supervisory`.
+
+`python supervise_sb3.py` makes 115,200 decisions, each for an hour, in January, and prints the cost relative to the
+guideline's, the discomfort of both (K·h per zone and day), and the same for February. As in `b2b train`, comfort is a
+constraint: after every evaluation without noise, the weight of discomfort follows the discomfort relative to the
+guideline's.
+"""
+
+import argparse
+import time
+
+import building2building as b2b
+import numpy as np
+import torch
+from building2building.learning.acting import acting_controller
+from building2building.sb3 import make_sb3_vec
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecNormalize
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--building", default="OfficeMedium-0626")
+parser.add_argument("--decisions", type=int, default=115_200)
+parser.add_argument("--every", type=int, default=11_520, help="decisions between evaluations")
+parser.add_argument("--period", default="01-01..01-31")
+parser.add_argument("--held-out", default="01-10..01-23", help="days of the evaluations")
+parser.add_argument("--test", nargs="*", default=["02-01..02-28"])
+parser.add_argument("--seed", type=int, default=0)
+arguments = parser.parse_args()
+
+ACTING, ENVS = "supervisory:60", 8
+# A decision lasts twelve steps, each of which discounts by 0.995.
+GAMMA = 0.995**12
+comfort_weight = 1.0
+
+
+def reward(info):
+    """Returns the task's reward with another weight of discomfort."""
+    return comfort_weight * info["reward_terms"]["temperature"] + info["reward_terms"]["energy"]
+
+
+def schedule(remaining):
+    """Returns the learning rate."""
+    return 1e-3 * remaining
+
+
+envs = make_sb3_vec(
+    arguments.building,
+    ENVS,
+    task="operate",
+    acting=ACTING,
+    run_period=arguments.period,
+    window_days=14,
+    window_starts=6,
+    reward=reward,
+)
+model = PPO(
+    "MlpPolicy",
+    VecNormalize(envs, norm_obs=False, gamma=GAMMA),
+    learning_rate=schedule,
+    n_steps=24,
+    batch_size=96,
+    n_epochs=4,
+    gamma=GAMMA,
+    gae_lambda=0.9,
+    target_kl=0.02,
+    policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.0},
+    seed=arguments.seed,
+    device="cpu",
+)
+# Training begins with the guideline itself, whose decisions are zeros.
+torch.nn.init.zeros_(model.policy.action_net.weight)
+
+
+def act(seen):
+    return model.predict(seen, deterministic=True)[0]
+
+
+def evaluate(*periods):
+    """Returns rows with the scores of the policy without noise."""
+    policy = acting_controller(act, ACTING)
+    return b2b.evaluate(policy, arguments.building, "operate", run_periods=periods, jobs=1).rows
+
+
+def discomfort(row):
+    """Returns the discomfort of the agent and of the guideline, K·h per zone and day."""
+    days = row["steps"] / 288
+    return row["tdis_tot"] / days, row["baseline_discomfort_k_h"] / days
+
+
+def described(row):
+    own, allowed = discomfort(row)
+    cost, score = row["relative_resource"], row["score"]
+    return f"cost {cost:.3f}, discomfort {own:.2f} instead of {allowed:.2f}, score {score:.3f}"
+
+
+class Constraint(BaseCallback):
+    """Evaluates the policy, changes the weight of discomfort, and keeps the best policy."""
+
+    def __init__(self):
+        super().__init__()
+        self.best, self.weights = np.inf, None
+
+    def _on_step(self):
+        return True
+
+    def _on_rollout_end(self):
+        global comfort_weight
+        if self.num_timesteps % arguments.every == 0:
+            (row,) = evaluate(arguments.held_out)
+            own, allowed = discomfort(row)
+            comfort_weight *= float(np.clip((own + 0.05) / (allowed + 0.05), 0.5, 2))
+            if row["score"] < self.best:
+                self.best = row["score"]
+                self.weights = {name: value.clone() for name, value in self.model.policy.state_dict().items()}
+            print(f"{self.num_timesteps:7d} decisions: {described(row)}, weight {comfort_weight:.2f}", flush=True)
+
+
+# Small networks are slower with several threads, and the engine needs the processors.
+torch.set_num_threads(1)
+constraint, start = Constraint(), time.perf_counter()
+model.learn(arguments.decisions, callback=constraint)
+print(f"{model.num_timesteps} decisions in {time.perf_counter() - start:.0f} s")
+if constraint.weights is not None:
+    model.policy.load_state_dict(constraint.weights)
+for row in evaluate(arguments.period, *arguments.test):
+    print(f"{row['period']}: {described(row)}")
+envs.close()
