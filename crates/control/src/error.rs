@@ -58,9 +58,9 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A planner without an episode on which to try actions.
+    /// A planner without an episode on which to try actions or to identify a model.
     #[error(
-        "the controller `{name}` plans on copies of an episode; it can run in `b2b run` and in evaluations"
+        "the controller `{name}` runs episodes of its building before it acts; it can run in `b2b run` and in evaluations"
     )]
     NeedsEpisode {
         /// The controller.

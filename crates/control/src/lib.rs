@@ -1,7 +1,6 @@
 //! Controllers that do not learn: the sequences of ASHRAE Guideline 36, the paper's reactive control, constant and
-//! random actions, replay of recorded actions, a planner on copies of the simulation, and schedules for Guideline 36 found
-//! with foresight. Each implements
-//! [`Controller`] of `b2b_env`.
+//! random actions, replay of recorded actions, a planner on copies of the simulation, schedules for Guideline 36 found
+//! with foresight, and model predictive control of its points. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;

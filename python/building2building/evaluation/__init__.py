@@ -179,8 +179,8 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
     - a controller class such as :class:`ReactiveController`, which is instantiated for every episode with an
       :class:`EpisodeContext`;
     - ``"guideline36"``, ``"own"``, ``"reactive"``, ``"hold"``, ``"off"``, ``"random"``, ``"constant"``,
-      ``"linear-supervisor"``, ``"foresight"``, ``"planner"`` or the path of an ONNX file, whose actions are in [-1, 1]
-      unless ``rescale_action=False``; these run without Python.
+      ``"linear-supervisor"``, ``"mpc"``, ``"foresight"``, ``"planner"`` or the path of an ONNX file, whose actions are
+      in [-1, 1] unless ``rescale_action=False``; these run without Python.
 
     ``tasks`` are the tasks of the episodes: by default ``operate``, and for an agent the task that it was trained for.
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`; with ``control="setpoints"``,

@@ -4,6 +4,7 @@ mod ablations;
 mod check;
 mod compare;
 mod foresight;
+mod mpc;
 mod operation;
 mod rollouts;
 mod search;
@@ -44,6 +45,7 @@ Examples:
   b2b tune compare --type OfficeSmall            default against tuned, on test buildings
   b2b tune foresight OfficeSmall-0509            schedules of supervisory points with perfect foresight
   b2b tune supervisor --type OfficeMedium        one rule of shifts for all buildings of a type
+  b2b tune mpc OfficeMedium-0626                 the model of the model predictive controller
   b2b tune operation                             the scale and the weight of rewards of operation
   b2b tune ablations OfficeMedium-0626           what the sequences of Guideline 36 save
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
@@ -54,6 +56,7 @@ enum Command {
     Check(check::Arguments),
     Compare(compare::Arguments),
     Foresight(Box<foresight::Arguments>),
+    Mpc(Box<mpc::Arguments>),
     Operation(operation::Arguments),
     Supervisor(Box<supervisor::Arguments>),
 }
@@ -70,6 +73,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
         Some(Command::Check(arguments)) => check::check(arguments),
         Some(Command::Compare(arguments)) => compare::compare(arguments),
         Some(Command::Foresight(arguments)) => foresight::foresight(arguments),
+        Some(Command::Mpc(arguments)) => mpc::mpc(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),
         Some(Command::Supervisor(arguments)) => supervisor::supervisor(arguments),
         None => search::search(&arguments.search),

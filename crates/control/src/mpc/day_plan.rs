@@ -60,11 +60,10 @@ impl DayPlan {
     }
 
     /// Sets the drivers of an hour.
-    pub(super) fn expect(&mut self, model: &Model, ahead: usize, drivers: Drivers) {
-        for (effect, predicted) in model.effects.iter().zip(&mut self.predicted) {
-            let [cost, discomfort] = effect.predict(drivers);
-            let saves = cost < 0.0 || discomfort < 0.0;
-            predicted[ahead] = saves.then_some(Predicted { cost, discomfort });
+    pub(super) fn expect(&mut self, model: &Model, ahead: usize, of_day: usize, drivers: Drivers) {
+        for (predicted, [cost, discomfort]) in self.predicted.iter_mut().zip(model.predict(of_day, drivers)) {
+            let helps = cost < 0.0 || discomfort < 0.0;
+            predicted[ahead] = helps.then_some(Predicted { cost, discomfort });
         }
     }
 

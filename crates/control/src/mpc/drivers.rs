@@ -2,10 +2,14 @@
 
 use crate::guideline36::Shift;
 
+/// Outdoor temperatures from which on an hour is mild instead of cold, none and all of it, °C.
+const COLD_TO_MILD: [f64; 2] = [-4.0, 6.0];
+/// The same for warm instead of mild.
+const MILD_TO_WARM: [f64; 2] = [12.0, 20.0];
 /// Outdoor temperature below which it is cold, °C, and the difference that counts as 1.
-const COLD: [f64; 2] = [18.0, 20.0];
+pub(super) const COLD: [f64; 2] = [18.0, 20.0];
 /// Outdoor temperature above which it is warm, °C, and the difference that counts as 1.
-const WARM: [f64; 2] = [14.0, 10.0];
+pub(super) const WARM: [f64; 2] = [14.0, 10.0];
 /// Largest value of cold and warm.
 const MOST: f64 = 2.0;
 /// Outdoor temperature around which the limit of an economizer matters, °C, and the distance at which it no longer does, K.
@@ -49,29 +53,47 @@ impl Drivers {
         }
     }
 
-    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a fan is felt at once, air of another
-    /// temperature in the next hour too.
+    /// Returns the hours for which a level stays in the identification, so that zones follow: the fabric of a building stores the
+    /// heat of an air handler.
+    pub(super) fn held(shift: Shift) -> usize {
+        if Shift::AIR_LOOP.contains(&shift) { 4 } else { 2 }
+    }
+
+    /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat and cooling
+    /// than it saves in fans; its effect only helps to tell the effect of warmer air.
+    pub(super) fn may_be_chosen(shift: Shift, level: f64) -> bool {
+        shift != Shift::SupplyTemperature || level > 0.0
+    }
+
+    /// Returns how cold and how warm an outdoor temperature is, 0 to 2.
+    pub(super) fn cold_and_warm(outdoor: f64) -> [f64; 2] {
+        [(COLD[0] - outdoor) / COLD[1], (outdoor - WARM[0]) / WARM[1]].map(|value| value.clamp(0.0, MOST))
+    }
+
+    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a unit's air of another temperature is
+    /// felt in the next hour too.
     pub(super) fn shape(shift: Shift) -> (usize, usize) {
         match shift {
-            Shift::SupplyTemperature => (3, 2),
-            Shift::MinimumFlow => (3, 1),
+            Shift::SupplyTemperature => (3, 1),
+            Shift::MinimumFlow => (2, 1),
             _ => (1, 2),
         }
     }
 
-    /// Returns the terms of a shift's effect; the ones beyond [`Drivers::shape`] are 0.
+    /// Returns the terms of a shift's effect, as a share of what the hour would come to without it; the ones beyond
+    /// [`Drivers::shape`] are 0.
     pub(super) fn terms(self, shift: Shift) -> [f64; Self::TERMS] {
-        let Self { outdoor, narrow } = self;
-        let cold = ((COLD[0] - outdoor) / COLD[1]).clamp(0.0, MOST);
-        let warm = ((outdoor - WARM[0]) / WARM[1]).clamp(0.0, MOST);
+        let outdoor = self.outdoor;
+        let passed = |[from, to]: [f64; 2]| ((outdoor - from) / (to - from)).clamp(0.0, 1.0);
+        let (cold, warm) = (1.0 - passed(COLD_TO_MILD), passed(MILD_TO_WARM));
         match shift {
-            Shift::SupplyTemperature => [narrow, narrow * cold, narrow * warm],
-            Shift::MinimumFlow => [narrow, cold, warm],
-            Shift::HeatingTemperature => [cold, 0.0, 0.0],
+            Shift::SupplyTemperature => [cold, 1.0 - cold - warm, warm],
+            Shift::MinimumFlow => [1.0 - warm, warm, 0.0],
+            Shift::HeatingTemperature => [1.0 - warm, 0.0, 0.0],
             Shift::CoolingTemperature => [warm, 0.0, 0.0],
             Shift::EconomizerLimit => {
                 let near = 1.0 - (outdoor - ECONOMIZER[0]).abs() / ECONOMIZER[1];
-                [narrow * near.max(0.0), 0.0, 0.0]
+                [near.max(0.0), 0.0, 0.0]
             }
             Shift::HeatingSetpoint | Shift::CoolingSetpoint | Shift::Start => [0.0; Self::TERMS],
         }
@@ -85,14 +107,15 @@ mod tests {
     #[test]
     fn drivers_follow_the_weather_and_the_schedule() {
         let at = |outdoor, setpoint| Drivers::new(outdoor, setpoint, [16.0, 20.0]);
-        assert_eq!(at(-2.0, 20.0).terms(Shift::SupplyTemperature), [1.0, 1.0, 0.0]);
-        assert_eq!(at(-2.0, 16.0).terms(Shift::SupplyTemperature), [0.0; 3], "at night");
-        assert_eq!(at(24.0, 18.0).terms(Shift::MinimumFlow), [0.5, 0.0, 1.0]);
+        assert_eq!(at(1.0, 20.0).terms(Shift::SupplyTemperature), [0.5, 0.5, 0.0]);
+        assert_eq!(at(25.0, 20.0).terms(Shift::SupplyTemperature), [0.0, 0.0, 1.0]);
+        assert_eq!(at(16.0, 20.0).terms(Shift::MinimumFlow), [0.5, 0.5, 0.0]);
+        assert_eq!([at(20.0, 16.0), at(20.0, 20.0)].map(Drivers::narrow), [0.0, 1.0]);
         assert_eq!(Drivers::new(24.0, 20.0, [20.0, 20.2]).narrow(), 1.0, "without a setback");
         for shift in [Shift::AIR_LOOP, Shift::UNIT].concat() {
             let (terms, _) = Drivers::shape(shift);
-            let beyond = [at(-20.0, 20.0), at(20.0, 20.0), at(35.0, 20.0)]
-                .map(|drivers| drivers.terms(shift)[terms..].iter().all(|term| *term == 0.0));
+            let beyond = [-20.0, 20.0, 35.0]
+                .map(|outdoor| at(outdoor, 20.0).terms(shift)[terms..].iter().all(|term| *term == 0.0));
             assert_eq!(beyond, [true; 3], "{shift:?}");
         }
     }

@@ -20,6 +20,8 @@ pub(super) struct Hour {
     pub(super) of_day: usize,
     /// Outdoor temperature at its beginning, °C.
     pub(super) outdoor: f64,
+    /// Mean solar radiation, W/m².
+    pub(super) radiation: f64,
     /// Mean heating setpoint at its beginning, °C.
     pub(super) setpoint: f64,
     /// Mean occupancy at its beginning.

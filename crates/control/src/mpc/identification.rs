@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use b2b_base::random::{stream, uniform};
 use b2b_building::{Date, RunPeriod};
-use b2b_env::{Controller, Environment, EpisodeConfig, Spaces};
+use b2b_env::{Controller, Environment, EpisodeConfig, Forecast, PREVIEW_HOURS, Preview, Spaces};
 use b2b_workers::{Episode, EpisodeSetting};
+use rand_chacha::ChaCha8Rng;
 
 use super::NAME;
 use super::drivers::Drivers;
+use super::fit::fit;
 use super::hour::{Hour, Site};
 use super::model::{Model, shifts};
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::{Error, Result};
 
+/// Levels of a shift: the guideline's choice and two others.
+const LEVELS: usize = 3;
 /// Days of the identification.
 const DAYS: u32 = 14;
 /// First and last day of the identification for an episode in the first two weeks of a year.
@@ -39,7 +43,7 @@ pub fn identify(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<
     let mut weeks = episode.workers().episode(&setting)?;
     let spaces = Arc::clone(Environment::spaces(&weeks));
     let (tried, hours) = run(&mut weeks, &spaces, seed, done)?;
-    Ok(Model::of(&spaces.building.name, period.to_string(), &tried, &hours))
+    Ok(fit(&spaces.building.name, period.to_string(), &tried, &hours))
 }
 
 /// Returns the two weeks before a period.
@@ -65,17 +69,23 @@ fn run(
     let mut action = vec![0.0; spaces.action.len()];
     let mut observation = episode.reset()?.to_vec();
     let mut hours: Vec<Hour> = Vec::new();
+    let [mut temperatures, mut radiation] = [[0.0; PREVIEW_HOURS]; 2];
     guideline.reset();
-    for _ in 0..spaces.episode_steps() / spaces.episode.steps_per_hour as usize {
-        // 0 is the guideline's choice, otherwise a level.
-        let levels: Vec<usize> = tried.iter().map(|_| (3.0 * uniform(&mut random)) as usize).collect();
+    let forecast = Forecast::of(spaces, Preview::default())?;
+    let mut draws = Draws::new(tried.len());
+    for number in 0..spaces.episode_steps() / spaces.episode.steps_per_hour as usize {
+        draws.advance(number, &tried, &mut random);
+        let levels = &draws.levels;
         let value = |number: &Option<usize>| {
             let number = (*number)?;
             let levels_of_shift = Drivers::levels(tried[number])?;
             levels[number].checked_sub(1).map(|level| levels_of_shift[level])
         };
         guideline.supervise(&numbers.iter().map(|own| value(own).unwrap_or(0.0)).collect::<Vec<_>>());
-        let mut hour = site.begin(&observation, &levels);
+        let mut hour = site.begin(&observation, levels);
+        let (day, of_day) = site.time(&observation);
+        forecast.write(day, of_day, &mut temperatures, &mut radiation);
+        hour.radiation = radiation[0];
         for _ in 0..spaces.episode.steps_per_hour {
             guideline.act(&observation, &mut action);
             site.deliver(&observation, &action, &mut hour);
@@ -90,9 +100,54 @@ fn run(
     Ok((tried, hours))
 }
 
+/// Draws levels so that each occurs once in every three draws of a shift.
+struct Draws {
+    /// The level of every shift: 0 is the guideline's choice.
+    levels: Vec<usize>,
+    /// The order of the levels of every shift.
+    orders: Vec<[usize; LEVELS]>,
+}
+
+impl Draws {
+    fn new(shifts: usize) -> Self {
+        Self { levels: vec![0; shifts], orders: vec![[0, 1, 2]; shifts] }
+    }
+
+    /// Sets the levels of an hour.
+    fn advance(&mut self, hour: usize, tried: &[Shift], random: &mut ChaCha8Rng) {
+        for ((level, order), shift) in self.levels.iter_mut().zip(&mut self.orders).zip(tried) {
+            let turn = hour / Drivers::held(*shift) % LEVELS;
+            if hour.is_multiple_of(LEVELS * Drivers::held(*shift)) {
+                for last in (1..LEVELS).rev() {
+                    order.swap(last, (uniform(random) * (last + 1) as f64) as usize);
+                }
+            }
+            *level = order[turn];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_level_is_drawn_equally_often_and_the_draws_follow_the_seed() {
+        let draw = |seed| {
+            let (mut draws, mut random) = (Draws::new(2), stream(NAME, seed, 0));
+            let mut next = |hour| {
+                draws.advance(hour, &[Shift::SupplyTemperature, Shift::MinimumFlow], &mut random);
+                draws.levels.clone()
+            };
+            (0..336).map(&mut next).collect::<Vec<_>>()
+        };
+        let drawn = draw(0);
+        for (shift, level) in [(0, 0), (0, 2), (1, 1)] {
+            assert_eq!(drawn.iter().filter(|levels| levels[shift] == level).count(), 112);
+        }
+        assert_eq!(drawn, draw(0));
+        assert_ne!(drawn, draw(1));
+    }
 
     #[test]
     fn the_identification_ends_on_the_day_before_the_episode_and_does_not_pass_new_year() {

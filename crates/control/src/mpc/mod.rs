@@ -2,7 +2,7 @@
 //! search over a day on a model identified from the two weeks before.
 //!
 //! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, least flows and the
-//!    economizer limit) move at random, every hour. Setpoints and start times stay the guideline's.
+//!    economizer limit) move at random, every four hours. Setpoints and start times stay the guideline's.
 //! 2. From the hours, regressions tell what every level of a point does to cost and to discomfort: a [`Model`].
 //! 3. Every hour, [`Mpc`] forecasts how cold, how warm and how narrow the band will be in the next 24 hours, and chooses the
 //!    levels of lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
@@ -11,11 +11,13 @@
 
 mod day_plan;
 mod drivers;
+mod fit;
 mod hour;
 mod identification;
 mod kind;
 mod model;
 mod regression;
+mod undisturbed;
 
 use b2b_env::{Bands, Controller, Decisions, Forecast, PREVIEW_HOURS, Preview, Spaces};
 
@@ -93,7 +95,9 @@ impl Mpc {
                     temperatures[ahead - 1],
                 ),
             };
-            self.plan.expect(&self.model, ahead, Drivers::new(outdoor, setpoint, self.model.setpoints));
+            let of_day = (hour + ahead as f64) as usize % 24;
+            let drivers = Drivers::new(outdoor, setpoint, self.model.setpoints);
+            self.plan.expect(&self.model, ahead, of_day, drivers);
         }
         self.plan.choose();
         for (value, shift) in self.values.iter_mut().zip(&self.shifts) {

@@ -1,4 +1,5 @@
-//! Ridge regression of hourly values whose errors differ by the hour of the day and last from hour to hour.
+//! Ridge regression of hourly values whose errors are proportional to their usual size, by a factor that differs by the hour of the
+//! day, and last from hour to hour.
 
 use crate::search::least_squares::{dot, solve};
 
@@ -6,7 +7,7 @@ use crate::search::least_squares::{dot, solve};
 const ROUNDS: usize = 6;
 /// Bounds of the share of an error that lasts for an hour.
 const LASTING: [f64; 2] = [-0.3, 0.9];
-/// Least deviation of an error, relative to the mean value.
+/// Least deviation of an error, relative to the usual size.
 const LEAST_DEVIATION: f64 = 0.02;
 /// Least number of degrees of freedom.
 const LEAST_FREEDOM: f64 = 10.0;
@@ -17,6 +18,8 @@ pub(super) struct Rows {
     pub(super) inputs: Vec<Vec<f64>>,
     /// Hour of the day of each row.
     pub(super) hours: Vec<usize>,
+    /// Usual size of each value, to which its error is proportional.
+    pub(super) sizes: Vec<f64>,
     /// Regularization of each coefficient.
     pub(super) ridge: Vec<f64>,
 }
@@ -30,7 +33,7 @@ pub(super) struct Estimate {
 
 /// How errors behave.
 struct Errors {
-    /// Standard deviation by hour of the day.
+    /// Standard deviation relative to the usual size, by hour of the day.
     deviation: [f64; 24],
     /// Share that lasts for an hour.
     lasting: f64,
@@ -69,10 +72,16 @@ impl Rows {
         Estimate { coefficients, covariance }
     }
 
+    /// Returns the explained part of values, without what is below 0.
+    pub(super) fn fitted(&self, values: &[f64]) -> Vec<f64> {
+        let Estimate { coefficients, .. } = self.explain(values, 0);
+        self.inputs.iter().map(|row| dot(row, &coefficients).max(0.0)).collect()
+    }
+
     /// Returns rows and values whose errors are alike and independent.
     fn alike(&self, values: &[f64], errors: &Errors) -> (Vec<Vec<f64>>, Vec<f64>) {
         let scaled = |row: usize| {
-            let scale = 1.0 / errors.deviation[self.hours[row]];
+            let scale = 1.0 / (self.sizes[row] * errors.deviation[self.hours[row]]);
             let inputs: Vec<f64> = self.inputs[row].iter().map(|input| input * scale).collect();
             (inputs, values[row] * scale)
         };
@@ -111,8 +120,9 @@ impl Rows {
 
     /// Estimates the errors from the residuals; the deviations are smoothed over neighboring hours.
     fn errors(&self, values: &[f64], coefficients: &[f64]) -> Errors {
+        let rows = self.inputs.iter().zip(values).zip(&self.sizes);
         let residuals: Vec<f64> =
-            self.inputs.iter().zip(values).map(|(row, value)| value - dot(row, coefficients)).collect();
+            rows.map(|((row, value), size)| (value - dot(row, coefficients)) / size).collect();
         let (mut squares, mut counts) = ([0.0; 24], [0.0; 24]);
         for (residual, &hour) in residuals.iter().zip(&self.hours) {
             squares[hour] += residual * residual;
@@ -148,8 +158,12 @@ mod tests {
             error = 0.7 * error + standard_normal(&mut random);
             values.push(1.0 - 0.05 * row[1] + 0.3 * size * error);
         }
-        let rows =
-            Rows { inputs: rows, hours: (0..336).map(|hour| hour % 24).collect(), ridge: vec![1e-3; 2] };
+        let rows = Rows {
+            inputs: rows,
+            hours: (0..336).map(|hour| hour % 24).collect(),
+            sizes: vec![1.0; 336],
+            ridge: vec![1e-3; 2],
+        };
         let found = rows.explain(&values, 1);
         let deviation = found.covariance[0][0].sqrt();
         assert!(deviation < 0.006, "{deviation}: quiet hours tell most");

@@ -104,3 +104,27 @@ fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     let tracking = format!("{search} other --task constant");
     assert_rejected(folder, &tracking, &["constant", "operate"]);
 }
+
+#[test]
+fn a_model_predictive_controller_identifies_the_model_that_its_file_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let episode = "SingleFamilyHouse-0042 --period 07-15..07-16";
+    let model = json(folder, &format!("tune mpc {episode}"));
+    assert_eq!(model["identified"], "07-01..07-14");
+    let shifts: Vec<_> = model["effects"].as_array().unwrap().iter().map(|effect| &effect["shift"]).collect();
+    assert!(shifts.contains(&&"minimum flow shift".into()), "{shifts:?}");
+    let run = |arguments: &str| json(folder, &format!("run {episode} --controller mpc {arguments}"));
+    let own = run("");
+    assert_eq!(own["trajectory_hash"], run("--parameters model.json")["trajectory_hash"]);
+    let guideline = json(folder, &format!("run {episode}"));
+    assert_ne!(own["trajectory_hash"], guideline["trajectory_hash"], "{model}");
+    assert!(own["cost_tot"].as_f64().unwrap() < guideline["cost_tot"].as_f64().unwrap());
+
+    let text = std::fs::read_to_string(folder.join("model.json")).unwrap();
+    std::fs::write(folder.join("other.json"), text.replace("minimum flow shift", "earlier start")).unwrap();
+    let other = format!("run {episode} --controller mpc --parameters other.json");
+    assert_rejected(folder, &other, &["unknown shift `earlier start`", "minimum flow shift"]);
+    let tracking = format!("run {episode} --controller mpc --task constant");
+    assert_rejected(folder, &tracking, &["mpc", "constant", "operate"]);
+}

@@ -1,0 +1,99 @@
+//! `b2b tune mpc`: the model of the controller `mpc`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use b2b_building::Period;
+use b2b_control::mpc::{Effect, Model, Response, identify};
+use b2b_dataset::BuildingName;
+use b2b_env::{EpisodeConfig, Task};
+use b2b_workers::{EpisodeSetting, Source, Workers};
+
+use crate::arguments::location::Location;
+use crate::arguments::task;
+use crate::output_folder::OutputFolder;
+use crate::program;
+use crate::program::worker_options;
+use crate::terminal::progress::{Download, counter};
+use crate::terminal::stdout;
+use crate::terminal::table::Table;
+
+/// Identify the model of the controller mpc
+///
+/// Runs the two weeks before an episode under Guideline 36 while supply air temperatures, least flows and the economizer limit
+/// move at random, and fits what they do to cost and discomfort. `b2b run --controller mpc --parameters FILE.json` uses the
+/// model; without a file, mpc identifies its own.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Building type, dataset building such as OfficeSmall-0042, or model file
+    building: BuildingName,
+    #[command(flatten)]
+    location: Location,
+    /// Run period of the episode
+    #[arg(long, default_value = "peak-heating", value_name = "PERIOD")]
+    period: Period,
+    /// Task of operation [default: operate]
+    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
+    task: Option<Task>,
+    /// Zone time steps per hour
+    #[arg(long, default_value_t = 12, value_name = "N")]
+    steps_per_hour: u32,
+    /// Random seed of the movements
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// File of the model
+    #[arg(long, default_value = "model.json", value_name = "FILE.json")]
+    out: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Hours of an identification.
+const HOURS: u64 = 14 * 24;
+
+/// Runs the command.
+pub fn mpc(arguments: &Arguments) -> Result<()> {
+    let Arguments { building, out, json, .. } = arguments;
+    let catalog = program::catalog(&mut Download::new(*json))?;
+    let found = catalog.find(building, &arguments.location.placement(), &mut Download::new(true))?;
+    let weather = found.weather.clone();
+    let config = EpisodeConfig {
+        period: arguments.period.in_weather(&weather)?,
+        weather,
+        steps_per_hour: arguments.steps_per_hour,
+        task: arguments.task.clone().unwrap_or_else(task::usual),
+    };
+    let workers = Workers::new(worker_options(catalog.library().path()))?;
+    let episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
+    let bar = counter(HOURS, "hours", *json);
+    let model = identify(&episode, arguments.seed, &mut || bar.inc(1))
+        .with_context(|| format!("cannot identify a model of {building}"))?;
+    bar.finish_and_clear();
+    OutputFolder::write_file(out, |file| Ok(serde_json::to_writer_pretty(file, &model)?))?;
+    stdout::print_result(*json, &model, || text(&model, arguments))
+}
+
+fn text(model: &Model, arguments: &Arguments) -> String {
+    let mut table = Table::new(["point", "shift", "effect on cost (%)", "effect on discomfort (%)"]);
+    for Effect { shift, value, cost, discomfort } in &model.effects {
+        table.row([shift.clone(), format!("{value:+}"), percent(cost), percent(discomfort)]);
+    }
+    format!(
+        "{} in {}: effects in cold, mild and warm hours, or in the ones in which the point acts\n\n{}\n\n  {}",
+        model.building,
+        model.identified,
+        table.text(),
+        arguments.out.display()
+    )
+}
+
+/// Returns the terms of an effect with their standard deviations.
+fn percent(effect: &Response) -> String {
+    let term = |(number, mean): (usize, &f64)| {
+        let deviation = effect.covariance[number][number].sqrt();
+        format!("{:+.1} ± {:.1}", 100.0 * mean, 100.0 * deviation)
+    };
+    effect.mean.iter().enumerate().map(term).collect::<Vec<_>>().join(", ")
+}
