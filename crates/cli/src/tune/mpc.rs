@@ -51,7 +51,7 @@ pub struct Arguments {
 }
 
 /// Hours of an identification.
-const HOURS: u64 = 14 * 24;
+const HOURS: usize = 14 * 24;
 
 /// Runs the command.
 pub fn mpc(arguments: &Arguments) -> Result<()> {
@@ -71,7 +71,7 @@ pub fn mpc(arguments: &Arguments) -> Result<()> {
     let model = identify(&episode, arguments.seed, &mut || bar.inc(1))
         .with_context(|| format!("cannot identify a model of {building}"))?;
     bar.finish_and_clear();
-    OutputFolder::write_file(out, |file| Ok(serde_json::to_writer_pretty(file, &model)?))?;
+    OutputFolder::write_file(out, |file| serde_json::to_writer_pretty(file, &model).map_err(Into::into))?;
     stdout::print_result(*json, &model, || text(&model, arguments))
 }
 

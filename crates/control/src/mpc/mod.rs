@@ -2,7 +2,7 @@
 //! search over a day on a model identified from the two weeks before.
 //!
 //! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, least flows and the
-//!    economizer limit) move at random, every four hours. Setpoints and start times stay the guideline's.
+//!    economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
 //! 2. From the hours, regressions tell what every level of a point does to cost and to discomfort: a [`Model`].
 //! 3. Every hour, [`Mpc`] forecasts how cold, how warm and how narrow the band will be in the next 24 hours, and chooses the
 //!    levels of lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
