@@ -21,13 +21,7 @@ fn the_tests_left_to_the_nightly_command_exist() {
                     .flatten()
                     .map(|file| file.unwrap().path())
                     .collect(),
-                _ => ["", "/mod"]
-                    .iter()
-                    .flat_map(|rest| {
-                        [folder, "learners"]
-                            .map(|tests| each.join(format!("tests/{tests}/{module}{rest}.rs")))
-                    })
-                    .collect(),
+                _ => files(folder, &module).into_iter().map(|file| each.join(file)).collect(),
             };
             paths
                 .iter()
@@ -36,6 +30,20 @@ fn the_tests_left_to_the_nightly_command_exist() {
         });
         assert!(exists, "`{name}` of .config/nextest.toml is no test; remove the line or correct the name");
     }
+}
+
+/// Returns the files of a crate, one of which has the tests of a module: a program of tests, or a file of the crate.
+fn files(folder: &str, module: &str) -> Vec<String> {
+    let own = module.trim_end_matches("/tests");
+    let of_module = |rest: &str| {
+        vec![
+            format!("tests/{folder}/{module}{rest}.rs"),
+            format!("tests/learners/{module}{rest}.rs"),
+            format!("src/{module}{rest}.rs"),
+            format!("src/{own}{rest}.rs"),
+        ]
+    };
+    ["", "/mod"].into_iter().flat_map(of_module).collect()
 }
 
 /// Returns whether a comment has an example that cargo would compile.

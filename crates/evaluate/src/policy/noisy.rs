@@ -111,7 +111,7 @@ mod tests {
             ("reactive+noise-1", "-1"),
             ("reactive+noisex", "`x`"),
             ("reactiv+noise0.1", "reactiv"),
-            ("own+noise0.1", "`own` has no actuators"),
+            ("own+noise0.1", "`own` commands no actuators"),
         ] {
             let said = named(wrong).err().unwrap().to_string();
             assert!(said.contains(word), "{said}");
