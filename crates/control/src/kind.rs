@@ -172,6 +172,17 @@ pub fn baseline(task: &Task) -> &'static dyn Kind {
     if task.is_operation() { &crate::guideline36::Kind } else { &crate::reactive::Kind }
 }
 
+/// Returns a function that spreads the steps of an episode over this many calls, for the progress of a plan.
+pub(crate) fn spread<'a>(steps: usize, calls: usize, step: &'a mut dyn FnMut()) -> impl FnMut() + 'a {
+    let (mut done, mut told) = (0, 0);
+    move || {
+        done += 1;
+        let due = steps * done / calls;
+        (told..due).for_each(|_| step());
+        told = due;
+    }
+}
+
 /// Reads the parameters of a kind from the values of a case.
 pub(crate) fn values<T: serde::de::DeserializeOwned>(case: &Case<'_>) -> Result<T> {
     parameter_set::from_json(case.values)

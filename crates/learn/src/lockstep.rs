@@ -111,7 +111,7 @@ impl LockstepCollector {
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
             let pilot = Pilot::new(interface, spaces)?;
-            let own = widths_of(&pilot);
+            let own = Widths::of(&pilot, 1);
             if index == 0 || interface.nodes.is_some() {
                 widths = widths.covering(own);
             }
@@ -163,7 +163,7 @@ impl LockstepCollector {
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
         let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
-        self.widths.check(name, widths_of(pilot), pilot.graph().is_some())?;
+        self.widths.check(name, Widths::of(pilot, 1), pilot.graph().is_some())?;
         self.observe(environment)
     }
 
@@ -313,7 +313,7 @@ impl EnvProgress {
     fn begin_scene(&mut self, environment: usize) {
         if let Some(graph) = self.pilot.graph() {
             self.scenes.retain(|scene| scene.step < self.done);
-            let credit = Arc::new(Credit::joint(widths_of(&self.pilot)));
+            let credit = Arc::new(Credit::joint(Widths::of(&self.pilot, 1)));
             self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph), credit });
         }
     }
@@ -355,11 +355,4 @@ impl Collector for LockstepCollector {
         self.times[1] = began.elapsed();
         Ok(())
     }
-}
-
-/// Returns the widths of a pilot's building, with a reward of one part.
-fn widths_of(pilot: &Pilot) -> Widths {
-    let (observation, action) = pilot.widths();
-    let nodes = pilot.graph().map_or(1, |graph| graph.nodes());
-    Widths { observation, action, parts: 1, nodes }
 }

@@ -150,7 +150,7 @@ impl GraphPolicy {
 
     /// Checks the values of all but the memory.
     fn check(&self) -> Result<()> {
-        let Self { embedding, heads, layers, feed_forward, memory, memory_episodes, .. } = *self;
+        let Self { embedding, heads, layers, feed_forward, memory, .. } = *self;
         check_counts([
             ("policy.embedding", embedding),
             ("policy.heads", heads),
@@ -160,11 +160,18 @@ impl GraphPolicy {
         require(embedding.is_multiple_of(heads), || {
             format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}")
         })?;
-        require(memory > 0 || memory_episodes == 1, || {
-            format!(
-                "`policy.memory_episodes` is {memory_episodes} and `policy.memory` is 0: there is none; set its width, such as 64"
-            )
-        })
+        let unused = Self::default();
+        for (option, value, default) in [
+            ("sequence", self.sequence, unused.sequence),
+            ("memory_episodes", self.memory_episodes as usize, unused.memory_episodes as usize),
+        ] {
+            require(memory > 0 || value == default, || {
+                format!(
+                    "`policy.{option}` is {value} and `policy.memory` is 0: there is none; set its width, such as 64"
+                )
+            })?;
+        }
+        Ok(())
     }
 
     /// Returns the shape of the actor of an agent, whose outputs are its actions.

@@ -1,5 +1,7 @@
 //! Widths of observations, actions and rewards.
 
+use b2b_agent::Pilot;
+
 use crate::error::{Error, Result};
 
 /// Widths of the arrays of a rollout.
@@ -16,6 +18,12 @@ pub struct Widths {
 }
 
 impl Widths {
+    /// Returns the widths of a pilot's building, with a reward of this number of parts.
+    pub fn of(pilot: &Pilot, parts: usize) -> Self {
+        let (observation, action) = pilot.widths();
+        Self { observation, action, parts, nodes: pilot.graph().map_or(1, |graph| graph.nodes()) }
+    }
+
     /// Returns the larger of each width.
     #[must_use]
     pub fn covering(self, other: Self) -> Self {

@@ -166,5 +166,6 @@ def acting_controller(
 
     :func:`building2building.evaluate` and :func:`building2building.rollout` take it.
     """
-    values = {"policy": staticmethod(policy), "acting": acting, "observation": observation}
+    # The class is the caller's, so that the policy is part of what identifies its results.
+    values = {"policy": staticmethod(policy), "acting": acting, "observation": observation, "__module__": "__main__"}
     return type(getattr(policy, "__name__", "ActingController"), (ActingController,), values)

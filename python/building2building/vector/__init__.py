@@ -278,8 +278,9 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 self._steps = np.where(truncated, 0, steps)
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
-            # What most rewards of users read, who need not pay for the rest.
-            info["reward_terms"] = reward_terms(numbers)
+            if self._reward is not None:
+                # What most rewards read, which need not pay for the rest.
+                info["reward_terms"] = reward_terms(numbers)
         if self._reward is not None:
             rewards = np.asarray(self._reward(info), dtype=np.float64)
             if self.autoreset_mode == AutoresetMode.NEXT_STEP:

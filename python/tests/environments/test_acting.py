@@ -5,6 +5,7 @@ import gymnasium
 import numpy as np
 import pytest
 from building2building.errors import SettingError
+from building2building.evaluation.identity import identity_of
 from building2building.learning.acting import acting_controller
 
 DAY = {"task": "operate", "run_period": "01-10..01-10"}
@@ -52,6 +53,17 @@ def test_a_policy_for_an_acting_is_evaluated_as_it_acts():
     (row,) = b2b.evaluate(controller, "OfficeSmall-0042", "operate", run_periods=DAY["run_period"]).rows
     assert len(hours) == 48 and row["policy"] == "policy"
     assert row["return"] == pytest.approx(total, rel=1e-12) == trajectory.episode_return
+
+
+def test_the_results_of_a_policy_for_an_acting_are_not_another_one_s():
+    def policy_of(scale):
+        def policy(seen):
+            return np.full(3, scale)
+
+        return acting_controller(policy, "supervisory:60")
+
+    identities = [identity_of(policy_of(scale), "") for scale in (0.0, 0.0, 0.5)]
+    assert identities[0] == identities[1] != identities[2]
 
 
 def test_a_batch_has_the_rewards_of_single_environments():

@@ -9,7 +9,6 @@ use std::sync::Arc;
 use b2b_env::Spaces;
 use b2b_workers::Arrangement;
 
-use crate::acting::Acting;
 use crate::agent::Agent;
 use crate::network::Shape;
 use crate::observation::{ObservationForm, ObservationOptions};
@@ -39,8 +38,8 @@ impl Agent {
                 "it observes its previous action and reward, which the file has no input for",
             ));
         }
-        if interface.acting != Acting::Direct {
-            return Err(self.not_exportable("it corrects the reactive controllers"));
+        if interface.acting.has_base() {
+            return Err(self.not_exportable("it acts through another controller"));
         }
         match &self.actor().shape {
             Shape::Mlp(mlp) => {

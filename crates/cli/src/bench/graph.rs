@@ -140,9 +140,7 @@ impl MeasuredLearner {
     fn new(config: &TrainConfig, ppo: PpoConfig, spaces: &Arc<Spaces>) -> Result<Self> {
         let interface: Interface = config.agent.interface();
         let pilot = Pilot::new(interface, spaces)?;
-        let (observation, action) = pilot.widths();
-        let nodes = pilot.graph().map_or(1, |graph| graph.nodes());
-        let widths = Widths { observation, action, parts: 1, nodes };
+        let widths = Widths::of(&pilot, 1);
         let ppo = Ppo::of_policy(&config.agent.policy, interface, widths, ppo, 0)?;
         Ok(Self { actor: ppo.actor(), ppo, graph: pilot.graph().cloned(), widths })
     }

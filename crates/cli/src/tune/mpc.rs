@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_building::Period;
-use b2b_control::mpc::{Effect, Model, Response, identify};
+use b2b_control::mpc::{Effect, IDENTIFICATION_HOURS, Model, Response, identify};
 use b2b_dataset::BuildingName;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_workers::{EpisodeSetting, Source, Workers};
@@ -50,9 +50,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Hours of an identification.
-const HOURS: usize = 14 * 24;
-
 /// Runs the command.
 pub fn mpc(arguments: &Arguments) -> Result<()> {
     let Arguments { building, out, json, .. } = arguments;
@@ -67,7 +64,7 @@ pub fn mpc(arguments: &Arguments) -> Result<()> {
     };
     let workers = Workers::new(worker_options(catalog.library().path()))?;
     let episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
-    let bar = counter(HOURS, "hours", *json);
+    let bar = counter(IDENTIFICATION_HOURS, "hours", *json);
     let model = identify(&episode, arguments.seed, &mut || bar.inc(1))
         .with_context(|| format!("cannot identify a model of {building}"))?;
     bar.finish_and_clear();

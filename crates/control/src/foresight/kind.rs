@@ -65,14 +65,7 @@ impl kind::Kind for Kind {
             None => {
                 let options = ScheduleSearchOptions { seed: case.seed, ..ScheduleSearchOptions::default() };
                 let (steps, episodes) = (case.spaces.episode_steps(), options.episodes(case.spaces)?);
-                let (mut done, mut told) = (0, 0);
-                let mut progress = || {
-                    done += 1;
-                    let due = steps * done / episodes;
-                    (told..due).for_each(|_| step());
-                    told = due;
-                };
-                super::plan(episode, &options, None, &mut progress)?.schedule
+                super::plan(episode, &options, None, &mut kind::spread(steps, episodes, step))?.schedule
             }
         };
         Ok(Some(Box::new(Foresight::new(case.spaces, &schedule)?)))

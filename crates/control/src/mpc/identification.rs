@@ -20,6 +20,8 @@ use crate::{Error, Result};
 const LEVELS: usize = 3;
 /// Days of the identification.
 const DAYS: u32 = 14;
+/// Hours of the identification.
+pub const IDENTIFICATION_HOURS: usize = 24 * DAYS as usize;
 /// First and last day of the identification for an episode in the first two weeks of a year.
 const LAST_WEEKS: [u32; 2] = [352, 365];
 

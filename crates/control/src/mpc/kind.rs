@@ -5,7 +5,7 @@ use std::path::Path;
 use b2b_workers::Episode;
 use serde_json::Value;
 
-use super::{Model, Mpc, NAME, identify};
+use super::{IDENTIFICATION_HOURS, Model, Mpc, NAME, REVISION, identify};
 use crate::kind::{self, AnyController, Case};
 use crate::parameter_set::{from_json, to_json};
 use crate::{Error, Result};
@@ -20,6 +20,10 @@ impl kind::Kind for Kind {
 
     fn help(&self) -> &'static str {
         "guideline36 under points planned every hour on a model identified in the two weeks before"
+    }
+
+    fn identity(&self) -> String {
+        format!("{NAME}#{REVISION}")
     }
 
     fn is_stochastic(&self) -> bool {
@@ -55,8 +59,8 @@ impl kind::Kind for Kind {
         if !case.values.is_null() {
             return self.make(case).map(Some);
         }
-        let steps_per_hour = case.spaces.episode.steps_per_hour;
-        let model = identify(episode, case.seed, &mut || (0..steps_per_hour).for_each(|_| step()))?;
+        let mut hour = kind::spread(case.spaces.episode_steps(), IDENTIFICATION_HOURS, step);
+        let model = identify(episode, case.seed, &mut hour)?;
         Ok(Some(Box::new(Mpc::new(case.spaces, &model, case.seed)?)))
     }
 }

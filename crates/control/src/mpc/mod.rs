@@ -26,12 +26,14 @@ use crate::{Error, Result};
 use day_plan::DayPlan;
 use drivers::Drivers;
 use hour::Site;
-pub use identification::identify;
+pub use identification::{IDENTIFICATION_HOURS, identify};
 pub(crate) use kind::Kind;
 pub use model::{Effect, Model, Response};
 
 /// Name of the kind.
 const NAME: &str = "mpc";
+/// Revision of identification and plan, for the results of evaluations: raised whenever actions change.
+const REVISION: u32 = 1;
 /// Errors of the weather forecast 24 hours ahead: the temperature's (K) and the radiation's, which the model does not read.
 const FORECAST_ERROR: Preview = Preview { temperature_error: 2.0, solar_error: 0.0, seed: 0 };
 

@@ -57,8 +57,8 @@ impl Reactive {
         Self::following(spaces, parameters, &|_| target)
     }
 
-    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be behind the observation of
-    /// the environment.
+    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be in slots behind the
+    /// environment's.
     pub fn following(
         spaces: &Spaces,
         parameters: &ReactiveParameters,
@@ -68,6 +68,7 @@ impl Reactive {
         Self::with_targets(building, space, spaces.episode.steps_per_hour, parameters, target)
     }
 
+    /// Creates controllers that hold controlled zones, given by number, at these targets.
     fn with_targets(
         building: &PreparedBuilding,
         space: &ObservationSpace,

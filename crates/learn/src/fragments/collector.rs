@@ -85,7 +85,10 @@ impl FragmentCollector {
             let building = GraphBuilding::of(interface, by_zone, spaces)?;
             widths = widths.covering(match &building {
                 Some(building) => building.widths(),
-                None => flat_widths(interface, by_zone, spaces)?,
+                None => {
+                    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
+                    Widths::of(&Pilot::new(interface, spaces)?, parts)
+                }
             });
             let attributes = attributes(interface.observation, spaces)?;
             progress.push(EnvironmentProgress::new(scale(spaces)? as f32, building, attributes));
@@ -383,13 +386,6 @@ impl FragmentCollector {
             rollout.pairs.extend(pairs.map(|pair| pair[0].in_step_with(&pair[1], steps)));
         }
     }
-}
-
-/// Returns the widths of a network that is not a graph network.
-fn flat_widths(interface: Interface, by_zone: bool, spaces: &Arc<Spaces>) -> Result<Widths> {
-    let (observation, action) = Pilot::new(interface, spaces)?.widths();
-    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
-    Ok(Widths { observation, action, parts, nodes: 1 })
 }
 
 impl Collector for FragmentCollector {

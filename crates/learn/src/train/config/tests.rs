@@ -129,6 +129,7 @@ fn values_that_do_not_go_together_are_errors() {
             "policy = { kind = 'graph', memory_episodes = 2 }",
             "`policy.memory_episodes` is 2 and `policy.memory` is 0",
         ),
+        ("policy = { kind = 'graph', sequence = 24 }", "`policy.sequence` is 24 and `policy.memory` is 0"),
         ("policy = { kind = 'graph', memory = 8, sequence = 100 }", "a multiple of `policy.sequence`, 100"),
         (
             "algorithm = 'sac'\npolicy = { kind = 'recurrent' }",

@@ -140,19 +140,22 @@ impl TrainConfig {
             "`comfort_rate` follows evaluations, and `evaluation.every` is 0: there are none; change one of them".into()
         })?;
         agent.acting.check(training_set.steps_per_hour).map_err(Error::Invalid)?;
-        let shifts_targets = matches!(agent.acting, Acting::Targets { .. });
-        if !shifts_targets && !agent.acting.is_supervision() {
-            return Ok(());
+        match agent.acting {
+            Acting::Direct | Acting::Residual { .. } => Ok(()),
+            Acting::Targets { .. } => require(!agent.policy.is_graph(), || {
+                "`acting` shifts targets, which graph networks cannot; choose residual, or `policy` = flat"
+                    .into()
+            }),
+            Acting::Supervisory { .. } => {
+                require(operates, || {
+                    "`acting` supervises guideline36, the controller of operation; choose `task` = operate"
+                        .into()
+                })?;
+                require(!rewards.credit_by_zone || agent.policy.is_graph(), || {
+                    "`credit_by_zone` is not for flat agents that shift all zones; choose false".into()
+                })
+            }
         }
-        require(shifts_targets || operates, || {
-            "`acting` supervises guideline36, the controller of operation; choose `task` = operate".into()
-        })?;
-        require(!shifts_targets || !agent.policy.is_graph(), || {
-            "`acting` shifts targets, which graph networks cannot; choose residual, or `policy` = flat".into()
-        })?;
-        require(shifts_targets || !rewards.credit_by_zone || agent.policy.is_graph(), || {
-            "`credit_by_zone` is not for flat agents that shift all zones; choose false".into()
-        })
     }
 
     /// Checks that the agent and the number of environments suit the building types and tasks.
