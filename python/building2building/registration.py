@@ -53,9 +53,9 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;
     - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the
-      reactive controllers, ``targets:60`` shifts their targets by at most 1 K, and ``supervisory:60`` shifts what ``guideline36`` chooses and holds each decision for an
-      hour, which is a step (:class:`~building2building.learning.acting.ActingEnv`). ``observation`` is ``features``
-      then, or ``raw``;
+      reactive controllers, ``targets:60`` shifts their targets by at most 1 K, and ``supervisory:60`` shifts what
+      ``guideline36`` chooses; both hold each decision for an hour, which is a step
+      (:class:`~building2building.learning.acting.ActingEnv`). ``observation`` is ``features`` then, or ``raw``;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
     - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,
