@@ -11,16 +11,16 @@ for argument in "$@"; do
 done
 folder=${CARGO_TARGET_DIR:-target}/python
 venv=$folder/$extras
-[ -x "$venv/bin/maturin" ] || {
-  "${PYTHON:-python3}" -m venv --clear "$venv"
-  "$venv/bin/python" -m pip install --quiet 'maturin>=1.9,<2'
-}
+python/tests/environment.sh "$extras"
 # Not `pip install .`, which builds with a new interpreter every time, so that PyO3 would be compiled again.
 rm -rf "$folder/wheels"
 "$venv/bin/maturin" build --quiet --profile gate --interpreter "$venv/bin/python" --out "$folder/wheels"
 wheel=("$folder"/wheels/*.whl)
-"$venv/bin/python" -m pip install --quiet --force-reinstall --no-deps "${wheel[0]}"
-"$venv/bin/python" -m pip install --quiet "${wheel[0]}[$extras]"
-export PYTHONDONTWRITEBYTECODE=1
+"$venv/bin/python" -m pip install --quiet --no-compile --force-reinstall --no-deps "${wheel[0]}"
+"$venv/bin/python" -m pip install --quiet --no-compile "${wheel[0]}[$extras]"
+# Large pages for the engine, as in `.cargo/config.toml`; nothing compiled in the source folders.
+export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1}
+PYTHONPYCACHEPREFIX=$(realpath "$folder")/compiled
+export PYTHONPYCACHEPREFIX
 # The tests of a file share what they trained, and so a process.
 "$venv/bin/python" -m pytest --quiet -p no:cacheprovider --numprocesses "$(($(getconf _NPROCESSORS_ONLN) + 1))" --dist loadfile python/tests "$@"

@@ -91,7 +91,13 @@ impl Agent {
     /// [`Error::UnknownNodeType`] when a graph agent with direct actions does not know the type of a node that has
     /// actuators; the errors of [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
-        Ok(AgentController::new(self.pilot(spaces)?, Arc::clone(&self.actor)))
+        Ok(self.controller_of(self.pilot(spaces)?))
+    }
+
+    /// Returns a controller with its own pilot for a building.
+    pub(crate) fn controller_of(&self, pilot: Pilot) -> AgentController {
+        let controller = AgentController::new(pilot, Arc::clone(&self.actor));
+        AgentController { memory_episodes: self.info.memory_episodes, ..controller }
     }
 
     /// Creates the pilot for a building that still has its model.
@@ -175,20 +181,25 @@ fn difference(what: &str, agent: &[String], building: &[String]) -> Option<Strin
 }
 
 /// A controller that runs an agent in one building, without exploration. A network with a memory keeps its state in
-/// [`Controller::next_episode`]. A step allocates nothing.
+/// [`Controller::next_episode`], for as many episodes as in training. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct AgentController {
     pilot: Pilot,
     actor: Arc<Actor>,
     scratch: Scratch,
     row: Vec<f32>,
+    /// Episodes that its state spans; all if `None`.
+    memory_episodes: Option<u32>,
+    /// Earlier episodes that its state spans.
+    remembered: u32,
 }
 
 impl AgentController {
-    /// Creates a controller from a pilot and an actor of the same widths.
+    /// Creates a controller from a pilot and an actor of the same widths, which forgets only at a reset.
     pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
         let scratch = actor.scratch(pilot.graph());
-        Self { row: vec![0.0; scratch.actions()], scratch, pilot, actor }
+        let row = vec![0.0; scratch.actions()];
+        Self { row, scratch, pilot, actor, memory_episodes: None, remembered: 0 }
     }
 
     /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36 chooses.
@@ -201,11 +212,16 @@ impl Controller for AgentController {
     fn reset(&mut self) {
         self.pilot.reset();
         self.scratch.state_mut().fill(0.0);
+        self.remembered = 0;
     }
 
-    /// Keeps the state of a network with a memory.
+    /// Keeps the state of a network with a memory, unless it spans as many episodes as in training.
     fn next_episode(&mut self) {
         self.pilot.reset();
+        self.remembered += 1;
+        if self.memory_episodes.is_some_and(|episodes| self.remembered >= episodes) {
+            self.reset();
+        }
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {

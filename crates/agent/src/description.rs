@@ -7,7 +7,7 @@ use b2b_control::{Controller, KindDescription, Noise, Noisy};
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
-use crate::agent::{Agent, AgentController};
+use crate::agent::Agent;
 use crate::error::at;
 use crate::pilot::Pilot;
 use crate::plan::NodePlan;
@@ -51,7 +51,7 @@ impl ControllerDescription {
                 let agent = read_unchanged(folder, sha256)?;
                 let interface = agent.info().interface;
                 let pilot = Pilot::without_model(interface, spaces, plan.as_ref(), attributes)?;
-                Box::new(AgentController::new(pilot, Arc::clone(agent.actor())))
+                Box::new(agent.controller_of(pilot))
             }
             Self::Noisy { of, noise } => Box::new(Noisy::new(of.controller(spaces)?, &spaces.action, *noise)),
         })

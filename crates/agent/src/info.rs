@@ -25,6 +25,9 @@ pub struct AgentInfo {
     pub node_types: Vec<String>,
     /// Shape of the network.
     pub network: Shape,
+    /// Consecutive episodes in a building that its memory spans, as in training. `None`: all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory_episodes: Option<u32>,
     /// Distribution of its actions in training.
     pub distribution: Distribution,
     /// Task of its training.

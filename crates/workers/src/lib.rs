@@ -31,6 +31,7 @@ pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_
 pub use fragment::rollout::{ControllerRunner, ROLLOUT, RolloutMemory, RolloutOrder};
 pub use fragment::{MakeRunner, Runner, RunnerError, Runners, SharedMemory};
 pub use jobs::Jobs;
+pub use sampler::faults::WithFaults;
 pub use sampler::population::{Buildings, Population};
 pub use sampler::{
     AnyOf, Draw, Fixed, Kept, Rotating, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather,

@@ -44,6 +44,7 @@ fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> 
         actuators: pilot.action_names().to_vec(),
         node_types: vec![],
         network: actor.shape.clone(),
+        memory_episodes: None,
         distribution: actor.distribution.clone(),
         task: spaces.episode.task.clone(),
         training: TrainingInfo { buildings: "OfficeSmall-0042".into(), ..TrainingInfo::default() },
@@ -218,6 +219,15 @@ fn a_recurrent_agent_forgets_at_a_reset_and_remembers_in_the_next_episode() {
     let [first, next, again, after] = trajectories.map(|trajectory| trajectory.hash());
     assert_eq!((&first, &next), (&again, &after));
     assert_ne!(first, next, "it remembers the first episode");
+
+    let info = AgentInfo { memory_episodes: Some(2), ..agent.info().clone() };
+    let mut controller = Agent::new("two", info, (**agent.actor()).clone()).controller(&spaces).unwrap();
+    rollout(&mut env, &mut controller, &mut ()).unwrap();
+    for expected in [next, first] {
+        let mut trajectory = Trajectory::default();
+        rollout_next(&mut env, &mut controller, &mut trajectory).unwrap();
+        assert_eq!(trajectory.hash(), expected, "it forgets after two episodes, as in training");
+    }
 }
 
 #[test]

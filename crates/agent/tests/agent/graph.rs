@@ -60,6 +60,7 @@ fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
         actuators: spaces.actuators(),
         node_types: known.iter().map(|node_type| node_type.name().to_owned()).collect(),
         network: actor.shape.clone(),
+        memory_episodes: None,
         distribution: actor.distribution.clone(),
         task: "occupancy".parse().unwrap(),
         training: TrainingInfo { buildings: "several".into(), ..TrainingInfo::default() },

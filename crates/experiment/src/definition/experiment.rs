@@ -6,6 +6,7 @@ use b2b_base::suggestion::nearest;
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, Row, Split};
 use serde::{Deserialize, Serialize};
+use toml::Table;
 
 use super::agent::Agent;
 use super::budget::Budget;
@@ -55,6 +56,9 @@ pub struct Experiment {
     /// Controllers that need no training, such as `guideline36`, evaluated on the test buildings of the types.
     #[serde(default)]
     pub controllers: Vec<String>,
+    /// Options of `b2b train` that all agents have, unless they have others.
+    #[serde(default)]
+    pub(super) options: Table,
     /// Agents.
     #[serde(default)]
     pub agents: Vec<Agent>,

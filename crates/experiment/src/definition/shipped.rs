@@ -55,6 +55,10 @@ impl Experiment {
         let invalid = |why: String| Error::Definition { path: name.to_owned(), why };
         let mut experiment: Self = toml::from_str(text).map_err(|error| invalid(error.to_string()))?;
         name.clone_into(&mut experiment.name);
+        for agent in &mut experiment.agents {
+            let own = std::mem::replace(&mut agent.options, experiment.options.clone());
+            agent.options.extend(own);
+        }
         "quick".clone_into(&mut experiment.quick.name);
         "full".clone_into(&mut experiment.full.name);
         experiment.budgets.iter_mut().for_each(|(name, budget)| name.clone_into(&mut budget.name));

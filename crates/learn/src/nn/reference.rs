@@ -40,7 +40,7 @@ pub(crate) fn next_state(of_input: &[f64], of_state: &[f64], state: &mut [f64]) 
 }
 
 /// Asserts that gradients equal the central finite differences of a loss.
-pub(crate) fn assert_gradients(at: &[f64], gradients: &[f32], loss: impl Fn(&[f64]) -> f64) {
+pub(crate) fn assert_gradients(at: &[f64], gradients: &[f32], mut loss: impl FnMut(&[f64]) -> f64) {
     const STEP: f64 = 1e-6;
     assert_eq!(at.len(), gradients.len());
     let mut moved = at.to_vec();

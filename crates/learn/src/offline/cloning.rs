@@ -109,6 +109,7 @@ pub fn clone_policy(
         actuators: spaces.action.names().to_vec(),
         node_types: Vec::new(),
         network: actor.shape.clone(),
+        memory_episodes: None,
         distribution: actor.distribution.clone(),
         task: spaces.episode.task.clone(),
         training: training(&selected, dataset, config),

@@ -156,6 +156,7 @@ impl<'a> Run<'a> {
             actuators,
             node_types: collector.node_types(),
             network: actor.shape,
+            memory_episodes: config.agent.policy.recurrent().map(|policy| policy.memory_episodes),
             distribution: actor.distribution,
             task: spaces.episode.task.clone(),
             training: training_info(config),

@@ -141,6 +141,7 @@ fn write_agent(folder: &Path, spaces: &Arc<Spaces>) {
         actuators: spaces.action.names().to_vec(),
         node_types: vec![],
         network: actor.shape.clone(),
+        memory_episodes: None,
         distribution: actor.distribution.clone(),
         task: spaces.episode.task.clone(),
         training: TrainingInfo::default(),

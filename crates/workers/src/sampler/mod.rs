@@ -1,5 +1,6 @@
 //! Samplers of episodes.
 
+pub(crate) mod faults;
 pub(crate) mod population;
 
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ use b2b_dataset::{BuildingId, Catalog, Control, Split};
 use b2b_env::Task;
 use b2b_workers::{
     Autoreset, Buildings, Draw, EpisodeSetting, Kept, Launcher, Population, Sampler, VecEnv, VecEnvOptions,
-    Weighted, Windows, WithTask, WorkerOptions, Workers,
+    Weighted, Windows, WithFaults, WithTask, WorkerOptions, Workers,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -141,6 +141,27 @@ fn types_are_drawn_by_weight_and_tasks_with_equal_probability() {
     assert!((130..170).contains(&houses) && (75..125).contains(&constant), "{houses} {constant}");
     let weights = |weight| Weighted::new(vec![(weight, of(HOUSE))]).map(|_| ()).unwrap_err().to_string();
     assert!(weights(-1.0).contains("-1") && weights(0.0).contains('0'));
+}
+
+#[test]
+fn faults_are_kept_as_long_as_a_building() {
+    let catalog = catalog();
+    let mut faulty = houses(&catalog, Population::of_split(HOUSE, Split::Train));
+    faulty.task = "constant+bias0.5".parse().unwrap();
+    faulty.task.faults.seed = 40;
+    let mut sampler = WithFaults::new(Kept::new(faulty, 3), 4, 3);
+    let mut random = ChaCha8Rng::from_seed([7; 32]);
+    let draws: Vec<_> = (0..300).map(|_| sampler.draw(0, &mut random).unwrap().setting).collect();
+    let mut seeds = [0; 4];
+    for kept in draws.chunks(3) {
+        let seed = kept[0].episode.task.faults.seed;
+        seeds[usize::try_from(seed - 41).unwrap()] += 1;
+        let same = |each: &EpisodeSetting| {
+            each.source.name() == kept[0].source.name() && each.episode.task.faults.seed == seed
+        };
+        assert!(kept.iter().all(same));
+    }
+    assert!(seeds.iter().all(|count| (10..40).contains(count)), "{seeds:?}");
 }
 
 #[test]

@@ -88,11 +88,16 @@ fn states(network: &GraphNetwork, sequences: usize) -> Vec<f32> {
 const ALL: [(Edges, usize); 5] =
     [(Edges::None, 0), (Edges::Bias, 0), (Edges::Mask, 0), (Edges::Mixed, 0), (Edges::Bias, 11)];
 
-/// Returns outputs of a batch by the definition, rows × 12 actions, rows × 9 nodes or rows × 1.
-fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], readout: Readout) -> Vec<f64> {
-    let graphs = graphs();
+/// Returns outputs of a batch by the definition from observations and states before sequences, rows × 12 actions, rows × 9 nodes or rows × 1.
+fn expected(
+    network: &GraphNetwork,
+    parameters: &[f64],
+    graphs: &[Arc<Graph>],
+    (observations, states): (&[f64], &[f64]),
+    readout: Readout,
+) -> Vec<f64> {
     let rows = OF_ROWS.iter().zip(observations.chunks(WIDTH)).enumerate();
-    let (width, given) = (network.memory.max(1), wide(&states(network, OF_ROWS.len() / LENGTH)));
+    let width = network.memory.max(1);
     let mut state = Vec::new();
     rows.flat_map(|(row, (of_row, observation))| {
         let graph = &graphs[*of_row];
@@ -100,7 +105,7 @@ fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], re
             state = vec![vec![0.0; network.memory]; graph.nodes()];
         } else if row % LENGTH == 0 {
             let first = row / LENGTH * NODES_OF_LARGEST * network.memory;
-            state = given[first..].chunks(width).take(graph.nodes()).map(<[f64]>::to_vec).collect();
+            state = states[first..].chunks(width).take(graph.nodes()).map(<[f64]>::to_vec).collect();
         }
         let outputs = reference::forward(network, parameters, graph, observation, &mut state);
         match readout {
@@ -127,44 +132,50 @@ const NODES: Readout = Readout::Nodes { nodes: 9 };
 #[test]
 fn outputs_and_gradients_match_the_definition() {
     for kind in ALL {
-        for (readout, outputs) in
-            [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1), (NODES, |_| 1)]
-        {
-            let network = network(kind, outputs);
-            let (parameters, observations, graphs) = (random_parameters(&network), observations(), graphs());
-            let states = states(&network, OF_ROWS.len() / LENGTH);
-            let sequences = Sequences { length: LENGTH, states: &states, starts: &STARTS };
-            let batch =
-                Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
-            let mut pass = GraphPass::new(&network, readout);
-            let outputs = pass.forward(&parameters, batch, sequences).to_vec();
-            let observed = wide(&observations);
-            let by_definition = expected(&network, &wide(&parameters), &observed, readout);
-            assert_eq!(outputs.len(), by_definition.len());
-            for (output, expected) in outputs.iter().zip(&by_definition) {
-                assert!((f64::from(*output) - expected).abs() < 2e-5, "{kind:?}: {output} {expected}");
-            }
-            let weights = normals(outputs.len(), 2);
-            let mut sums = vec![0.0; parameters.len()];
-            pass.backward(&parameters, batch, &weights, &mut sums);
-            // Means and scales of features are not learned.
-            let mut fixed = vec![false; parameters.len()];
-            for encoder in network.places().encoders {
-                fixed[encoder.mean.start..encoder.scale.end].fill(true);
-            }
-            let all = wide(&parameters);
-            let learned: Vec<usize> = (0..all.len()).filter(|place| !fixed[*place]).collect();
-            let gradients: Vec<f32> = learned.iter().map(|place| sums[*place]).collect();
-            let start: Vec<f64> = learned.iter().map(|place| all[*place]).collect();
-            assert_gradients(&start, &gradients, |moved| {
-                let mut parameters = all.clone();
-                learned.iter().zip(moved).for_each(|(place, value)| parameters[*place] = *value);
-                let outputs = expected(&network, &parameters, &observed, readout);
-                outputs.iter().zip(&weights).map(|(output, weight)| output * f64::from(*weight)).sum()
-            });
-            assert!(sums.iter().zip(&fixed).all(|(sum, fixed)| !fixed || *sum == 0.0));
-        }
+        check_gradients(kind, ACTIONS, |actions| actions);
     }
+}
+
+/// What is read from the outputs of the nodes is the same for all networks: one has to do.
+#[test]
+fn gradients_of_nodes_and_means_match_the_definition() {
+    let with_memory = ALL[ALL.len() - 1];
+    check_gradients(with_memory, Readout::Mean, |_| 1);
+    check_gradients(with_memory, NODES, |_| 1);
+}
+
+fn check_gradients(kind: (Edges, usize), readout: Readout, outputs: fn(usize) -> usize) {
+    let network = network(kind, outputs);
+    let (parameters, observations, graphs) = (random_parameters(&network), observations(), graphs());
+    let states = states(&network, OF_ROWS.len() / LENGTH);
+    let sequences = Sequences { length: LENGTH, states: &states, starts: &STARTS };
+    let batch = Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
+    let mut pass = GraphPass::new(&network, readout);
+    let outputs = pass.forward(&parameters, batch, sequences).to_vec();
+    let (observed, states) = (wide(&observations), wide(&states));
+    let defined = |parameters: &[f64]| expected(&network, parameters, &graphs, (&observed, &states), readout);
+    let by_definition = defined(&wide(&parameters));
+    assert_eq!(outputs.len(), by_definition.len());
+    for (output, expected) in outputs.iter().zip(&by_definition) {
+        assert!((f64::from(*output) - expected).abs() < 2e-5, "{kind:?}: {output} {expected}");
+    }
+    let weights = normals(outputs.len(), 2);
+    let mut sums = vec![0.0; parameters.len()];
+    pass.backward(&parameters, batch, &weights, &mut sums);
+    // Means and scales of features are not learned.
+    let mut fixed = vec![false; parameters.len()];
+    for encoder in network.places().encoders {
+        fixed[encoder.mean.start..encoder.scale.end].fill(true);
+    }
+    let mut all = wide(&parameters);
+    let learned: Vec<usize> = (0..all.len()).filter(|place| !fixed[*place]).collect();
+    let gradients: Vec<f32> = learned.iter().map(|place| sums[*place]).collect();
+    let start: Vec<f64> = learned.iter().map(|place| all[*place]).collect();
+    assert_gradients(&start, &gradients, |moved| {
+        learned.iter().zip(moved).for_each(|(place, value)| all[*place] = *value);
+        defined(&all).iter().zip(&weights).map(|(output, weight)| output * f64::from(*weight)).sum()
+    });
+    assert!(sums.iter().zip(&fixed).all(|(sum, fixed)| !fixed || *sum == 0.0));
 }
 
 #[test]

@@ -65,6 +65,16 @@ fn the_preset_of_the_paper_has_the_numbers_of_its_table() {
     assert_eq!((agent.acting, agent.observation), (Acting::Direct, ObservationForm::Raw.into()));
 }
 
+/// A run that does not read its own options cannot be resumed.
+#[test]
+fn a_run_with_other_controls_and_faults_reads_its_own_file() {
+    let options = "control = 'setpoints'\nkeep_design_days = true\ntask = 'constant+bias1'\nfault_seeds = 8";
+    let config = changed(&TrainConfig::default(), options);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("config.toml"), config.to_toml()).unwrap();
+    assert_eq!(TrainConfig::of_run(folder.path()).unwrap(), config);
+}
+
 #[test]
 fn a_wrong_key_or_value_is_an_error_that_names_it() {
     let base = TrainConfig::default();
@@ -93,6 +103,7 @@ fn values_that_do_not_go_together_are_errors() {
     for (changes, said) in [
         ("environments = 0", "`environments` is 0"),
         ("window_days = 100", "0 for the whole run period"),
+        ("fault_seeds = 8", "`fault_seeds` is 8 and a task has no faults"),
         ("buildings = []", "building_type"),
         ("buildings = ['OfficeSmall-0042', 'Warehouse']", "choose the preset graph, or one type"),
         ("travel_cost = -1", "`travel_cost` is -1"),

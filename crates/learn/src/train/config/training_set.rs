@@ -26,10 +26,8 @@ pub struct TrainingSet {
     /// Weather file (EPW) for `buildings`, instead of a place. Empty: the place's weather.
     pub weather: PathBuf,
     /// What an agent sets: the `actuators` of the systems or the `setpoints` of every zone.
-    #[serde(skip_serializing_if = "is_default")]
     pub control: Control,
     /// Whether the equipment of a model file is sized for its own design days instead of the weather file's.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub keep_design_days: bool,
     /// Whether a model file may run code and open files outside its folder. Only the caller can set it. Configuration
     /// files cannot, and saved ones leave it out.
@@ -45,6 +43,8 @@ pub struct TrainingSet {
     pub excluded_climate_zones: Vec<String>,
     /// Number of episodes that an environment spends in a drawn building.
     pub building_episodes: u32,
+    /// Number of seeds of the faults of the task, one of which is drawn with every building. 0: the task's own.
+    pub fault_seeds: u64,
     /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
     /// steps and attributes, and none of them may go beyond its training side. Empty: none.
     pub problem: String,
@@ -61,10 +61,6 @@ pub struct TrainingSet {
     pub window_starts: u32,
 }
 
-fn is_default(control: &Control) -> bool {
-    *control == Control::default()
-}
-
 impl Default for TrainingSet {
     fn default() -> Self {
         Self {
@@ -78,6 +74,7 @@ impl Default for TrainingSet {
             type_buildings: 0,
             excluded_climate_zones: Vec::new(),
             building_episodes: 1,
+            fault_seeds: 0,
             problem: String::new(),
             task: Tasks::default(),
             period: "winter".into(),
@@ -192,6 +189,15 @@ impl TrainingSet {
             )
         })?;
         require(self.building_episodes > 0, || "`building_episodes` is 0; expected at least 1".into())?;
+        require(
+            self.fault_seeds == 0 || self.task.as_slice().iter().all(|task| !task.faults.is_none()),
+            || {
+                format!(
+                    "`fault_seeds` is {} and a task has no faults; give the task faults, or remove it",
+                    self.fault_seeds
+                )
+            },
+        )?;
         self.check_zones()
     }
 

@@ -9,7 +9,7 @@ use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_workers::{
     Autoreset, Buildings, EpisodeSetting, Kept, Population, Rotating, RoundRobin, Sampler, Source, VecEnv,
-    VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
+    VecEnvOptions, Weighted, Windows, WithFaults, WithTask, WorkerOptions,
 };
 
 use super::days;
@@ -213,6 +213,11 @@ impl<'a> Environments<'a> {
         let buildings = match self.config.training_set.task.as_slice() {
             [_] => buildings,
             tasks => Box::new(WithTask { of: buildings, tasks: tasks.to_vec() }),
+        };
+        let TrainingSet { fault_seeds, building_episodes, .. } = self.config.training_set;
+        let buildings = match fault_seeds {
+            0 => buildings,
+            seeds => Box::new(WithFaults::new(buildings, seeds, building_episodes)),
         };
         let days = self.config.training_set.window_days;
         if days == 0 {
