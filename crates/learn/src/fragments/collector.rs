@@ -83,12 +83,10 @@ impl FragmentCollector {
             let spaces = spaces_of(&environments, index)?;
             hold = interface.acting.hold(spaces.episode.steps_per_hour);
             let building = GraphBuilding::of(interface, by_zone, spaces)?;
+            let parts = 1 + if by_zone { spaces.controlled_zones().count() } else { 0 };
             widths = widths.covering(match &building {
                 Some(building) => building.widths(),
-                None => {
-                    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
-                    Widths::of(&Pilot::new(interface, spaces)?, parts)
-                }
+                None => Widths::of(&Pilot::new(interface, spaces)?, parts),
             });
             let attributes = attributes(interface.observation, spaces)?;
             progress.push(EnvironmentProgress::new(scale(spaces)? as f32, building, attributes));

@@ -80,8 +80,7 @@ pub fn clone_policy(
         let spaces = spaces(episode)?;
         let pilot = Pilot::new(interface, &spaces)?;
         let names = [pilot.observation().names(), spaces.action.names().to_vec()].concat();
-        let (expected, _) = known.get_or_insert_with(|| (names.clone(), Arc::clone(&spaces)));
-        if names != *expected {
+        if names != known.get_or_insert_with(|| (names.clone(), Arc::clone(&spaces))).0 {
             return Err(Error::Invalid(format!(
                 "{} has other observations or actuators than {}; with the observation `roles` all houses have the same, \
                  or collect one dataset for each building",
