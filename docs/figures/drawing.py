@@ -44,13 +44,13 @@ text { fill: #e6e9ed; }
 }
 """
 
-#: Triangular ends of lines by the class of the line, in the color of light pages and of dark ones.
+#: Colors of arrow heads on light and on dark pages, by the class of the line.
 HEADS = {"act": ("#c2571f", "#ffab7d"), "air": ("#2878b8", "#6cb4ec"), "return": ("#8a94a0", "#7d8894")}
 HEADS["line"] = ("#52606d", "#aab4bf")
 
 
 class Figure:
-    """A drawing of a width and height in pixels; ``title`` is read aloud to those who do not see it."""
+    """A drawing, with its width and height in pixels and a ``title`` for screen readers."""
 
     def __init__(self, width: int, height: int, title: str):
         self.width, self.height = width, height
@@ -70,7 +70,7 @@ class Figure:
         ]
 
     def box(self, x: float, y: float, width: float, height: float, text: str = "", kind: str = "box") -> None:
-        """A rectangle with centered lines of text."""
+        """Draws a rectangle with centered lines of text."""
         self.parts.append(f'<rect class="{kind}" x="{x}" y="{y}" width="{width}" height="{height}" rx="6"/>')
         lines = text.split("\n") if text else []
         for number, line in enumerate(lines):
@@ -78,17 +78,17 @@ class Figure:
             self.text(x + width / 2, middle, line, "bold" if number == 0 and len(lines) > 1 else "", "middle")
 
     def text(self, x: float, y: float, text: str, kind: str = "", anchor: str = "start") -> None:
-        """A line of text at its baseline."""
+        """Draws a line of text; ``y`` is its baseline."""
         self.parts.append(f'<text class="{kind}" x="{x:g}" y="{y:g}" text-anchor="{anchor}">{escape(text)}</text>')
 
     def line(self, *points: tuple[float, float], kind: str = "line", head: bool = True) -> None:
-        """A polyline, with an arrow head at its end."""
+        """Draws a polyline, with an arrow head at its end unless ``head`` is false."""
         path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
         end = f' marker-end="url(#{kind})"' if head and kind in HEADS else ""
         self.parts.append(f'<path class="{kind}" d="{path}"{end}/>')
 
     def axes(self, frame: Frame, x_label: str, y_label: str) -> None:
-        """The axes of a chart with grid lines and labels."""
+        """Draws the axes of a chart with grid lines and labels."""
         for value, label in frame.x_ticks:
             x = frame.x(value)
             self.line((x, frame.top), (x, frame.bottom), kind="grid")
@@ -102,12 +102,12 @@ class Figure:
         self.text(frame.left, frame.top - 10, y_label, "small")
 
     def svg(self) -> str:
-        """The file's text."""
+        """Returns the text of the SVG file."""
         return "\n".join([*self.parts, "</svg>", ""])
 
 
 class Frame:
-    """The area of a chart: its edges in pixels and its scales, linear ones of ``low`` and ``high``."""
+    """The area of a chart: its edges in pixels and the ranges of its linear scales."""
 
     def __init__(
         self,
@@ -122,11 +122,11 @@ class Frame:
         self.x_ticks, self.y_ticks = x_ticks, y_ticks
 
     def x(self, value: float) -> float:
-        """The pixel of a value."""
+        """Returns the horizontal pixel of a value."""
         low, high = self.x_scale
         return self.left + (value - low) / (high - low) * (self.right - self.left)
 
     def y(self, value: float) -> float:
-        """The pixel of a value."""
+        """Returns the vertical pixel of a value."""
         low, high = self.y_scale
         return self.bottom - (value - low) / (high - low) * (self.bottom - self.top)

@@ -1,4 +1,4 @@
-"""Prints the reference of the command b2b, from its own help."""
+"""Prints a reference of the command b2b from its help texts."""
 
 import os
 import re

@@ -21,8 +21,8 @@ pub enum Acting {
         /// Largest correction, as a share of an actuator's range.
         authority: f64,
     },
-    /// Shifts of the targets that the reactive controllers follow, which run the equipment at every step. Their integrals do not
-    /// take a shift back, as they do with a correction.
+    /// Shifts of the targets that the reactive controllers follow. The controllers run the equipment at every step. Their
+    /// integral terms undo corrections, but not shifts.
     Targets {
         /// Time for which a decision is held, min.
         every: u32,
@@ -34,7 +34,7 @@ pub enum Acting {
     Supervisory {
         /// Time for which a decision is held, min.
         every: u32,
-        /// Whether all points of a kind have the same shift. A graph network shifts the points of each node.
+        /// Whether all points of a kind have the same shift. A graph network ignores this and shifts the points of each node.
         #[serde(default = "shared")]
         shared: bool,
     },
@@ -44,7 +44,7 @@ const fn shared() -> bool {
     true
 }
 
-/// A supervisor of all zones alike that decides every hour.
+/// Supervision decided every hour, with the same shifts for all zones.
 const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true };
 
 /// Shifts of targets by at most a kelvin, decided every hour.
@@ -53,8 +53,8 @@ const HOURLY_TARGETS: Acting = Acting::Targets { every: 60, shift: 1.0 };
 impl FromStr for Acting {
     type Err = String;
 
-    /// Parses `direct`, `residual`, `targets` or `supervisory`, with its number after a colon: `residual:0.5`, `targets:30`,
-    /// `supervisory:30`.
+    /// Parses `direct`, `residual`, `targets` or `supervisory`. A number may follow a colon, except for `direct`:
+    /// `residual:0.5`, `targets:30`, `supervisory:30`.
     fn from_str(text: &str) -> Result<Self, String> {
         let unknown = || {
             format!("unknown acting `{text}`; expected direct, residual:0.5, targets:60 or supervisory:60")
@@ -82,7 +82,7 @@ impl Acting {
     /// Checks the values, for a number of steps per hour.
     ///
     /// # Errors
-    /// What is wrong, and what is allowed.
+    /// The value that is wrong, and what is allowed.
     pub fn check(self, steps_per_hour: u32) -> Result<(), String> {
         match self {
             Self::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
@@ -133,7 +133,7 @@ impl Acting {
         }
     }
 
-    /// Returns the steps for which a decision is held.
+    /// Returns the number of steps for which a decision is held.
     pub fn hold(self, steps_per_hour: u32) -> usize {
         match self {
             Self::Direct | Self::Residual { .. } => 1,
@@ -219,7 +219,7 @@ impl Driver {
         }
     }
 
-    /// Returns the reactive controllers' next action, from -1 to 1, if the agent corrects it; nothing otherwise.
+    /// Returns the reactive controllers' next action, from -1 to 1, if the agent corrects it; otherwise an empty slice.
     pub fn base(&self) -> &[f32] {
         match self {
             Self::Actuators(own) => &own.base_row,

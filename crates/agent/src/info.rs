@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Interface;
 use crate::network::{Distribution, Shape};
 
-/// Version of the folder format. Descriptions of format 1, which do not state their own SHA-256, are read too.
+/// Version of the folder format. Format 1, whose descriptions do not state their own SHA-256, can be read, too.
 pub const FORMAT: u32 = 2;
 
 /// The description of an agent in `agent.json`: its observation, its actions and its training.
@@ -18,9 +18,10 @@ pub struct AgentInfo {
     pub interface: Interface,
     /// Name of every observation slot of the network; for a graph network, of all node types, trained or not.
     pub slots: Vec<String>,
-    /// Name of every actuator that it controls; for a graph network, of all node types.
+    /// Name of every action, of an actuator or a shift; for a graph network, of all node types.
     pub actuators: Vec<String>,
-    /// Node types that a graph network was trained with. It controls any building that has no other types.
+    /// Node types that a graph network was trained with. With direct actions, it controls only buildings whose actuators all
+    /// belong to nodes of these types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub node_types: Vec<String>,
     /// Shape of the network.
@@ -30,11 +31,11 @@ pub struct AgentInfo {
     pub memory_episodes: Option<u32>,
     /// Distribution of its actions in training.
     pub distribution: Distribution,
-    /// Task of its training.
+    /// Task that it was trained for.
     pub task: Task,
-    /// Its training.
+    /// How it was trained.
     pub training: TrainingInfo,
-    /// SHA-256 of the weights' file.
+    /// SHA-256 of the weights file.
     pub weights: String,
 }
 

@@ -31,7 +31,7 @@ pub enum Error {
         /// The cause.
         source: std::io::Error,
     },
-    /// A file that is not a tariff or an emission profile.
+    /// A file that is not a valid tariff or emission profile.
     #[error("{file}:{line}: {why}")]
     File {
         /// The file, or the name of a shipped one.
@@ -51,7 +51,7 @@ pub enum Error {
     },
 }
 
-/// A fault at a place of a file.
+/// A fault at a position in a file.
 #[derive(Debug)]
 pub(crate) struct Fault {
     /// Where it begins, in bytes from the start of the file.
@@ -65,7 +65,7 @@ impl Fault {
         Self { offset, why: why.into() }
     }
 
-    /// Returns the error of a file with a text.
+    /// Returns the error for a file, with the line of the fault in its text.
     pub(crate) fn of(self, file: &str, text: &str) -> Error {
         let before = &text.as_bytes()[..self.offset.min(text.len())];
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;

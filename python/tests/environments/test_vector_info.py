@@ -1,4 +1,4 @@
-"""The info of a vector environment equals the infos of single ones, row by row."""
+"""The info of a vector environment equals the infos of single environments, row by row."""
 
 import building2building as b2b
 import numpy as np
@@ -8,7 +8,7 @@ DAY = {"run_period": "01-01..01-01", "timesteps_per_hour": 1, "rescale_action": 
 
 
 def assert_row(infos, row, info):
-    """Asserts that a row of the infos of a batch is the info of a single environment, in the precision of f32."""
+    """Asserts that a row of the infos of a batch is the info of a single environment, to the precision of f32."""
     for name in ("step", "hour", "cost", "emissions"):
         assert infos[name][row] == pytest.approx(info[name], rel=1e-6, abs=1e-9), name
     for group in ("energy", "reward_terms"):

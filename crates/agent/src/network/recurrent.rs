@@ -1,17 +1,17 @@
-//! Recurrent networks: layers, a gated recurrent unit (Cho et al. 2014) and layers.
+//! Recurrent networks: an encoder, a gated recurrent unit (Cho et al. 2014) and a head.
 //!
-//! With the state h, and x for the outputs of the encoder, whose last layer has the inputs of three gates:
+//! The state is h. The encoder's output is x, which has the inputs of the two gates and of the candidate:
 //!
 //! ```text
-//! u = R h + b                              of the update gate, the reset gate and the candidate
+//! u = R h + b                              for the update gate, the reset gate and the candidate
 //! z = σ(x_z + u_z)                         update gate
 //! r = σ(x_r + u_r)                         reset gate
 //! n = tanh(x_n + r ⊙ u_n)                  candidate
 //! h ← (1 - z) ⊙ n + z ⊙ h
 //! ```
 //!
-//! These are the equations of PyTorch's `GRUCell`, and of ONNX's `GRU` with `linear_before_reset` = 1, whose order the gates
-//! have.
+//! These are the equations of PyTorch's `GRUCell`, and of ONNX's `GRU` with `linear_before_reset` = 1. The gates are in
+//! ONNX's order.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Layer, Mlp, Tensor, tanh};
 
-/// Number of gates with the candidate: each has its own row of inputs of the width of the state.
+/// Number of gates, including the candidate. Each is as wide as the state.
 pub const GATES: usize = 3;
 
 /// The shape of a recurrent network.
@@ -31,7 +31,7 @@ pub struct Recurrent {
     pub head: Mlp,
 }
 
-/// The places of the parts of a recurrent network in its parameters.
+/// The positions of a recurrent network's parts among its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecurrentPlaces {
     /// Range of the encoder's parameters.
@@ -58,7 +58,7 @@ impl Recurrent {
         self.head.widths.first().copied().unwrap_or(0)
     }
 
-    /// Returns the places of its parts.
+    /// Returns the positions of the network's parts among its parameters.
     pub fn places(&self) -> RecurrentPlaces {
         let (encoder, state) = (self.encoder.parameters(), self.state());
         let weights = encoder..encoder + state * GATES * state;
@@ -95,7 +95,7 @@ impl Recurrent {
         }
     }
 
-    /// Writes the outputs for the next input, and the next state. Allocates nothing, and gives the same bits on every machine.
+    /// Writes the outputs for the next input and updates the state. Allocates nothing, and gives the same bits on every machine.
     pub(super) fn forward(
         &self,
         parameters: &[f32],
@@ -111,8 +111,8 @@ impl Recurrent {
     }
 }
 
-/// Replaces a state by the next one, given the inputs of the gates from the encoder and from the state. They become the values
-/// of the gates: update gate, reset gate and candidate in `of_input`.
+/// Replaces a state by the next one, given the inputs of the gates from the encoder and from the state. Overwrites `of_input`
+/// with the values of the update gate, the reset gate and the candidate.
 pub fn step(of_input: &mut [f32], of_state: &[f32], state: &mut [f32]) {
     let width = state.len();
     let (gates, candidate) = of_input.split_at_mut(2 * width);
@@ -127,7 +127,7 @@ pub fn step(of_input: &mut [f32], of_state: &[f32], state: &mut [f32]) {
     }
 }
 
-/// Returns the logistic function, the same bits on every machine.
+/// Returns the logistic function of a number, with the same bits on every machine.
 fn sigmoid(x: f32) -> f32 {
     0.5 * tanh(0.5 * x) + 0.5
 }

@@ -26,9 +26,9 @@ pub struct NodeView {
     pub observation: AgentObservation,
     /// The assignment of features and actions to nodes.
     pub graph: Graph,
-    /// Number of each action's actuator or supervisory point.
+    /// Index of the actuator or supervisory point of each action.
     pub actuators: Vec<usize>,
-    /// Owner of each actuator or supervisory point.
+    /// Owner of the actuator or supervisory point of each action.
     pub owners: Vec<Owner>,
 }
 
@@ -46,7 +46,7 @@ struct TypeSpaces {
 }
 
 impl NodeSpaces {
-    /// Returns the spaces of all node types for an agent with a [`NodeForm`](crate::NodeForm).
+    /// Returns the spaces of all node types for an agent with a graph network.
     pub fn of(interface: Interface) -> Self {
         let types = NodeType::ALL.map(|node_type| TypeSpaces {
             name: node_type.name(),
@@ -76,7 +76,7 @@ impl NodeSpaces {
         self.names(|each| &each.actions)
     }
 
-    /// Returns the features and the actions of a node of each type.
+    /// Returns the numbers of features and actions of a node of each type.
     pub fn widths(&self) -> Vec<NodeWidths> {
         let widths =
             |each: &TypeSpaces| NodeWidths { features: each.features.len(), outputs: each.actions.len() };
@@ -93,11 +93,11 @@ impl NodeSpaces {
 }
 
 impl AgentObservation {
-    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled from the
-    /// bounds shared by all buildings to [-1, 1]; with `features`, the features of the node's own zone or actuators.
+    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled to [-1, 1] by
+    /// bounds that all buildings share; with `features`, the features of the node's own zone or actuators.
     ///
     /// # Errors
-    /// [`Error::Graph`] for a building with an actuator that belongs to no node.
+    /// [`Error::Graph`] for a building with an actuator that belongs to no node, or that its node's type does not have.
     pub fn by_node(interface: Interface, spaces: &Arc<Spaces>, plan: &NodePlan) -> Result<NodeView> {
         let failed = |what: &str, name: &str| Error::Graph {
             building: spaces.building.name.clone(),
@@ -167,7 +167,7 @@ trait Places {
     /// Slot of a quantity in the environment's observation.
     fn slot(&self, quantity: Observed) -> Option<usize>;
 
-    /// Number of an actuator.
+    /// Index of an actuator.
     fn actuator(&self, quantity: Quantity) -> Option<usize>;
 
     /// Slots of a controlled zone.
@@ -186,7 +186,7 @@ struct Placed<'a> {
     node: &'a PlannedNode,
 }
 
-/// A placeholder node without a building, for the names of features.
+/// A node without a building, to list the names of features.
 struct Nowhere;
 
 impl Places for Placed<'_> {
@@ -243,7 +243,7 @@ impl Places for Nowhere {
     }
 }
 
-/// Returns the features of a node, in an order that only depends on its type.
+/// Returns the features of a node, in an order that depends only on its type.
 fn local_features(
     interface: Interface,
     node_type: NodeType,
@@ -275,8 +275,8 @@ fn constants(slots: &[LocalSlot<Attribute>], values: &[f64]) -> impl Iterator<It
     slots.iter().zip(values).map(|(slot, value)| (text(&slot.quantity), Source::Constant(*value)))
 }
 
-/// Returns the observation of a node, scaled from the bounds shared by all buildings to [-1, 1]. With constant targets,
-/// a zone observes this target and counts as occupied.
+/// Returns the observation of a node, scaled to [-1, 1] by bounds that all buildings share. A zone with a constant target
+/// observes that target and counts as occupied.
 fn observed(node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
     let source = |slot: &LocalSlot<Observed>| {
         let LocalSlot { quantity, low, high, .. } = *slot;
@@ -304,7 +304,7 @@ fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> V
             owned(&weather(slot(Observed::OutdoorTemperature), slot(Observed::OutdoorHumidity)))
         }
         NodeType::Calendar => {
-            // The bands of a supervisor tell when people come.
+            // A supervisor observes the bands, which already tell when people arrive.
             let times = if interface.acting.is_supervision() { hours_and_seasons } else { calendar };
             times(slot(Observed::TimeOfDay), slot(Observed::DayOfWeek), slot(Observed::DayOfYear))
         }

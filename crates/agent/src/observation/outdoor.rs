@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// Center and scale of outdoor temperatures, °C and K.
 pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 
-/// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
+/// Returns the outdoor temperatures at the end of each hour of the year, °C; none if the forecast has no hours.
 ///
 /// # Errors
 /// [`Error::Weather`] for an unreadable weather file.
@@ -20,7 +20,7 @@ pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     read(&spaces.episode.weather).map_err(|error: b2b_climate::Error| Error::Weather(Box::new(error)))
 }
 
-/// Returns the temperature at an hour of the year, interpolated between the ends of hours: see [`temperatures`].
+/// Returns the temperature at an hour of the year, interpolated between the [`temperatures`] at the ends of hours.
 pub(super) fn at_hour(temperatures: &[f64], hour: f64) -> f64 {
     let place = (hour - 1.0).rem_euclid(temperatures.len() as f64);
     let (index, share) = (place as usize % temperatures.len(), place.fract());

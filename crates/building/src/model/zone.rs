@@ -60,7 +60,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Area, m².
+    /// Returns the area, m².
     pub fn area(&self) -> f64 {
         polygon_area(&self.corners)
     }
@@ -101,8 +101,8 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
     spaces_of(model, zone).map(space).collect()
 }
 
-/// Returns the floor area of a zone's surfaces outside its spaces, from which the engine makes another space, m²;
-/// `None` if there is no such surface.
+/// Returns the floor area of a zone's surfaces that belong to no space, m²; `None` if there is no such surface. The engine
+/// makes another space of them.
 pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
     let own =
@@ -152,7 +152,7 @@ fn group_multiplier(model: &Model, zone: &str) -> f64 {
     of_zone.next().and_then(|fields| number(fields, "zone_list_multiplier")).unwrap_or(1.0)
 }
 
-/// Returns whether a zone has air conditioning equipment.
+/// Returns whether a zone has HVAC equipment.
 pub fn has_equipment(model: &Model, zone: &str) -> bool {
     let connections = model.objects("ZoneHVAC:EquipmentConnections");
     let zones = connections.iter().filter_map(|(_, fields)| text(fields, "zone_name"));
@@ -221,7 +221,7 @@ fn other_floor_area(model: &Model, zone: &str) -> f64 {
     total(own.filter_map(|(_, fields)| drawn_area(fields)))
 }
 
-/// Returns the area of a surface from its corners, or from length and width, m².
+/// Returns the area of a surface from its corners, or else from its length and width, m².
 fn drawn_area(fields: &Fields) -> Option<f64> {
     match fields.get("vertices").and_then(Value::as_array) {
         Some(vertices) => Some(polygon_area(&vertices.iter().map(corner).collect::<Option<Vec<_>>>()?)),
@@ -229,12 +229,12 @@ fn drawn_area(fields: &Fields) -> Option<f64> {
     }
 }
 
-/// Returns the area of a plane polygon in space, m².
+/// Returns the area of a planar polygon in space, m².
 pub fn polygon_area(corners: &[[f64; 3]]) -> f64 {
     area_vector(corners).iter().map(|n| n * n).sum::<f64>().sqrt()
 }
 
-/// Returns the normal of a plane polygon with the length of its area, by Newell's method.
+/// Returns the normal of a planar polygon, by Newell's method. The normal's length is the polygon's area.
 pub fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {

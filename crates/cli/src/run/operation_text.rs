@@ -6,7 +6,7 @@ use super::summary::Summary;
 use crate::terminal::table::{Table, decimals};
 
 impl Summary {
-    /// Returns the results of an episode of operation.
+    /// Returns the names and values of an episode's results.
     pub(super) fn operation_metrics(&self) -> Vec<(&'static str, String)> {
         let metrics = &self.metrics;
         let digits = |value: Option<f64>, least: usize| {
@@ -38,7 +38,7 @@ impl Summary {
         ]
     }
 
-    /// Returns the parts of the bill, followed by an empty line; empty without a tariff.
+    /// Returns the bill as a table, followed by an empty line; an empty text if there is no bill.
     pub(super) fn bill_text(&self) -> String {
         if self.bill.is_empty() {
             return String::new();
@@ -47,7 +47,7 @@ impl Summary {
         format!("{}\n\n", bill_table(&self.bill, currency).text())
     }
 
-    /// Returns the zones with what counts as outside their bands.
+    /// Returns a table of the zones with their degree-hours and hours outside the band.
     pub(super) fn band_table(&self) -> String {
         let beyond = format!("more than {} K outside", self.task_definition.comfort_band);
         let columns =

@@ -1,4 +1,4 @@
-//! The building in 3D: a mesh per zone with its windows and doors, along the building's own axes.
+//! The building in 3D: a mesh per zone with its windows and doors, in the building's own coordinates.
 
 use anyhow::Result;
 use b2b_building::description::Description;
@@ -22,9 +22,9 @@ const IN_FRONT: f64 = 0.002;
 const GLASS: &str = "#7dc4f0";
 /// Margin of the ground around the building, as a fraction of the plan size.
 const GROUND: f64 = 0.12;
-/// Margin of the picture around the building, as a fraction of the plan size.
+/// Margin of the scene around the building, as a fraction of the plan size.
 const MARGIN: f64 = 0.24;
-/// Diagonal of the picture, in camera units.
+/// Diagonal of the scene, in camera units.
 const DIAGONAL: f64 = 2.2;
 const DOOR: &str = "#78553c";
 
@@ -88,7 +88,7 @@ fn draw_zone(
         for opening in &face.openings {
             let mesh = if opening.is_glass { &mut glass } else { &mut doors };
             let text = opening_text(building, face, opening);
-            // Both sides, because the model does not always define which one is outside.
+            // On both sides, because the model does not always define which side is outside.
             for side in [front, -front] {
                 mesh.add(&moved(&opening.corners, &face.corners, side), &text);
             }
@@ -128,7 +128,7 @@ impl Edges {
     }
 }
 
-/// Returns a polygon shifted along the normal of another.
+/// Returns a polygon shifted by a distance along the normal of another.
 fn moved(corners: &[Point], along: &[Point], distance: f64) -> Vec<Point> {
     let normal = area_vector(along);
     let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
@@ -170,7 +170,7 @@ fn construction_text(building: &PreparedBuilding, construction: &str) -> String 
     }
 }
 
-/// Draws the ground plane, if the building reaches below it.
+/// Draws the ground plane, if the building has parts above and below it.
 fn draw_ground(plot: &mut Plot, shape: &Shape) {
     let [low, high] = shape.extent();
     if low[2] > -0.1 || high[2] < 0.1 {
@@ -191,8 +191,8 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     let size = plan_size(&[low, high]);
     let ground = low[2].max(0.0).min(high[2]);
     let (sin, cos) = shape.north_axis.to_radians().sin_cos();
-    // Rotates coordinates across and along the arrow to the axes of the building.
     let middle = [low[0] - 0.5 * MARGIN * size, low[1] - 0.3 * MARGIN * size];
+    // Converts positions across and along the arrow to the building's coordinates.
     let at = |across: f64, along: f64| {
         let (across, along) = (across * size, along * size);
         [middle[0] + across * cos - along * sin, middle[1] + across * sin + along * cos]
@@ -232,7 +232,7 @@ fn plan_size([low, high]: &[Point; 2]) -> f64 {
 fn layout(extent: [Point; 2]) -> Layout {
     let margin = MARGIN * plan_size(&extent);
     let [low, high] = extent;
-    // Objects at the edge of a range would be cut in half.
+    // Objects at the edge of a range would be clipped.
     let edge = 2.0 * front(&extent);
     let ranges: [[f64; 2]; 3] = [
         [low[0] - margin, high[0] + margin],

@@ -1,26 +1,26 @@
-//! Use and discomfort of an episode under a schedule, by day.
+//! Resource use and discomfort of an episode under a schedule, by day.
 
 use b2b_env::{Metrics, Observer, Step};
 use serde::{Deserialize, Serialize};
 
-/// Use and discomfort of an episode.
+/// Resource use and discomfort of an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeUse {
     /// The days, in order.
     pub days: Vec<DayUse>,
 }
 
-/// Use and discomfort of a day.
+/// Resource use and discomfort of a day.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DayUse {
-    /// Amount of the task's resource, usually cost, in mean steps of the building's class.
+    /// Use of the task's resource, usually cost, relative to the mean step of the building's class.
     pub used: f64,
     /// Deviation outside the band integrated over time, K·h per zone.
     pub discomfort: f64,
 }
 
 impl EpisodeUse {
-    /// Returns the amount of the resource, in mean steps of the building's class.
+    /// Returns the use of the resource, relative to the mean step of the building's class.
     pub fn used(&self) -> f64 {
         self.days.iter().map(|day| day.used).sum()
     }
@@ -36,7 +36,7 @@ impl EpisodeUse {
 pub(crate) struct Days {
     steps_per_day: usize,
     steps: usize,
-    /// Comfort penalties in place of discomfort.
+    /// The days so far. Until [`Days::outcome`], their discomfort is the comfort penalty.
     days: Vec<DayUse>,
 }
 
@@ -45,7 +45,7 @@ impl Days {
         Self { steps_per_day: 24 * steps_per_hour as usize, steps: 0, days: Vec::new() }
     }
 
-    /// Returns the outcome. The episode's discomfort is divided among the days as its comfort penalty is.
+    /// Returns the outcome, with the episode's discomfort divided among the days in proportion to their comfort penalties.
     pub(crate) fn outcome(mut self, metrics: &Metrics) -> EpisodeUse {
         let penalty: f64 = self.days.iter().map(|day| day.discomfort).sum();
         let discomfort = metrics.zone_discomfort().unwrap_or(0.0);

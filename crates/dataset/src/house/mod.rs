@@ -10,20 +10,20 @@
 //! # Control
 //! | `Schedule:Constant` | meaning | range |
 //! |---|---|---|
-//! | `Living Supply Air Flow Fraction` | flow over design flow (`AirTerminal:SingleDuct:VAV:NoReheat`, `maximum_air_flow_rate`) | 0, or 0.2 to 1 |
+//! | `Living Supply Air Flow Fraction` | share of the design flow (`AirTerminal:SingleDuct:VAV:NoReheat`, `maximum_air_flow_rate`) | 0, or 0.2 to 1 |
 //! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
-//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; set so that it never moves the damper | not to be set |
+//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; fixed so that it never moves the damper | do not set |
 //!
 //! The flow is exact; the supply temperature is exact within the capacity of the coils (measured).
 //!
 //! # Engine messages
-//! The engine notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
-//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At or below 0.1 of the
-//! design flow its psychrometrics leave their range, so flows must be 0, or 0.2 and more.
+//! Below half of the design flow, the engine warns that the heating coil's air flow per capacity is out of range: its range
+//! for heat pumps is narrower than that of a variable flow. The supply temperature stays exact. At or below 0.1 of the
+//! design flow, the engine's psychrometric functions leave their range, so flows must be 0, or 0.2 and more.
 //!
 //! # Scope
-//! The ducted houses of Québec. They are about a quarter of its detached stock; half of the stock heats with baseboards
-//! and has no air system to control.
+//! Québec's detached houses with ducts, about a quarter of all. Half of all detached houses heat with baseboards and have no
+//! air system to control.
 
 mod gains;
 mod geometry;

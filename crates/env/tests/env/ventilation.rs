@@ -1,11 +1,11 @@
-//! The ventilation interlock on the engine: people get the design minimum of outdoor air for any action.
+//! The ventilation interlock on the engine: people get the design minimum of outdoor air even under the lowest action.
 
 use crate::case::Case;
 use crate::models::office;
 use b2b_building::BuildingType;
 use b2b_env::Env;
 
-/// Relative difference between our density of standard air and the engine's.
+/// Tolerated relative difference, because the engine's density of standard air differs from ours.
 const TOLERANCE: f64 = 1e-4;
 
 /// People and outdoor air of a system at the end of a step.
@@ -15,7 +15,7 @@ struct Air {
     minimum: f64,
 }
 
-/// Runs some days with every actuator at its lower bound; returns people and outdoor air of each system, step by step.
+/// Runs some days with every actuator at its lower bound. Returns the people and outdoor air of each system, step by step.
 fn starve(case: &Case, task: &str, days: &str) -> (Vec<Vec<Air>>, Env) {
     let mut env = case.env_for(days, task);
     env.reset().unwrap();
@@ -41,14 +41,14 @@ fn airs(env: &Env) -> Vec<Air> {
         .collect()
 }
 
-/// Outdoor air is at least the design minimum from the second occupied step on, and may be zero while the zones are
-/// unoccupied.
+/// Asserts that outdoor air is at least the design minimum from the second occupied step on, and that the interlock does not
+/// act at every step.
 fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let per_person = people_of_a_case_get_their_outdoor_air(&Case::at(building_type, place));
     eprintln!("{building_type} in {place}: {per_person:.1} L/s per person");
 }
 
-/// Returns the outdoor air with the interlock, L/s per person.
+/// Asserts the same for a case. Returns the outdoor air with the interlock, L/s per person.
 fn people_of_a_case_get_their_outdoor_air(case: &Case) -> f64 {
     let (steps, env) = starve(case, "constant", "01-13..01-13");
     let mut occupied = 0;

@@ -1,4 +1,4 @@
-//! The order of a fragment.
+//! Orders of fragments: what a worker needs to run one.
 
 use b2b_agent::network::{Actor, Distribution, Shape};
 use b2b_agent::{Interface, NodePlan};
@@ -12,13 +12,13 @@ use super::blocks::Block;
 pub enum Purpose {
     /// Samples actions, and records every step.
     Explore,
-    /// Replays the actions in the block, to restore an episode to a step that it had reached.
+    /// Replays the actions in the block, to bring an episode back to a step that it had reached.
     Replay,
 }
 
-/// Returns the number of a fragment's random stream of exploration. A fragment is the steps of one environment and
-/// episode in a rollout; fragments count from 0 in each rollout. No two fragments of a run share a stream, unless their
-/// noise is mirrored.
+/// Returns the number of the random stream that a fragment explores with. A fragment is the steps of one environment and
+/// episode in a rollout; fragments are numbered from 0 in each rollout. No two fragments of a run share a stream, unless
+/// their noise is mirrored.
 pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
     (fragment >> 8) << 56 | rollout << 24 | (environment as u64) << 8 | fragment & 0xff
 }
@@ -26,7 +26,7 @@ pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
 /// A fragment that a worker runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FragmentOrder {
-    /// Observation and acting of the agent.
+    /// Observation of the agent and meaning of its actions.
     pub interface: Interface,
     /// The building, for a graph network.
     pub plan: Option<NodePlan>,
@@ -40,9 +40,9 @@ pub struct FragmentOrder {
     pub parameters: usize,
     /// Version of the parameters; a worker reads them again when it changes.
     pub version: u64,
-    /// Its purpose.
+    /// Whether to explore or to replay.
     pub purpose: Purpose,
-    /// Number of decisions: of steps, unless the agent holds its decisions.
+    /// Number of decisions. A decision is one step, unless the agent holds its decisions for several.
     pub steps: usize,
     /// Block of shared memory to write to.
     pub block: Block,
@@ -54,16 +54,16 @@ pub struct FragmentOrder {
     pub correlation: f32,
     /// Whether the exploration noise is negated.
     pub mirrored: bool,
-    /// Discount γ of the rewards of a held decision, per step.
+    /// Discount γ per step, for the rewards while a decision is held.
     pub discount: f32,
-    /// Factor of the penalty of discomfort.
+    /// Factor that multiplies the penalty of discomfort.
     pub comfort_weight: f32,
     /// Cost of a full stroke, averaged over the actuators, in the unit of the environment's rewards.
     pub travel_cost: f32,
 }
 
 impl FragmentOrder {
-    /// Returns the numbers of an actor that a worker needs.
+    /// Returns the parameters of an actor that a worker needs: the network's, then those of a Gaussian distribution.
     pub fn numbers(actor: &Actor) -> Vec<f32> {
         let mut numbers = actor.parameters.clone();
         if let Distribution::Gaussian { log_std } = &actor.distribution {

@@ -4,15 +4,15 @@ use b2b_building::morphology::{EdgeKind, NodeType};
 
 use crate::plan::NodePlan;
 
-/// Number of directed kinds of edges: adjacent, serves, is served by, controls, is controlled by.
+/// Number of kinds of edges, counting both directions: adjacent, serves, is served by, controls, is controlled by.
 pub const RELATIONS: usize = 5;
-/// Bit of a pair of nodes: the first may attend to the second where attention follows edges only.
+/// Bit of a pair of nodes: the first may attend to the second even if attention is limited to edges.
 pub const REACHES: u8 = 1 << 7;
 
 /// The nodes of a building: types, features, actions and edges.
 ///
 /// A row of observations has the features of the nodes one after another; a row of actions follows the order of the
-/// building's actuators.
+/// building's actuators or supervisory points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Graph {
     /// Name of each node.
@@ -27,7 +27,7 @@ pub struct Graph {
     pub relations: Vec<u8>,
 }
 
-/// Output of a network that is an action.
+/// The output of a network that is an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ActionPlace {
     /// Node.
@@ -39,8 +39,8 @@ pub struct ActionPlace {
 }
 
 impl Graph {
-    /// Creates the graph of a building from the number of features of each node, the node outputs that are actions, and the
-    /// number of outputs of a node of each type.
+    /// Creates the graph of a building from the number of features of each node, the node and output of each action, and the
+    /// number of outputs of each node type.
     pub fn new(
         plan: &NodePlan,
         widths: &[usize],

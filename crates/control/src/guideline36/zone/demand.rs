@@ -5,7 +5,7 @@ use super::super::setpoints::Setpoints;
 /// Widening of both setpoints by level, K. Levels are not cumulative.
 const OFFSETS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Level of demand limiting, 0 (none) to 3. What sets it is left to the designer: a tariff, a limit, a signal of the utility.
+/// Level of demand limiting, 0 (none) to 3. The designer decides what sets it: a tariff, a demand limit or a utility signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DemandLevel(u8);
 
@@ -18,7 +18,7 @@ impl DemandLevel {
         (usize::from(level) < OFFSETS.len()).then_some(Self(level))
     }
 
-    /// Returns the setpoints under the level.
+    /// Returns a band widened by the level.
     pub(in super::super) fn widen(self, band: Setpoints) -> Setpoints {
         let offset = OFFSETS[usize::from(self.0)];
         Setpoints { heating: band.heating - offset, cooling: band.cooling + offset }
