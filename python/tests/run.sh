@@ -18,8 +18,9 @@ rm -rf "$folder/wheels"
 wheel=("$folder"/wheels/*.whl)
 "$venv/bin/python" -m pip install --quiet --no-compile --force-reinstall --no-deps "${wheel[0]}"
 "$venv/bin/python" -m pip install --quiet --no-compile "${wheel[0]}[$extras]"
-# Large pages for the engine, as in `.cargo/config.toml`; nothing compiled in the source folders.
+# Large pages for the engine, as in `.ci/rust-tests`.
 export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1}
+# Nothing compiled in the source folders.
 PYTHONPYCACHEPREFIX=$(realpath "$folder")/compiled
 export PYTHONPYCACHEPREFIX
 # The tests of a file share what they trained, and so a process.

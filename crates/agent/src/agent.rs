@@ -217,10 +217,10 @@ impl Controller for AgentController {
 
     /// Keeps the state of a network with a memory, unless it spans as many episodes as in training.
     fn next_episode(&mut self) {
-        self.pilot.reset();
         self.remembered += 1;
-        if self.memory_episodes.is_some_and(|episodes| self.remembered >= episodes) {
-            self.reset();
+        match self.memory_episodes {
+            Some(episodes) if self.remembered >= episodes => self.reset(),
+            _ => self.pilot.reset(),
         }
     }
 

@@ -279,7 +279,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
             if self._reward is not None:
-                # What most rewards read, which need not pay for the rest.
+                # Most rewards read only these.
                 info["reward_terms"] = reward_terms(numbers)
         if self._reward is not None:
             rewards = np.asarray(self._reward(info), dtype=np.float64)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use b2b_base::suggestion::nearest;
+use b2b_learn::train::merge;
 
 use super::experiment::Experiment;
 use super::validation;
@@ -57,7 +58,7 @@ impl Experiment {
         name.clone_into(&mut experiment.name);
         for agent in &mut experiment.agents {
             let own = std::mem::replace(&mut agent.options, experiment.options.clone());
-            agent.options.extend(own);
+            merge(&mut agent.options, own);
         }
         "quick".clone_into(&mut experiment.quick.name);
         "full".clone_into(&mut experiment.full.name);

@@ -24,7 +24,7 @@ pub use crate::policy::{GraphPolicy, PolicyConfig, RecurrentPolicy};
 pub use checkpoint::CHECKPOINT;
 pub use config::{
     AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, RewardConfig, Tasks,
-    TrainConfig, TrainingSet,
+    TrainConfig, TrainingSet, merge,
 };
 pub use judge::{AgentScores, BuildingScores, Measures};
 pub use lock::LAST;

@@ -88,7 +88,8 @@ fn states(network: &GraphNetwork, sequences: usize) -> Vec<f32> {
 const ALL: [(Edges, usize); 5] =
     [(Edges::None, 0), (Edges::Bias, 0), (Edges::Mask, 0), (Edges::Mixed, 0), (Edges::Bias, 11)];
 
-/// Returns outputs of a batch by the definition from observations and states before sequences, rows × 12 actions, rows × 9 nodes or rows × 1.
+/// Returns outputs of a batch by the definition, from observations and the states before sequences: rows × 12 actions,
+/// rows × 9 nodes or rows × 1.
 fn expected(
     network: &GraphNetwork,
     parameters: &[f64],
@@ -136,7 +137,7 @@ fn outputs_and_gradients_match_the_definition() {
     }
 }
 
-/// What is read from the outputs of the nodes is the same for all networks: one has to do.
+/// All networks have the same readouts, so one network suffices.
 #[test]
 fn gradients_of_nodes_and_means_match_the_definition() {
     let with_memory = ALL[ALL.len() - 1];

@@ -245,8 +245,8 @@ fn read_table(path: &Path, read: impl FnOnce(Table) -> Read<TrainConfig>) -> Res
     table.and_then(read).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
 }
 
-/// Overrides the values of one table by another's. A table with a `kind` is replaced as a whole.
-fn merge(base: &mut Table, changes: Table) {
+/// Overrides the options of one table by another's, also within tables. A table with a `kind` is replaced as a whole.
+pub fn merge(base: &mut Table, changes: Table) {
     for (key, value) in changes {
         match (base.get_mut(&key), value) {
             (Some(Value::Table(into)), Value::Table(from)) if !from.contains_key("kind") => merge(into, from),

@@ -19,7 +19,7 @@ pub use agent::AgentConfig;
 pub use budget::Budget;
 pub use checkpoints::{CheckpointConfig, Keep};
 pub use evaluation::EvaluationConfig;
-pub use file::CONFIG;
+pub use file::{CONFIG, merge};
 pub use noise::NoiseConfig;
 pub use rewards::RewardConfig;
 pub use tasks::Tasks;
