@@ -9,7 +9,7 @@ use b2b_env::Spaces;
 use crate::folder;
 use crate::info::AgentInfo;
 use crate::interface::Interface;
-use crate::network::{Actor, Scratch};
+use crate::network::{Actor, MemorySpan, Scratch};
 use crate::observation::{NodeSpaces, attributes};
 use crate::pilot::Pilot;
 use crate::plan::{NodeForm, NodePlan, PlannedNode};
@@ -97,7 +97,7 @@ impl Agent {
     /// Returns a controller with its own pilot for a building.
     pub(crate) fn controller_of(&self, pilot: Pilot) -> AgentController {
         let controller = AgentController::new(pilot, Arc::clone(&self.actor));
-        AgentController { memory_episodes: self.info.memory_episodes, ..controller }
+        AgentController { memory: MemorySpan::new(self.info.memory_episodes), ..controller }
     }
 
     /// Creates the pilot for a building that still has its model.
@@ -188,10 +188,8 @@ pub struct AgentController {
     actor: Arc<Actor>,
     scratch: Scratch,
     row: Vec<f32>,
-    /// Episodes that its state spans; all if `None`.
-    memory_episodes: Option<u32>,
-    /// Earlier episodes that its state spans.
-    remembered: u32,
+    /// Episodes that its state spans.
+    memory: MemorySpan,
 }
 
 impl AgentController {
@@ -199,7 +197,7 @@ impl AgentController {
     pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
         let scratch = actor.scratch(pilot.graph());
         let row = vec![0.0; scratch.actions()];
-        Self { row, scratch, pilot, actor, memory_episodes: None, remembered: 0 }
+        Self { row, scratch, pilot, actor, memory: MemorySpan::new(None) }
     }
 
     /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36 chooses.
@@ -212,15 +210,14 @@ impl Controller for AgentController {
     fn reset(&mut self) {
         self.pilot.reset();
         self.scratch.state_mut().fill(0.0);
-        self.remembered = 0;
+        self.memory.reset();
     }
 
     /// Keeps the state of a network with a memory, unless it spans as many episodes as in training.
     fn next_episode(&mut self) {
-        self.remembered += 1;
-        match self.memory_episodes {
-            Some(episodes) if self.remembered >= episodes => self.reset(),
-            _ => self.pilot.reset(),
+        match self.memory.next_episode() {
+            true => self.reset(),
+            false => self.pilot.reset(),
         }
     }
 

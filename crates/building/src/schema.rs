@@ -10,7 +10,7 @@ use ciborium::Value;
 /// The schema: what the engine knows of every class and field.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Schema {
-    classes: HashMap<String, Class>,
+    classes: HashMap<String, ObjectClass>,
     /// Groups that have members.
     groups: HashSet<String>,
     /// Words that begin with `@` in the library, in upper case: among them every function of EMS programs.
@@ -18,16 +18,16 @@ pub struct Schema {
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Class {
+struct ObjectClass {
     /// Groups of references that the name of an object belongs to.
     groups: Vec<String>,
     /// Fields, including the fields of lists.
-    fields: HashMap<String, Field>,
+    fields: HashMap<String, ClassField>,
 }
 
 /// A field.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Field {
+pub struct ClassField {
     /// Groups of references of which it names a member.
     pub names: Vec<String>,
     /// Groups of references that its value belongs to.
@@ -66,8 +66,8 @@ impl Schema {
     fn in_value(value: &Value) -> Option<Self> {
         let classes = entries(get(value, "properties")?);
         let classes: HashMap<_, _> =
-            classes.map(|(name, class)| (name.to_lowercase(), Class::of(class))).collect();
-        let groups = classes.values().flat_map(|class: &Class| {
+            classes.map(|(name, class)| (name.to_lowercase(), ObjectClass::of(class))).collect();
+        let groups = classes.values().flat_map(|class: &ObjectClass| {
             class.groups.iter().chain(class.fields.values().flat_map(|field| &field.groups))
         });
         let groups = groups.cloned().collect();
@@ -81,7 +81,7 @@ impl Schema {
     }
 
     /// Returns a field of a class.
-    pub fn field(&self, class: &str, field: &str) -> Option<&Field> {
+    pub fn field(&self, class: &str, field: &str) -> Option<&ClassField> {
         self.classes.get(&class.to_lowercase())?.fields.get(field)
     }
 
@@ -123,7 +123,7 @@ fn functions_in(bytes: &[u8]) -> HashSet<String> {
     words
 }
 
-impl Class {
+impl ObjectClass {
     fn of(class: &Value) -> Self {
         let mut fields = HashMap::new();
         for (_, pattern) in get(class, "patternProperties").into_iter().flat_map(entries) {
@@ -135,19 +135,22 @@ impl Class {
 }
 
 /// Reads the fields of an object or of the items of a list.
-fn read_fields(object: &Value, fields: &mut HashMap<String, Field>) {
+fn read_fields(object: &Value, fields: &mut HashMap<String, ClassField>) {
     let required = words(object, "required");
     for (name, field) in get(object, "properties").into_iter().flat_map(entries) {
         match get(field, "items") {
             Some(items) => read_fields(items, fields),
             None => {
-                fields.insert(name.to_owned(), Field::of(field, required.iter().any(|other| other == name)));
+                fields.insert(
+                    name.to_owned(),
+                    ClassField::of(field, required.iter().any(|other| other == name)),
+                );
             }
         }
     }
 }
 
-impl Field {
+impl ClassField {
     fn of(field: &Value, required: bool) -> Self {
         let forms = get(field, "anyOf").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
         let forms = || [field].into_iter().chain(forms);

@@ -76,6 +76,11 @@ fn value((name, width): (&str, usize)) -> Vec<u8> {
     [text(1, name), bytes(2, &bytes(1, &tensor_type))].concat()
 }
 
+/// Returns an entry of metadata, which may follow the other fields of a file.
+pub(super) fn metadata(key: &str, value: &str) -> Vec<u8> {
+    bytes(14, &[text(1, key), text(2, value)].concat())
+}
+
 /// Returns an attribute with a whole number.
 pub(super) fn whole(name: &str, value: usize) -> Vec<u8> {
     bytes(5, &[text(1, name), integer(3, value as u64), integer(20, 2)].concat())

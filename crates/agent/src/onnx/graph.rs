@@ -23,7 +23,7 @@ pub(super) fn file(
 ) -> Vec<u8> {
     let mut order: Vec<usize> = (0..graph.nodes()).collect();
     order.sort_by_key(|node| graph.types[*node]);
-    let mut export = Export { file: File::default(), actor, network, graph, order };
+    let mut export = GraphExport { file: File::default(), actor, network, graph, order };
     let mut stream = export.encode(features);
     let places = network.places();
     for (index, block) in places.blocks.iter().enumerate() {
@@ -45,7 +45,7 @@ pub(super) fn file(
     export.file.finish(&inputs, &outputs)
 }
 
-struct Export<'a> {
+struct GraphExport<'a> {
     file: File,
     actor: &'a Actor,
     network: &'a GraphNetwork,
@@ -54,7 +54,7 @@ struct Export<'a> {
     order: Vec<usize>,
 }
 
-impl Export<'_> {
+impl GraphExport<'_> {
     /// Returns the nodes of a type, and where they begin in the order of the file.
     fn nodes_of(&self, node_type: usize) -> (usize, Vec<usize>) {
         let is_earlier = |node: &&usize| self.graph.types[**node] < node_type;

@@ -10,7 +10,7 @@ use b2b_env::Spaces;
 use b2b_workers::Arrangement;
 
 use crate::agent::Agent;
-use crate::network::Shape;
+use crate::network::{MemorySpan, Shape};
 use crate::observation::{ObservationForm, ObservationOptions};
 use crate::{Error, Result};
 
@@ -41,21 +41,23 @@ impl Agent {
         if interface.acting.has_base() {
             return Err(self.not_exportable("it acts through another controller"));
         }
-        match &self.actor().shape {
-            Shape::Mlp(mlp) => {
-                Ok(plain::file(self.actor(), mlp, &bounds(form, spaces), self.info().actuators.len()))
-            }
+        let actions = self.info().actuators.len();
+        let mut file = match &self.actor().shape {
+            Shape::Mlp(mlp) => plain::file(self.actor(), mlp, &bounds(form, spaces), actions),
             Shape::Recurrent(network) => {
-                let actions = self.info().actuators.len();
-                Ok(plain::recurrent(self.actor(), network, &bounds(form, spaces), actions))
+                plain::recurrent(self.actor(), network, &bounds(form, spaces), actions)
             }
             Shape::Graph(network) => {
                 let graph = pilot.graph().expect("a pilot of a graph network has a graph");
                 let features = pilot.observation().linear_features();
                 let features = features.ok_or_else(|| self.not_exportable("its features are not linear"))?;
-                Ok(graph::file(self.actor(), network, graph, &features, spaces.observation.len()))
+                graph::file(self.actor(), network, graph, &features, spaces.observation.len())
             }
+        };
+        if let Some(episodes) = self.info().memory_episodes {
+            file.extend(file::metadata(MemorySpan::KEY, &episodes.to_string()));
         }
+        Ok(file)
     }
 
     fn not_exportable(&self, why: &'static str) -> Error {

@@ -6,7 +6,7 @@ use crate::network::{Activation, Actor, Distribution, Layer, Mlp, Recurrent};
 
 /// Returns the file of a multilayer perceptron: scaling by bounds, and its layers.
 pub(super) fn file(actor: &Actor, mlp: &Mlp, bounds: &[[f64; 2]], actions: usize) -> Vec<u8> {
-    let mut export = Export { file: File::default(), actor };
+    let mut export = FlatExport { file: File::default(), actor };
     let input = export.scaled(bounds);
     export.actions(mlp, &actor.parameters, input, actions);
     export.file.finish(&[("observation", bounds.len())], &[("action", actions)])
@@ -14,7 +14,7 @@ pub(super) fn file(actor: &Actor, mlp: &Mlp, bounds: &[[f64; 2]], actions: usize
 
 /// Returns the file of a recurrent network, whose second input is the state and whose second output the next one.
 pub(super) fn recurrent(actor: &Actor, network: &Recurrent, bounds: &[[f64; 2]], actions: usize) -> Vec<u8> {
-    let mut export = Export { file: File::default(), actor };
+    let mut export = FlatExport { file: File::default(), actor };
     let places = network.places();
     let input = export.scaled(bounds);
     let encoder = &actor.parameters[places.encoder.clone()];
@@ -31,12 +31,12 @@ pub(super) fn recurrent(actor: &Actor, network: &Recurrent, bounds: &[[f64; 2]],
 /// Name of the output with the next state.
 pub(super) const NEXT_STATE: &str = "next state";
 
-struct Export<'a> {
+struct FlatExport<'a> {
     file: File,
     actor: &'a Actor,
 }
 
-impl Export<'_> {
+impl FlatExport<'_> {
     /// Adds the scaling of the observation by its bounds.
     fn scaled(&mut self, bounds: &[[f64; 2]]) -> String {
         let scale: Vec<f32> = bounds.iter().map(|[low, high]| (2.0 / (high - low)) as f32).collect();

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use b2b_agent::network::MemorySpan;
 use b2b_base::digest::sha256;
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
@@ -22,8 +23,8 @@ use crate::{Error, Result};
 
 /// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1, observation];
 /// its first output the action, float32 [1, action]. Every further input is a state, which the output of the
-/// same number replaces at every step. The states are its memory, which it keeps over several episodes in a building if the
-/// protocol of a problem says so.
+/// same number replaces at every step. The states are its memory. If a problem has several episodes in a building, it
+/// keeps them for the number of episodes `memory_episodes` in the file's metadata; for all without it.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
@@ -32,6 +33,7 @@ pub struct OnnxPolicy {
     scale: ActionScale,
     model: Arc<Model>,
     states: Vec<OnnxState>,
+    memory: MemorySpan,
 }
 
 impl OnnxPolicy {
@@ -39,7 +41,7 @@ impl OnnxPolicy {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] without an input or an output, or for a state without
-    /// an output or of unknown shape.
+    /// an output or of unknown shape, or for metadata that is not a number of episodes.
     pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(at(path))?;
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
@@ -47,10 +49,11 @@ impl OnnxPolicy {
         onnx_format::check(&bytes).map_err(invalid)?;
         let load = limited::once(move || guarded(|| Model::load(bytes))).map_err(at(path))?;
         let model = load.unwrap_or_else(|| Err(endless())).map_err(invalid)?;
-        let states =
-            OnnxState::all(&model).map_err(|why| Error::InvalidPolicy { path: path.to_owned(), why })?;
+        let unusable = |why| Error::InvalidPolicy { path: path.to_owned(), why };
+        let states = OnnxState::all(&model).map_err(unusable)?;
+        let memory = memory_of(&model).map_err(unusable)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model), states })
+        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model), states, memory })
     }
 
     /// Returns the width of the input, if the model declares it.
@@ -121,6 +124,7 @@ impl Policy for OnnxPolicy {
         inference.reset();
         Ok(Box::new(OnnxController {
             inference,
+            memory: self.memory,
             scale: self.scale,
             space: interface.action.clone(),
             observation: vec![0.0; interface.observation.len()],
@@ -128,9 +132,22 @@ impl Policy for OnnxPolicy {
     }
 }
 
+/// Returns the episodes that the states of a model span.
+///
+/// # Errors
+/// Why its metadata is not a number of episodes.
+fn memory_of(model: &Model) -> std::result::Result<MemorySpan, String> {
+    let Some(text) = model.metadata().get(MemorySpan::KEY) else { return Ok(MemorySpan::new(None)) };
+    match text.parse::<u32>() {
+        Ok(episodes) if episodes > 0 => Ok(MemorySpan::new(Some(episodes))),
+        _ => Err(format!("its metadata `{}` is `{text}`; expected a whole number from 1", MemorySpan::KEY)),
+    }
+}
+
 /// The controller of an ONNX policy in an episode.
 struct OnnxController {
     inference: Inference,
+    memory: MemorySpan,
     scale: ActionScale,
     space: ActionSpace,
     observation: Vec<f32>,
@@ -139,10 +156,15 @@ struct OnnxController {
 impl Controller for OnnxController {
     fn reset(&mut self) {
         self.inference.reset();
+        self.memory.reset();
     }
 
-    /// Keeps the states.
-    fn next_episode(&mut self) {}
+    /// Keeps the states for as many episodes as the file says.
+    fn next_episode(&mut self) {
+        if self.memory.next_episode() {
+            self.inference.reset();
+        }
+    }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         for (single, value) in self.observation.iter_mut().zip(observation) {

@@ -146,20 +146,20 @@ mod tests {
     }
 
     /// A slot with data written by its holder.
-    struct Slot {
+    struct ModeledSlot {
         state: Modeled,
         number: UnsafeCell<u32>,
     }
 
     struct Shared {
-        slots: Vec<Slot>,
+        slots: Vec<ModeledSlot>,
         done: Modeled,
         wanted: Modeled,
     }
 
     impl Shared {
         fn new(slots: usize) -> Self {
-            let slot = |_| Slot { state: Modeled::new(READY), number: UnsafeCell::new(0) };
+            let slot = |_| ModeledSlot { state: Modeled::new(READY), number: UnsafeCell::new(0) };
             Self { slots: (0..slots).map(slot).collect(), done: Modeled::new(0), wanted: Modeled::new(0) }
         }
 

@@ -143,6 +143,9 @@ fn flat_and_recurrent_networks_export_to_onnx_and_score_alike() {
         assert!(output.status.success(), "{}", stderr(&output));
         let [agent, network] = [score(name), score(&format!("{name}.onnx"))];
         assert!((agent / network - 1.0).abs() < 1e-4, "{name}: {agent} {network}");
+        let file = std::fs::read(path.join(format!("{name}.onnx"))).unwrap();
+        let states_span_an_episode = file.ends_with(b"\n\x0fmemory_episodes\x12\x011");
+        assert_eq!(states_span_an_episode, name == "recurrent");
     }
     assert!(b2b(path, &format!("{} --steps 192", train("corrected"))).status.success());
     assert_rejected(

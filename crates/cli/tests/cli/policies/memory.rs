@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::policies::onnx_file::{linear_policy, summing_policy};
+use b2b_agent::protobuf::{self, bytes};
 use b2b_benchmark::Problem;
 use b2b_benchmark::entry::{Entry, EntryPolicy, RunOutcome, Sample, verify};
 use b2b_benchmark::problem::{Stage, WrappedPolicy};
@@ -165,13 +166,35 @@ fn a_policy_without_memory_sees_no_difference() {
             .map(|memory| run(&catalog, &problem(&HOUSES[..1], &["random"], memory), policy, &[5]));
         assert_eq!(kept, reset, "{}", policy.name());
     }
-    // The states of a network are its memory: only the first day is the same.
-    std::fs::write(&path, summing_policy(WIDTH, 2)).unwrap();
-    let recurrent = OnnxPolicy::read(&path, ActionScale::Rescaled).unwrap();
-    let [kept, reset] = ["building", "episode"]
-        .map(|memory| run(&catalog, &problem(&HOUSES[..1], &["random"], memory), &recurrent, &[5]));
-    let same: Vec<_> = kept.iter().zip(&reset).map(|(kept, reset)| kept == reset).collect();
-    assert_eq!(same, [true, false]);
+}
+
+#[test]
+fn the_states_of_a_network_are_kept_for_as_many_episodes_as_its_metadata_says() {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("network.onnx");
+    let read = |metadata: &[u8]| {
+        std::fs::write(&path, [&summing_policy(WIDTH, 2), metadata].concat()).unwrap();
+        OnnxPolicy::read(&path, ActionScale::Rescaled)
+    };
+    let episodes =
+        |text: &str| bytes(14, &[protobuf::text(1, "memory_episodes"), protobuf::text(2, text)].concat());
+    let days = |network: &OnnxPolicy, memory| {
+        run(&catalog, &problem(&HOUSES[..1], &["random"], memory), network, &[5])
+    };
+    let reset = days(&read(&[]).unwrap(), "episode");
+    for (metadata, expected) in
+        [(vec![], [true, false]), (episodes("1"), [true, true]), (episodes("2"), [true, false])]
+    {
+        let kept = days(&read(&metadata).unwrap(), "building");
+        let same: Vec<_> = kept.iter().zip(&reset).map(|(kept, reset)| kept == reset).collect();
+        assert_eq!(same, expected, "days that begin with an empty memory");
+    }
+    for text in ["0", "two"] {
+        let said = read(&episodes(text)).unwrap_err().to_string();
+        let expected = format!("its metadata `memory_episodes` is `{text}`; expected a whole number from 1");
+        assert!(said.contains(&expected), "{said}");
+    }
 }
 
 /// Counts the episodes that ended.
