@@ -55,7 +55,7 @@ fn sweep_once(folder: &Path) {
 /// Errors of the operating system.
 pub fn put(file: NamedTempFile, path: &Path) -> Result<()> {
     file.persist(path).map_err(|error| error.error)?;
-    // The new name is on disk once the folder is, which not every file system can do.
+    // Syncing the folder makes the rename durable, which not every file system supports.
     if let Ok(folder) = File::open(folder_of(path)) {
         let _ = folder.sync_all();
     }

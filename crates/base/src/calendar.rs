@@ -7,8 +7,8 @@ pub const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 3
 /// The last day of February in a common year, counted from 1 January.
 const FEBRUARY_28: u32 = 59;
 
-/// The calendar of an episode: the day of the week of 1 January, whether there is a 29 February, and the first day of an
-/// episode that passes New Year.
+/// The calendar of an episode: the day of the week of 1 January, whether there is a 29 February, and the first day of
+/// an episode that passes New Year.
 ///
 /// Days of the year are counted from 1. In an episode that passes New Year, days before its first day belong to the
 /// following year, and the day of the week continues as in the engine.
@@ -29,7 +29,8 @@ impl Default for Calendar {
 }
 
 impl Calendar {
-    /// Returns the calendar of a year that begins on a day of the week, 0 (Monday) to 6 (Sunday), with or without 29 February.
+    /// Returns the calendar of a year that begins on a day of the week, 0 (Monday) to 6 (Sunday), with or without 29
+    /// February.
     pub const fn new(new_year: u32, leap: bool) -> Self {
         Self { new_year: new_year % 7, leap, first_day: 1 }
     }
@@ -82,17 +83,17 @@ impl Calendar {
         day - (self.leap && day > FEBRUARY_28) as u32
     }
 
-    /// Returns the number of days of a month, from 0.
+    /// Returns the number of days of a month, 0 to 11.
     pub const fn month_days(self, month: usize) -> u32 {
         MONTH_DAYS[month] + (self.leap && month == 1) as u32
     }
 
-    /// Returns the first day of the year of a month, from 0.
+    /// Returns the day of the year on which a month, 0 to 11, begins.
     pub fn month_start(self, month: usize) -> u32 {
         (0..month).map(|before| self.month_days(before)).sum::<u32>() + 1
     }
 
-    /// Returns the month, from 0, of a day of the year.
+    /// Returns the month, 0 to 11, of a day of the year.
     pub fn month_of(self, day: u32) -> usize {
         (1..12).take_while(|month| self.month_start(*month) <= day).count()
     }

@@ -12,7 +12,7 @@ pub fn sha256(bytes: impl AsRef<[u8]>) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// Returns the first 8 bytes of the SHA-256 of a name as a number, for the seed of what is drawn by it.
+/// Returns the first 8 bytes of the SHA-256 of a name as a number, to seed its random draws.
 pub fn seed_of(name: &str) -> u64 {
     let digest = Sha256::digest(name);
     digest[..8].iter().fold(0, |number, byte| number << 8 | u64::from(*byte))

@@ -1,5 +1,5 @@
-//! The digests of a folder's files in `SHA256SUMS`, which `sha256sum --check` reads too. The files keep the formats that other
-//! programs read.
+//! The digests of a folder's files in `SHA256SUMS`, which `sha256sum --check` reads too. The files themselves are
+//! unchanged.
 
 use std::collections::BTreeMap;
 use std::io::{Error, ErrorKind, Result};

@@ -1,7 +1,7 @@
 //! The machine's arithmetic, on which the bits of a simulation depend besides its inputs.
 //!
-//! glibc chooses its mathematical functions by the instructions of the CPU, and they round differently with and without fused
-//! multiply-add. Networks choose their kernels in the same way.
+//! glibc chooses its mathematical functions by the instructions of the CPU, and they round differently with and without
+//! fused multiply-add. Networks choose their kernels in the same way.
 
 #![allow(unsafe_code, reason = "the C library")]
 
@@ -10,8 +10,8 @@ use std::sync::OnceLock;
 
 use crate::digest::sha256;
 
-/// Returns the fingerprint of this machine's arithmetic, such as `x86_64, glibc 2.36, fma avx2, libm 1b2c3d4e5f60`: architecture,
-/// C library, vector instructions, and a digest of the values of the mathematical functions.
+/// Returns the fingerprint of this machine's arithmetic, such as `x86_64, glibc 2.36, fma avx2, libm 1b2c3d4e5f60`:
+/// architecture, C library, vector instructions, and a digest of the values of the mathematical functions.
 ///
 /// Machines with the same fingerprint give the same bits.
 pub fn fingerprint() -> String {

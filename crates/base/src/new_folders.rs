@@ -1,14 +1,14 @@
-//! Folders that are removed again if nothing comes into them.
+//! Folders that are removed again if they stay empty.
 
 use std::io::Result;
 use std::path::{Path, PathBuf};
 
-/// Folders that were created for files to come, deepest first. Those that are empty on drop are removed.
+/// Folders that were created for future files, deepest first. The empty ones are removed on drop.
 #[derive(Debug)]
 pub struct NewFolders(Vec<PathBuf>);
 
 impl NewFolders {
-    /// Creates a folder and its parents, as far as they do not exist.
+    /// Creates a folder and its parents where they are missing.
     ///
     /// # Errors
     /// Errors of the operating system.

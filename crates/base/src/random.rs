@@ -14,7 +14,7 @@ pub fn stream(name: &str, seed: u64, number: u64) -> ChaCha8Rng {
     random
 }
 
-/// Draws a uniform number from 0 (included) to 1 (excluded), on 53 bits.
+/// Draws a uniform number from 0 (included) to 1 (excluded), with 53 bits.
 pub fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -16,7 +16,7 @@ use crate::digest::sha256;
 /// Free space that a run needs in the temporary folder, bytes: model, table of sizes and messages. A medium office uses
 /// a tenth of it.
 const NEEDED: u64 = 8_000_000;
-/// Time that a folder is kept after its owner has ended, because forks may still use it.
+/// Age at which the folder of an ended owner is removed: forks may still use a newer one.
 const GRACE: Duration = Duration::from_secs(3600);
 
 /// A temporary folder that cannot be used.
@@ -31,8 +31,8 @@ pub struct TemporaryFolderError {
     pub why: String,
 }
 
-/// Creates a temporary folder for the files of EnergyPlus, readable only by this user, and removes folders that killed
-/// processes left an hour or more before.
+/// Creates a temporary folder for the files of EnergyPlus, readable only by this user, and removes folders of killed
+/// processes that have not changed for an hour.
 ///
 /// # Errors
 /// [`TemporaryFolderError`] if it cannot be created or has too little space for a run.
@@ -66,7 +66,7 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     Ok(folder)
 }
 
-/// Folders that this process created and that were there when it created the last one.
+/// Folders of this process that still existed when it created the last one.
 static CREATED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Removes all temporary folders of this process, which is about to end without dropping them.
@@ -100,7 +100,7 @@ pub(crate) fn sweep(parent: &Path, prefix: &str) {
     }
 }
 
-/// Reads process and start from a name without its prefix. `None` if its processes are not numbered as `here`.
+/// Reads process and start from a name without its prefix. `None` if its process numbering is not `here`.
 fn owner(name: &str, here: &str) -> Option<(u32, u64)> {
     let (owner, _) = name.split_once('-')?;
     let (process, rest) = owner.split_once('.')?;

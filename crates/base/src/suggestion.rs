@@ -11,8 +11,8 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Stri
     near.map_or_else(String::new, |near| format!("`{near}`"))
 }
 
-/// Returns `did you mean NAME?` after a punctuation mark such as `, `, to follow a wrong name in a message; empty without a
-/// similar name.
+/// Returns `did you mean NAME?` after a punctuation mark such as `, `, to follow a wrong name in a message; empty
+/// without a similar name.
 pub fn did_you_mean(mark: &str, near: &str) -> String {
     if near.is_empty() { String::new() } else { format!("{mark}did you mean {near}?") }
 }

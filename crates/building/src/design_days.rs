@@ -10,17 +10,17 @@ use crate::sizing::needs_sizing;
 const CLASS: &str = "SizingPeriod:DesignDay";
 /// Classes of periods that equipment can be sized for.
 const PERIODS: [&str; 3] = [CLASS, "SizingPeriod:WeatherFileDays", "SizingPeriod:WeatherFileConditionType"];
-/// Difference of design temperatures from which a model's count as another climate's, K.
+/// Difference in design temperature above which a model's design days are for another climate, K.
 const FAR: f64 = 5.0;
 
-/// Replaces the periods that equipment is sized for by the design days of a weather file.
+/// Replaces the periods that equipment is sized for with the design days of a weather file.
 pub fn replace(model: &mut Model, site: &Site) {
     PERIODS.iter().for_each(|class| model.remove_class(class));
     model.insert(CLASS, "Heating 99.6 %", heating_day(site));
     model.insert(CLASS, "Cooling 0.4 %", cooling_day(site));
 }
 
-/// Replaces the design days of a user's model by a weather file's, unless `keep`, and notes which ones it has.
+/// Replaces the design days of a user's model with a weather file's, unless `keep`, and notes which ones it has.
 pub fn of_imported(model: &mut Model, site: &Site, keep: bool, notes: &mut Notes) {
     if !needs_sizing(model) {
         notes.design_days = Some("none used: the model gives the sizes of its equipment".to_owned());
@@ -48,8 +48,8 @@ pub fn of_imported(model: &mut Model, site: &Site, keep: bool, notes: &mut Notes
         };
         if own.is_some_and(is_far) {
             notes.warnings.push(format!(
-                "the model's design days are of another climate than the weather file ({of_site}); leave out \
-                 --keep-design-days to size its equipment for the weather"
+                "the model's design days are for another climate than the weather file's ({of_site}); \
+                 leave out --keep-design-days to size its equipment for the weather"
             ));
         }
         return;

@@ -68,7 +68,7 @@ pub struct Field<T> {
     field: fn(&mut T) -> &mut f64,
 }
 
-// Derived, these would ask `T` for the same.
+// A derived implementation would require `T: Clone` and `T: Copy`.
 impl<T> Clone for Field<T> {
     fn clone(&self) -> Self {
         *self

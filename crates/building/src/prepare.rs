@@ -63,8 +63,8 @@ pub struct PreparedBuilding {
     /// schedules do not follow their day of the week.
     #[serde(default)]
     pub holidays: Vec<u32>,
-    /// Outdoor air that the model controls: of the systems of a building under its own controls, and of air loops whose zones
-    /// are controlled through their thermostats.
+    /// Outdoor air that the model controls: of the systems of a building under its own controls, and of air loops whose
+    /// zones are controlled through their thermostats.
     #[serde(default)]
     own_ventilation: Vec<Option<OutdoorAir>>,
     /// How a user's model was read and sized.
@@ -140,8 +140,8 @@ impl PreparedBuilding {
         Self::with_kinds(name, model, weather, library, &KINDS, Unsupported::LeftAlone)
     }
 
-    /// Like [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`], with systems of these kinds. Only a building
-    /// of the [`KINDS`] of this crate can be read from a file.
+    /// Like [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`], with systems of these kinds. Only a
+    /// building of the [`KINDS`] of this crate can be read from a file.
     ///
     /// # Errors
     /// Same as [`PreparedBuilding::new`].
@@ -168,8 +168,8 @@ impl PreparedBuilding {
         Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
     }
 
-    /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else. `complete`
-    /// adds controls that the model lacks; it is given the years of the zones.
+    /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else.
+    /// `complete` adds controls that the model lacks; it is given the years of the zones.
     ///
     /// # Errors
     /// [`Error::NothingToControl`]; [`Error::Engine`] when the engine rejects the model.
@@ -338,7 +338,8 @@ impl PreparedBuilding {
     }
 }
 
-/// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and the fields that are left to the engine.
+/// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and the fields that are left to the
+/// engine.
 fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<(f64, Notes)> {
     let site = Site::read(weather)?;
     let mut notes = Notes::default();
@@ -360,8 +361,8 @@ fn changes(model: &Model, weather: &Path, unsupported: Unsupported, exhaust: Exh
     }
 }
 
-/// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the elevation
-/// (m) in the weather file.
+/// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the
+/// elevation (m) in the weather file.
 pub fn standard_air_density(elevation: f64) -> f64 {
     // Standard atmosphere and ideal gas law with the engine's constants (Engineering Reference,
     // "Psychrometric Services").

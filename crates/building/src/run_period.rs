@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{Error, Result};
 
-/// The first year tried for the days of an episode; 2017 has every generated building's.
+/// The first year tried for the days of an episode; 2017 has the days of every generated building.
 const FIRST_YEAR: u32 = 2017;
 pub(crate) const WEEKDAYS: [&str; 7] =
     ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
@@ -77,7 +77,7 @@ impl Date {
         self.in_calendar(Calendar::default())
     }
 
-    /// Day of the year in a calendar. If it has no 29 February, that is as 28 February.
+    /// Day of the year in a calendar. 29 February counts as 28 February in a calendar without it.
     pub(crate) fn in_calendar(self, calendar: Calendar) -> u32 {
         let date = self.month_and_day();
         calendar.day(date).or_else(|| calendar.day([self.month, self.day - 1])).unwrap_or(1)
@@ -187,7 +187,7 @@ impl RunPeriod {
         Date::of(self.calendar, self.day_of_year(after))
     }
 
-    /// Returns the last day of the year.
+    /// Returns the day of the year of the last day.
     pub fn last_day_of_year(self) -> u32 {
         self.last.in_calendar(self.calendar)
     }
@@ -209,8 +209,8 @@ impl RunPeriod {
 
     /// Returns the years, of the first and of the last day, in which the Gregorian calendar has these days.
     ///
-    /// The engine takes the days of the week and 29 February from the number of the year. Its runs from after 29 February of a
-    /// leap year into the following year are a day short, so such a run begins in a common year.
+    /// The engine takes the days of the week and 29 February from the number of the year. Its runs from after
+    /// 29 February of a leap year into the following year are a day short, so such a run begins in a common year.
     pub fn years(self) -> [u32; 2] {
         let (first, passes) = (self.first.month_and_day(), self.passes_new_year());
         let in_first = self.calendar.is_leap() && (!passes || first <= [2, 29]);

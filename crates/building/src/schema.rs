@@ -13,7 +13,7 @@ pub struct Schema {
     classes: HashMap<String, ObjectClass>,
     /// Groups that have members.
     groups: HashSet<String>,
-    /// Words that begin with `@` in the library, in upper case: among them every function of EMS programs.
+    /// Words that follow `@` in the library, in upper case: among them every function of EMS programs.
     functions: HashSet<String>,
 }
 
@@ -102,8 +102,8 @@ impl Schema {
         self.functions.is_empty() || self.functions.contains(&function.to_uppercase())
     }
 
-    /// Returns whether a group of references has members among names of objects or values of fields. Others are lists of
-    /// classes or of the engine's outputs.
+    /// Returns whether a group of references has members among names of objects or values of fields. Others are lists
+    /// of classes or of the engine's outputs.
     pub fn has_group(&self, group: &str) -> bool {
         self.groups.contains(group)
     }

@@ -3,7 +3,7 @@
 /// The role of a zone in a house.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ZoneRole {
-    /// The heated zone: every storey and a heated basement.
+    /// The heated zone: every story and a heated basement.
     Living,
     /// The vented zone under the roof.
     Attic,

@@ -19,8 +19,8 @@ pub struct DesignDay {
     pub wind_speed: Option<f64>,
     /// Direction of this wind, degrees clockwise from north; `None` where the station has no record.
     pub wind_direction: Option<f64>,
-    /// Mean wet bulb with the extreme dry bulb, °C; `None` in winter, when sizing days are saturated, and where the
-    /// station has no record.
+    /// Mean coincident wet bulb, °C; `None` in winter, when sizing days are saturated, and where the station has no
+    /// record.
     pub wet_bulb: Option<f64>,
     /// Optical depths of a clear sky for beam and diffuse irradiance (taub, taud) on the hot design day, where known.
     pub optical_depths: Option<[f64; 2]>,
@@ -53,8 +53,8 @@ impl DesignDay {
         })
     }
 
-    /// Returns the cold and the hot design day of a file whose header has none: the 99.6 % and 0.4 % dry bulbs of its hours,
-    /// as ASHRAE defines them, without wind.
+    /// Returns the cold and the hot design day of a file whose header has none: the 99.6 % and 0.4 % dry bulbs of its
+    /// hours, as ASHRAE defines them, without wind.
     pub(crate) fn of_year(record: &Record, line: &Line) -> Result<[Self; 2]> {
         let hours = record.hours().iter();
         let mut hours: Vec<(f64, u32)> = hours.map(|hour| (hour.dry_bulb, hour.month as u32 + 1)).collect();

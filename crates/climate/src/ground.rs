@@ -5,18 +5,17 @@ use std::f64::consts::TAU;
 use crate::Result;
 use crate::epw::Line;
 
-/// Depth of the ground temperatures at a foundation, m: the middle set of most EPW headers, about the depth of a basement
-/// floor.
+/// Depth of the ground temperatures at a foundation, m: the middle set of most EPW headers, about the depth of a
+/// basement floor.
 const DEPTH: f64 = 2.0;
 /// Fields of one depth in GROUND TEMPERATURES: depth, conductivity, density, specific heat, 12 months.
 const FIELDS: usize = 16;
-/// Diffusivity of the soil for which headers have their temperatures, m²/day.
+/// Soil diffusivity that the temperatures in headers assume, m²/day.
 const DIFFUSIVITY: f64 = 2.322576e-3 * 24.0;
 /// Days of a year.
 const DAYS: f64 = 365.0;
 
-/// Returns the monthly temperatures at the depth that is the nearest to 2 m in a header, °C, January first; `None` if it has
-/// none.
+/// Returns the monthly temperatures at the depth nearest to 2 m in a header, °C, January first; `None` if it has none.
 pub(crate) fn of_header(line: &Line) -> Result<Option<[f64; 12]>> {
     let depths = line.number(1)? as usize;
     let mut nearest = (f64::INFINITY, None);
@@ -34,8 +33,8 @@ pub(crate) fn of_header(line: &Line) -> Result<Option<[f64; 12]>> {
     Ok(Some(months))
 }
 
-/// Returns the monthly temperatures at 2 m under air with these monthly means, °C, January first: the first harmonic of the
-/// air, damped and delayed by the soil (Kusuda and Achenbach, 1965).
+/// Returns the monthly temperatures at 2 m under air with these monthly means, °C, January first: the first harmonic of
+/// the air, damped and delayed by the soil (Kusuda and Achenbach, 1965).
 pub(crate) fn under_air(months: &[f64; 12]) -> [f64; 12] {
     let middle = |month: usize| TAU * (month as f64 + 0.5) / 12.0;
     let mean = months.iter().sum::<f64>() / 12.0;
@@ -55,7 +54,7 @@ pub(crate) fn under_air(months: &[f64; 12]) -> [f64; 12] {
 mod tests {
     use super::*;
 
-    /// Monthly means of the air and header temperatures at 2 m of Denver's TMY3 file.
+    /// Monthly mean air temperatures of Denver's TMY3 file, °C.
     const AIR: [f64; 12] = [-0.2, 0.9, 4.5, 8.9, 14.4, 20.4, 23.3, 22.4, 17.2, 10.4, 3.6, -0.8];
 
     #[test]

@@ -20,8 +20,8 @@ pub struct Site {
     pub time_zone: f64,
     /// Elevation above sea level, m.
     pub elevation: f64,
-    /// Monthly mean temperature of undisturbed ground, °C, January first: at the depth in the header that is the nearest to
-    /// 2 m, or estimated from the dry bulbs if it has none.
+    /// Monthly mean temperature of undisturbed ground, °C, January first: at the depth in the header nearest to 2 m, or
+    /// estimated from the dry bulbs if it has none.
     pub ground_temperatures: [f64; 12],
     /// Monthly mean dry bulb, °C, January first; `None` if a month has no hours in the file.
     pub monthly_dry_bulbs: Option<[f64; 12]>,
@@ -31,7 +31,7 @@ pub struct Site {
     pub cooling: DesignDay,
     /// Year of the rows, if they have one in common, as in a measured year.
     pub year: Option<u32>,
-    /// Whether the file has a 29 February and its header says so, without which the engine leaves it out.
+    /// Whether the file has a 29 February and its header says so; otherwise the engine skips it.
     pub has_leap_day: bool,
     /// Whether the header has a period of daylight saving time.
     pub has_daylight_saving: bool,
@@ -55,8 +55,8 @@ impl Site {
     /// Without design conditions in the header, they are computed from the hours.
     ///
     /// # Errors
-    /// [`crate::Error::Malformed`] naming the line and the value when a row is malformed, or LOCATION or DESIGN CONDITIONS is
-    /// missing, truncated or not numeric.
+    /// [`crate::Error::Malformed`] naming the line and the value when a row is malformed, or LOCATION, DESIGN
+    /// CONDITIONS or GROUND TEMPERATURES is missing, truncated or not numeric.
     pub fn from_epw(text: &str, path: &Path) -> Result<Self> {
         Self::of(&Header { text, path }, &Record::of(text, path)?)
     }

@@ -122,7 +122,8 @@ fn station(rows: &[Vec<&'static str>]) -> Station {
     }
 }
 
-/// Columns: station, lat, lon, elev, wmo, month, DBmax, DBmin, DBmean, DBstd_daily, lag1, DPmean, RHmean, wind, GHI.
+/// Columns: station, lat, lon, elev, wmo, month, DBmax, DBmin, DBmean, DBstd_daily, lag1, DPmean, RHmean, wind, GHI,
+/// DNI, DHI.
 fn normals(row: &[&str]) -> MonthNormals {
     MonthNormals {
         dry_bulb: number(row, 8),

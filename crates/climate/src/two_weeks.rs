@@ -8,7 +8,7 @@
 //! 2. peak cooling: the two weeks with the highest;
 //! 3. typical heating: the mean temperature is nearest to the median of the heating days;
 //! 4. typical cooling: the mean temperature is nearest to the median of the cooling days;
-//! 5. mixed: the mean temperature is nearest to the middle of both limits.
+//! 5. mixed: the mean temperature is nearest to 16.5 °C, halfway between the limits.
 //!
 //! Of equal periods, the earliest is chosen. The rule does not use seasons, so it is the same in both hemispheres.
 

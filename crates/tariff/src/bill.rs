@@ -17,8 +17,8 @@ const ROUNDING: f64 = 5e-4;
 
 /// The bill of an episode. It holds no references and allocates nothing, so a copy continues like the original.
 ///
-/// Monthly charges, and monthly blocks of energy, are billed by the share of a month's days that the episode covers: two
-/// weeks do not pay a whole month's peak. A ratchet only knows the peaks within the episode.
+/// Monthly charges, and monthly blocks of energy, are billed by the share of a month's days that the episode covers:
+/// two weeks do not pay a whole month's peak. A ratchet only knows the peaks within the episode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bill {
     first_day: u32,
@@ -33,7 +33,7 @@ pub struct Bill {
     quarter_energy: f64,
     /// Largest quarter-hour mean of the month of each charge, kW.
     peaks: [f64; MAX_CHARGES],
-    /// Largest one of the ratchet's dates, kW.
+    /// Largest one on the ratchet's dates, kW.
     ratchets: [f64; MAX_CHARGES],
     /// Share of the current month's days that each charge covers.
     shares: [f64; MAX_CHARGES],
@@ -61,7 +61,7 @@ pub struct StepCost {
 /// A part of a bill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Name: of a price of the tariff, a demand charge or a carrier.
+    /// Name of a price of the tariff, a demand charge or a carrier.
     pub name: String,
     /// kWh for energy; for a demand charge, the largest kW billed in a month.
     pub quantity: f64,
@@ -79,8 +79,8 @@ impl StepCost {
 }
 
 impl Bill {
-    /// Returns the empty bill of an episode from a first to a last day of the year, both inclusive. An episode that passes New
-    /// Year has the last day before the first.
+    /// Returns the empty bill of an episode from a first to a last day of the year, both inclusive. An episode that
+    /// passes New Year has the last day before the first.
     pub fn new(first_day: u32, last_day: u32) -> Self {
         Self {
             first_day,
@@ -99,8 +99,8 @@ impl Bill {
         }
     }
 
-    /// Adds a step that begins at a moment and lasts some hours, with the energy of each carrier in kWh (none negative), and
-    /// returns its cost. Power is constant during a step. Steps must come in order of time.
+    /// Adds a step that begins at a moment and lasts some hours, with the energy of each carrier in kWh (none
+    /// negative), and returns its cost. Power is constant during a step. Steps must come in order of time.
     ///
     /// The demand charge of a step is the increase of the bill so far, so that the steps sum up to the bill. At the
     /// first step of a month, it can be the part that a ratchet bills in any case.
@@ -149,8 +149,8 @@ impl Bill {
         energy + self.demand(prices)
     }
 
-    /// Returns the parts of the bill: electricity by the names of its prices, demand charges, other carriers. Parts without a
-    /// quantity are left out.
+    /// Returns the parts of the bill: electricity by the names of its prices, demand charges, other carriers. Parts
+    /// without a quantity are left out.
     pub fn parts(&self, prices: &Prices) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
         let mut put = |name: &str, amount: Amount, unit: &'static str| {
@@ -319,7 +319,7 @@ impl Bill {
     }
 }
 
-/// Returns the days of a month, from 0, that a tariff counts.
+/// Returns the number of days that a tariff counts in a month, 0 to 11.
 fn month_days(prices: &Prices, month: usize) -> u32 {
     prices.tariff.month_days.unwrap_or(prices.calendar.month_days(month))
 }

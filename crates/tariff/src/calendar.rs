@@ -75,9 +75,9 @@ pub(crate) fn quarters(calendar: Calendar) -> usize {
     (calendar.days() * DAY) as usize
 }
 
-/// Returns the local clock's advance over standard time in quarter-hours at a quarter-hour of the year in standard time,
-/// by the rule of the United States and Canada: from the second Sunday of March, 2:00, to the first Sunday of November,
-/// 2:00 daylight time.
+/// Returns the local clock's advance over standard time in quarter-hours at a quarter-hour of the year in standard
+/// time, by the rule of the United States and Canada: from the second Sunday of March, 2:00, to the first Sunday of
+/// November, 2:00 daylight time.
 pub(crate) fn advance(calendar: Calendar, quarter: u32) -> u32 {
     let start = (nth(calendar, 6, 1, 2) - 1) * DAY + 2 * 4;
     let end = (nth(calendar, 6, 0, 10) - 1) * DAY + 4;
@@ -153,7 +153,7 @@ mod tests {
         (1..=calendar.days()).find(|day| is_on(holiday, calendar, *day)).unwrap()
     }
 
-    /// 2017.
+    /// Returns the day in 2017.
     fn named(text: &str) -> u32 {
         in_calendar(Calendar::default(), text)
     }

@@ -13,7 +13,7 @@ use crate::fuel::{FuelValues, Fuels};
 /// An emission profile.
 #[derive(Clone, Debug)]
 pub struct Emissions {
-    /// Name: `frcc-average` of a shipped one, or the name of the file without its extension.
+    /// Name of a shipped profile, such as `frcc-average`, or of the file without its extension.
     pub name: String,
     /// Title.
     pub title: String,
@@ -72,7 +72,7 @@ impl Emissions {
         Self::parse(&name, &path.display().to_string(), &read(path)?)
     }
 
-    /// Returns the emission profile of a TOML text. `file` is what errors name.
+    /// Returns the emission profile of a TOML text. Errors name it `file`.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) with the line.

@@ -46,8 +46,8 @@ fn index(day: u32, weekend: bool, quarter: u32) -> usize {
 }
 
 impl EnergyTable {
-    /// Lays out the energy prices of a file, in `blocks` blocks each. Entries with hours come first, then those without
-    /// take the rest.
+    /// Lays out the energy prices of a file, in `blocks` blocks each. Entries with `hours` or `hourly` come first; the
+    /// others fill the rest.
     ///
     /// # Errors
     /// A fault if an entry is wrong, or if a time has two prices or none.
@@ -176,7 +176,7 @@ impl EnergyTable {
     }
 }
 
-/// Returns whether an entry applies at the times that entries with hours leave.
+/// Returns whether an entry fills the times that entries with `hours` or `hourly` leave.
 fn is_rest(entry: &EnergyFile) -> bool {
     entry.hours.is_none() && entry.hourly.is_none()
 }

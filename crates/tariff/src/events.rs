@@ -72,7 +72,8 @@ impl EventRule {
         })
     }
 
-    /// Chooses the events of a year: see [`Tariff::events`](crate::Tariff::events). `is_weekend` is of a day of the year.
+    /// Chooses the events of a year: see [`Tariff::events`](crate::Tariff::events). `is_weekend` takes a day of the
+    /// year.
     pub(crate) fn choose(
         &self,
         calendar: Calendar,
@@ -84,7 +85,7 @@ impl EventRule {
         let mut candidates = Vec::new();
         for (day, mean) in (1..).zip(daily_means) {
             for hours in &self.hours {
-                // Drawn for every day, so that a draw does not depend on the days before.
+                // Drawn for every time, so that a draw does not depend on which days are permitted.
                 let error = random.as_mut().map_or(0.0, |random| (2.0 * uniform(random) - 1.0) * UNCERTAINTY);
                 if self.permits(calendar.day_of_common_year(day), is_weekend(day)) {
                     candidates.push((mean + error, day, *hours));

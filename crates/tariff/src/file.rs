@@ -125,7 +125,7 @@ pub(crate) struct DemandFile {
     pub(crate) ratchet: Option<Ratchet>,
 }
 
-/// The smallest share of an earlier peak that is billed.
+/// The minimum billed demand, as a share of an earlier peak.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Ratchet {
@@ -148,7 +148,7 @@ pub(crate) struct EventsFile {
     pub(crate) never: Vec<Date>,
 }
 
-/// Another price while it is colder outdoors.
+/// The price below an outdoor temperature.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ColdFile {

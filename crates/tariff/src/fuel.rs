@@ -47,11 +47,12 @@ pub(crate) fn label(carrier: Carrier) -> &'static str {
 }
 
 impl FuelValues {
-    /// US dollars per kWh, rounded: natural gas of US commercial consumers, 2023, 11.1 $ per thousand cubic feet (EIA, Natural
-    /// Gas Monthly); propane at 2.7 $/gal and heating oil at 4 $/gal (US winter 2022-23), wood pellets at 300 $/ton.
+    /// US dollars per kWh, rounded: natural gas of US commercial consumers, 2023, 11.1 $ per thousand cubic feet (EIA,
+    /// Natural Gas Monthly); propane at 2.7 $/gal and heating oil at 4 $/gal (US winter 2022-23), wood pellets at
+    /// 300 $/ton.
     pub const PRICES: Self = Self::of([0.0365, 0.10, 0.10, 0.06]);
-    /// kg of CO₂ per kWh, rounded: 40 CFR 98, table C-1, kg per million Btu: natural gas 53.06, propane 62.87, distillate fuel oil
-    /// No. 2 73.96, wood 93.80 (coal: 94.27).
+    /// kg of CO₂ per kWh, rounded: 40 CFR 98, table C-1, kg per million Btu: natural gas 53.06, propane 62.87,
+    /// distillate fuel oil No. 2 73.96, wood 93.80 (coal: 94.27).
     pub const EMISSIONS: Self = Self::of([0.181, 0.215, 0.252, 0.320]);
 
     const fn of([gas, propane, fuel_oil, other_fuel]: [f64; 4]) -> Self {

@@ -2,8 +2,8 @@
 //! announced the day before, and hourly emission profiles.
 //!
 //! - [`Tariff`] is a file: `Tariff::named("hq-m")` is a shipped one, [`Tariff::read`] a user's own.
-//! - [`Prices`] lays it out in a [`Calendar`], with the [`Event`]s that [`Tariff::events`] chooses, and gives prices now and
-//!   in the next 24 hours.
+//! - [`Prices`] lays it out in a [`Calendar`], with the [`Event`]s that [`Tariff::events`] chooses, and gives prices
+//!   now and in the next 23 hours.
 //! - [`Bill`] adds up an episode step by step: the costs of its steps sum up to the bill. A controller may use
 //!   [`Bill::block`] and [`Bill::free_power`].
 //! - [`Emissions`] gives kg of CO₂ equivalent per kWh by carrier and hour.

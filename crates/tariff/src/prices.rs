@@ -32,7 +32,7 @@ impl Prices {
     /// cold-weather price need them.
     ///
     /// # Errors
-    /// [`Error::Inputs`] for missing temperatures or another number of them, and for an event outside the year.
+    /// [`Error::Inputs`] for missing temperatures or the wrong number of them, and for an event outside the year.
     pub fn new(
         tariff: Tariff,
         calendar: Calendar,
@@ -45,7 +45,7 @@ impl Prices {
         match outdoor {
             None if tariff.needs_temperatures() => {
                 return Err(inputs(
-                    "has a price while it is cold; give the outdoor temperatures of the year".into(),
+                    "has a cold-weather price; give the outdoor temperatures of the year".into(),
                 ));
             }
             Some(given) if given.len() != hours => {

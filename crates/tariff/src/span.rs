@@ -58,13 +58,13 @@ impl TryFrom<String> for Dates {
         };
         let ranges: Option<Vec<_>> = text.split(',').map(range).collect();
         ranges.map(Self).ok_or_else(|| {
-            format!("`{text}` is no range of dates; expected MM-DD..MM-DD, several separated by commas")
+            format!("`{text}` is not a range of dates; expected MM-DD..MM-DD, several separated by commas")
         })
     }
 }
 
 impl Days {
-    /// Returns whether this kind includes a weekend or holiday, or else a weekday.
+    /// Returns whether this kind includes weekends and holidays, or weekdays if not `weekend`.
     pub(crate) fn contain(self, weekend: bool) -> bool {
         match self {
             Self::All => true,
@@ -89,7 +89,7 @@ impl TryFrom<String> for Hours {
         let valid = parsed.filter(|(from, to)| from < to && *to <= DAY);
         valid.map(|(from, to)| Self { from, to }).ok_or_else(|| {
             format!(
-                "`{text}` are no hours; expected H-H from 0 to 24 within one day, such as 16-20 or 8:30-12"
+                "`{text}` is not an hour range; expected H-H from 0 to 24 in a day, such as 16-20 or 8:30-12"
             )
         })
     }

@@ -16,7 +16,7 @@ use crate::fuel::FuelValues;
 /// A tariff.
 #[derive(Clone, Debug)]
 pub struct Tariff {
-    /// Name: `hq-d` of a shipped one, or the name of the file without its extension.
+    /// Name of a shipped tariff, such as `hq-d`, or of the file without its extension.
     pub name: String,
     /// The utility, and its name for the tariff.
     pub title: String,
@@ -68,7 +68,7 @@ impl Tariff {
         Self::parse(&name, &path.display().to_string(), &read(path)?)
     }
 
-    /// Returns the tariff of a TOML text. `file` is what errors name.
+    /// Returns the tariff of a TOML text. Errors name it `file`.
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) with the line.
@@ -117,9 +117,9 @@ impl Tariff {
     /// Chooses the events of a year from its daily mean outdoor temperatures, °C.
     ///
     /// The permitted times of the coldest permitted days become events, until the hours that the tariff allows per
-    /// winter are used up. January to March and December of the year count as one winter. With a seed, each temperature
-    /// is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on temperature alone. The same
-    /// arguments give the same events, in order of time; a tariff without events has none.
+    /// winter are used up. January to March and December of the year count as one winter. With a seed, the temperature
+    /// of each permitted time is shifted by up to 2 K, drawn uniformly, so that the choice does not depend on
+    /// temperature alone. The same arguments give the same events, in order of time; a tariff without events has none.
     pub fn events(&self, calendar: Calendar, daily_means: &[f64], seed: Option<u64>) -> Vec<Event> {
         let Some(rule) = &self.events else { return Vec::new() };
         rule.choose(calendar, daily_means, seed, |day| self.is_weekend(calendar, day))

@@ -15,8 +15,8 @@ impl Halt {
     }
 }
 
-/// Works on the items, at most `threads` at a time, beginning with the first. Returns the results in the order of the items.
-/// After an error, no more work begins.
+/// Works on the items, at most `threads` at a time, beginning with the first. Returns the results in the order of the
+/// items. After an error, no more work begins.
 ///
 /// # Errors
 /// The first error in time.

@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{Span, ZoneYear, schedules::PER_DAY};
 
-/// A heating setpoint at or below this, °C, with a cooling setpoint at or above the other, is out of reach.
+/// Setpoints at or below the first (heating) and at or above the second (cooling), °C, are out of reach.
 const OUT_OF_REACH: [f64; 2] = [10.0, 40.0];
 /// Name of the random stream.
 const STREAM: &str = "household band";
@@ -32,7 +32,7 @@ struct Household {
     day: [f64; 2],
     night: [f64; 2],
     away: [f64; 2],
-    /// First and last hour of the day.
+    /// Hours at which the day begins and ends.
     awake: [f64; 2],
 }
 
@@ -69,7 +69,8 @@ fn step(random: &mut ChaCha8Rng, low: f64, by: f64, count: u32) -> f64 {
     low + by * (uniform(random) * f64::from(count)).floor()
 }
 
-/// Draws one of `count` values from `low` in steps of half a kelvin for a share of the households, and 0 for the others.
+/// Draws one of `count` values from `low` in steps of half a kelvin for a share of the households, and 0 for the
+/// others.
 fn share(random: &mut ChaCha8Rng, share: f64, low: f64, count: u32) -> f64 {
     let saves = uniform(random) < share;
     let value = step(random, low, 0.5, count);

@@ -29,8 +29,8 @@ pub struct Span {
     pub people: bool,
 }
 
-/// The days of a zone's schedules: setpoints of its thermostat, and presence of people. A generated building has one year,
-/// a user's model two, of which the second follows the first.
+/// The days of a zone's schedules: setpoints of its thermostat, and presence of people. A generated building has one
+/// year, a user's model two, of which the second follows the first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ZoneYear {
     /// The different days, each a sequence of spans from hour 0.
@@ -163,8 +163,8 @@ pub(crate) struct Off {
 /// Returns the years of zones and of switches, which are names of schedules, according to the schedules of a model. The
 /// setpoints of a house are drawn from surveys, by the name of the building.
 ///
-/// A user's model has the year of its calendar and the following one; a generated building, which has no calendar, the
-/// usual year.
+/// A user's model has the year of its calendar and the following one; a generated building, which has no calendar, one
+/// default year.
 ///
 /// # Errors
 /// [`crate::Error::Engine`] when the engine rejects a schedule; the errors of [`crate::people::groups`].

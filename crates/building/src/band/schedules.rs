@@ -68,7 +68,8 @@ impl Sampled {
         Ok(())
     }
 
-    /// Returns the days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
+    /// Returns the days, from 1 on 1 January of the first year and in order, that the model declares special, such as
+    /// holidays.
     pub(super) fn into_holidays(self) -> Vec<u32> {
         self.holidays
     }

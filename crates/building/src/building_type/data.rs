@@ -36,7 +36,7 @@ pub struct Prototype {
     pub recovers_heat: fn(&str) -> bool,
 }
 
-/// Distributions of random targets, of the paper's implementation.
+/// Distributions of random targets, from the paper's implementation.
 #[derive(Clone, Copy, Debug)]
 pub struct Day {
     /// Arrival of people: mean, standard deviation, earliest and latest, h.
@@ -49,12 +49,12 @@ pub struct Day {
     pub offset: f64,
 }
 
-/// No system.
+/// Requires energy recovery for no system.
 pub(super) fn never(_system: &str) -> bool {
     false
 }
 
-/// Hours of an office.
+/// Random targets of an office.
 pub(super) const OFFICE_DAY: Day = Day {
     arrival: [8.0, 0.5, 6.5, 10.0],
     departure: [17.0, 0.5, 15.0, 20.0],

@@ -8,7 +8,7 @@ use crate::{Model, Result};
 /// A system with its capacities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SystemDescription {
-    /// Name of its air loop, or of the heater's zone.
+    /// Name of its air loop, its unit or its zone.
     pub name: String,
     /// Its kind.
     pub kind: KindName,

@@ -1,8 +1,8 @@
 //! Infiltration of zones.
 //!
-//! Models specify leakage as a design flow with coefficients, an effective leakage area or a flow coefficient. To compare
-//! them, all are evaluated at [`TEMPERATURE_DIFFERENCE`] and [`WIND`] with schedules at 1. Infiltration through opened
-//! doors is excluded; the prototypes mark it by name.
+//! Models specify leakage as a design flow with coefficients, an effective leakage area or a flow coefficient. To
+//! compare them, all are evaluated at [`TEMPERATURE_DIFFERENCE`] and [`WIND`] with schedules at 1. Infiltration through
+//! opened doors is excluded; the prototypes mark it by name.
 
 use crate::Model;
 use crate::model::{Fields, number, text};
@@ -43,8 +43,8 @@ pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
     FORMS.into_iter().map(of_form).sum()
 }
 
-/// Returns whether an infiltration object represents doors opened by people, by its name. `Outdoor` does not count as a
-/// door.
+/// Returns whether an infiltration object represents doors opened by people, by its name. `Outdoor` and `indoor` do not
+/// count as doors.
 pub fn is_door(name: &str) -> bool {
     name.to_ascii_lowercase().replace("outdoor", "").replace("indoor", "").contains("door")
 }

@@ -1,8 +1,8 @@
 //! Description of a building: quantities computed from its model.
 //!
-//! [`Description::of`] a prepared building has its geometry ([`crate::shape`]), its envelope, its leakage ([`leakage`]) and its
-//! systems ([`equipment`]). An unsized model has no capacities; a construction that is not given by layers has no
-//! U-factor.
+//! The [`Description`] of a prepared building has its geometry ([`crate::shape`]), its envelope, its leakage
+//! ([`leakage`]) and its systems ([`equipment`]). An unsized model has no capacities; a construction that is not
+//! defined by layers has no U-factor.
 
 pub mod equipment;
 pub mod leakage;
@@ -87,8 +87,8 @@ pub struct Origin {
 pub struct Envelope {
     /// Mean U-factor of the opaque exterior walls with the code's air films, W/m²K.
     pub wall_u: Option<f64>,
-    /// Mean U-factor of the roofs with the code's air films, W/m²K; for an attic or a plenum the lower U-factor of its roof
-    /// and the ceiling below.
+    /// Mean U-factor of the roofs with the code's air films, W/m²K; for an attic or a plenum the lower U-factor of its
+    /// roof and the ceiling below.
     pub roof_u: Option<f64>,
     /// Mean U-factor of the glazing in walls, W/m²K.
     pub window_u: Option<f64>,
@@ -159,8 +159,8 @@ impl PreparedBuilding {
         Shape::of(self.model())
     }
 
-    /// Returns the U-factor of an opaque construction with the code's air films of a wall, or of the glazing of a window,
-    /// W/m²K; `None` if neither layers nor a U-factor give it.
+    /// Returns the U-factor of an opaque construction with the code's air films of a wall, or of the glazing of a
+    /// window, W/m²K; `None` if neither layers nor a U-factor give it.
     pub fn construction_u(&self, construction: &str) -> Option<f64> {
         let model = self.model();
         glazing(model, construction).map(|glazing| glazing.u).or_else(|| u(model, construction, WALL_FILMS))
@@ -351,8 +351,8 @@ fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool
     }
 }
 
-/// U-factor and area of the insulation above conditioned zones under an unconditioned one: its roof, or the ceilings below.
-/// No area if there are no conditioned zones below.
+/// U-factor and area of the insulation above conditioned zones under an unconditioned one: its roof, or the ceilings
+/// below. No area if there are no conditioned zones below.
 fn better_of_roof_and_ceilings(
     model: &Model,
     shape: &Shape,
@@ -386,7 +386,7 @@ fn ratio(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part.max(0.0) / whole } else { 0.0 }
 }
 
-/// An area-weighted mean; unknown if a value is.
+/// An area-weighted mean; unknown if any value is.
 #[derive(Default)]
 struct Mean {
     sum: f64,

@@ -56,8 +56,8 @@ impl Change {
         Self::Equipment,
     ];
 
-    /// Returns its name, unit and bounds. The bounds contain every real building; the highest U-factors are of air
-    /// films alone.
+    /// Returns its name, unit and bounds. The bounds contain every real building; the highest U-factors are near bare
+    /// air films.
     pub const fn parameter(self) -> Parameter {
         match self {
             Self::XScale => Parameter::new("x_scale", "1", 0.1, 10.0),

@@ -91,7 +91,7 @@ fn level(model: &Model, gains: &Gains, zone: &str, area: f64, people: f64) -> Op
     let mut sum = 0.0;
     for class in gains.classes {
         for (_, fields) in model.objects(class.name) {
-            // Neither lists of spaces nor units of servers are resolved.
+            // Spaces, lists of spaces and server units are not resolved.
             if class.level == "watts_per_unit" || names_space_list(model, fields) {
                 return None;
             }

@@ -85,8 +85,8 @@ pub(super) fn require_corners(model: &Model, classes: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes and slab edges that
-/// the model gives as numbers are scaled.
+/// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes and slab edges
+/// that the model gives as numbers are scaled.
 ///
 /// # Errors
 /// Same as [`zone::surfaces`].

@@ -6,7 +6,8 @@ use crate::Model;
 /// Fields that scale with floor area. Values per area (W/m², m²/person, m³/s·m²) are not changed; autosized equipment
 /// follows its loads.
 ///
-/// A larger shop has more doors and visitors: flows through doors scale too. The refrigerated cases of a restaurant do not.
+/// A larger shop has more doors and visitors: flows through doors scale too. The refrigerated cases of a restaurant do
+/// not.
 const ABSOLUTE: &[(&str, &str)] = &[
     ("People", "number_of_people"),
     ("Lights", "lighting_level"),

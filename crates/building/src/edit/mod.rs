@@ -4,7 +4,8 @@
 //! modules on prototypes; [`Edits`] apply to any model: they also check for features that only users' models have, and
 //! give the changed surfaces their own constructions.
 //!
-//! The result depends only on the arguments, to the byte: only arithmetic and square roots, which IEEE 754 rounds exactly.
+//! The result depends only on the arguments, to the byte: only arithmetic and square roots, which IEEE 754 rounds
+//! exactly.
 
 mod change;
 mod copies;
@@ -73,8 +74,8 @@ pub struct Effect {
 /// Applies edits to a model. On failure the model is not changed.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a value out of bounds; [`Error::NothingToChange`] when the model has no object that a change
-/// applies to; [`Error::Edit`] naming the object that cannot be changed.
+/// [`Error::Parameter`] for a value out of bounds; [`Error::NothingToChange`] when the model has no object that a
+/// change applies to; [`Error::Edit`] naming the object that cannot be changed.
 pub fn apply(model: &mut Model, edits: &Edits) -> Result<Report> {
     let mut edited = model.clone();
     let mut counts = Vec::new();

@@ -24,12 +24,12 @@ impl OutputDatabase {
         model.insert("Output:SQLite", "Output:SQLite", json!({"option_type": "Simple"}));
     }
 
-    /// Runs a model that [requests](Self::request) the database to its end, with the time steps of the weather file if it has
-    /// several rows an hour. The temporary folder's name begins with `prefix`.
+    /// Runs a model that [requests](Self::request) the database to its end, with the time steps of the weather file if
+    /// it has several rows an hour. The temporary folder's name begins with `prefix`.
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Climate`] when the weather file cannot
-    /// be read; [`Error::Io`] when temporary files cannot be written.
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Climate`] when the weather file
+    /// cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub(crate) fn of(mut model: Model, weather: &Path, library: &Library, prefix: &str) -> Result<Self> {
         let rows = EpwFile::open(weather)?.record()?.intervals();
         if rows > 1 {
@@ -39,12 +39,12 @@ impl OutputDatabase {
         Self::run(&model, temporary(prefix)?, weather, library)
     }
 
-    /// Runs a model whose reports do not depend on the weather, like [`OutputDatabase::of`], in a year with or without 29
-    /// February.
+    /// Runs a model whose reports do not depend on the weather, like [`OutputDatabase::of`], in a year with or without
+    /// 29 February.
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Io`] when temporary files cannot be
-    /// written.
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Io`] when temporary files
+    /// cannot be written.
     pub(crate) fn in_any_weather(
         model: &Model,
         is_leap: bool,

@@ -14,8 +14,8 @@ pub enum Quantity {
     OutdoorAirFlow,
     /// Opening of a zone's damper: the fraction of its terminal's design flow, 0 to 1.
     DamperOpening,
-    /// Heating setpoint of a zone's thermostat, °C, which controls the reheat of a terminal, a unit heater, or all equipment
-    /// of a zone that is controlled through its thermostat.
+    /// Heating setpoint of a zone's thermostat, °C, which controls the reheat of a terminal, a unit heater, or all
+    /// equipment of a zone that is controlled through its thermostat.
     HeatingSetpoint,
     /// Cooling setpoint of a zone's thermostat, °C.
     CoolingSetpoint,
@@ -71,8 +71,8 @@ pub struct Actuator {
     pub effect: EngineVariable,
     /// Value of `effect` per unit of the action value (1, or for a damper its design flow, kg/s).
     pub effect_scale: f64,
-    /// The engine variable of the heating rate, W, under a heating setpoint, or of the cooling rate under a cooling setpoint;
-    /// `None` for other quantities.
+    /// The engine variable of the heating rate, W, under a heating setpoint, or of the cooling rate under a cooling
+    /// setpoint; `None` for other quantities.
     pub heat: Option<EngineVariable>,
 }
 

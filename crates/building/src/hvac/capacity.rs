@@ -25,7 +25,7 @@ pub struct Equipment {
 /// The equipment of a system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SystemEquipment {
-    /// Name for people: of the air loop, or of the zone.
+    /// Display name: of the air loop, the unit or the zone.
     pub name: String,
     /// The unit, the air handler or the heater, without the terminals of the zones.
     pub central: Equipment,

@@ -1,8 +1,8 @@
 //! HVAC systems under control: their actuators, with bounds and the engine variables that show the effect.
 //!
 //! A [`System`] has actuators and zones. Each kind of system is a file or a folder ([`unitary`], [`air_loop`],
-//! [`heating_only`], `room_unit`, [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All
-//! other code knows systems by these traits.
+//! [`heating_only`], `room_unit`, [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of
+//! [`KINDS`]. All other code knows systems by these traits.
 
 mod actuator;
 pub mod air_loop;

@@ -4,8 +4,8 @@ use super::actuator::Actuator;
 use super::air_loop::AirLoop;
 use super::unitary::Packaged;
 
-/// The sequence of operation that applies to a system. It depends on the actuators rather than on the equipment behind them,
-/// so that several kinds may have the same.
+/// The sequence of operation that applies to a system. It depends on the actuators rather than on the equipment behind
+/// them, so that several kinds may have the same.
 #[derive(Clone, Copy, Debug)]
 pub enum Sequence<'a> {
     /// A single zone with supply air: actuator 0 is the supply air flow, actuator 1 the supply air temperature.
@@ -25,7 +25,8 @@ pub enum Sequence<'a> {
     Setpoints {
         /// Actuator 0, [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint).
         heating: &'a Actuator,
-        /// Actuator 1, [`Quantity::CoolingSetpoint`](super::Quantity::CoolingSetpoint); `None` for a zone that nothing cools.
+        /// Actuator 1, [`Quantity::CoolingSetpoint`](super::Quantity::CoolingSetpoint); `None` for a zone that nothing
+        /// cools.
         cooling: Option<&'a Actuator>,
     },
 }

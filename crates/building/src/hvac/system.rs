@@ -18,8 +18,8 @@ use crate::{Conditioning, Model, Result};
 
 /// A group of actuators that act together on their zones.
 ///
-/// Zones and actuators are numbered within the system: its zones in the order of [`System::zones`], its actuators in the
-/// order of [`System::actuators`], which is the action's.
+/// Zones and actuators are numbered within the system: its zones in the order of [`System::zones`], its actuators in
+/// the order of [`System::actuators`], which is the action's.
 pub trait System: Object + Debug + Send + Sync {
     /// Name: its air loop or its zone.
     fn name(&self) -> &str;
@@ -45,7 +45,8 @@ pub trait System: Object + Debug + Send + Sync {
         Conditioning::HeatingAndCooling
     }
 
-    /// The node type of one of its zones in the [morphology](crate::morphology), with the quantities of its actuators there.
+    /// The node type of one of its zones in the [morphology](crate::morphology), with the quantities of its actuators
+    /// there.
     fn node_type(&self, zone: usize) -> NodeType;
 
     /// Its outdoor air, if it has any.
@@ -63,14 +64,16 @@ pub trait System: Object + Debug + Send + Sync {
         None
     }
 
-    /// Writes the action of the warm-up period, which brings zones near their targets with a proportional rule. It is part of
-    /// the definition of an environment: every episode starts in the same state for every agent. Must not allocate.
+    /// Writes the action of the warm-up period, which brings zones near their targets with a proportional rule. It is
+    /// part of the definition of an environment: every episode starts in the same state for every agent. Must not
+    /// allocate.
     fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]);
 
     /// The sequence of operation by which rule-based controllers control it.
     fn sequence(&self) -> Sequence<'_>;
 
-    /// Design flows and capacities, from the model. By default the capacities of its zone's equipment, without air flow.
+    /// Design flows and capacities, from the model. By default the capacities of its zone's equipment, without air
+    /// flow.
     ///
     /// # Errors
     /// [`crate::Error::MissingObject`] for a dangling reference.
@@ -107,7 +110,8 @@ pub trait FromModel: System + Clone + PartialEq + Serialize + DeserializeOwned +
     /// [`crate::Error::MissingObject`] for a dangling reference.
     fn claims(model: &Model, candidate: Candidate<'_>) -> Result<bool>;
 
-    /// Makes a candidate of a hard-sized model controllable. `air_density`, kg/m³, turns design volume flows into mass flows.
+    /// Makes a candidate of a hard-sized model controllable. `air_density`, kg/m³, turns design volume flows into mass
+    /// flows.
     ///
     /// # Errors
     /// [`crate::Error::Unsupported`] naming the object that cannot be made controllable;

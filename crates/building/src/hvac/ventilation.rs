@@ -65,8 +65,8 @@ impl Ventilation {
         })
     }
 
-    /// Gives the controller of a unit a schedule of its own for the minimum flow, with the values that it has in the model.
-    /// The minimum becomes a flow rather than a fraction of the supply air.
+    /// Gives the controller of a unit a schedule of its own for the minimum flow, with the values that it has in the
+    /// model. The minimum becomes a flow rather than a fraction of the supply air.
     pub(super) fn with_damper(self, model: &mut Model, controller: &str) -> Result<Self> {
         let fields = model.require(CONTROLLER, controller)?;
         let shared = text(fields, MINIMUM_SCHEDULE).map(str::to_owned);

@@ -40,7 +40,7 @@ pub fn note(model: &Model, site: &Site) -> Option<String> {
     let usual = Calendar::default();
     let differs = ignored.is_none() && begins != usual.weekday(1);
     let weekdays = differs.then(|| format!("1 January is a {}, {source}", name(begins)));
-    let leap = calendar.is_leap().then(|| "the year has a 29 February, as the weather file".to_owned());
+    let leap = calendar.is_leap().then(|| "the year has a 29 February, like the weather file".to_owned());
     let notes: Vec<String> = ignored.into_iter().chain(weekdays).chain(leap).collect();
     (!notes.is_empty()).then(|| notes.join("; "))
 }

@@ -1,4 +1,4 @@
-//! Exchange of data with another program, which an environment does not have: its initial values take its place.
+//! Exchange of data with another program, which an environment does not have: its initial values replace it.
 
 use serde_json::{Value, json};
 
@@ -14,8 +14,8 @@ const SCHEDULES: [&str; 2] =
 const VARIABLES: [&str; 2] =
     ["ExternalInterface:Variable", "ExternalInterface:FunctionalMockupUnitExport:To:Variable"];
 
-/// Replaces the objects through which another program would control a model by their initial values, unless the model runs
-/// native code. Returns a note if there are any.
+/// Replaces the objects through which another program would control a model with their initial values, unless the model
+/// runs native code. Returns a note if there are any.
 ///
 /// Schedules are constant, variables of EMS programs keep their values, and actuators are left to the model.
 pub(super) fn replace(model: &mut Model) -> Option<String> {

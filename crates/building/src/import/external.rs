@@ -59,10 +59,11 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
     classes.map(PathBuf::from).collect()
 }
 
-/// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values that look
-/// like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile` opens by default.
-///
-/// # Errors The errors of reading the file.
+/// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values
+/// that look like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile`
+/// opens by default.
+/// # Errors
+/// The errors of reading the file.
 pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     let text = super::text::decode(&std::fs::read(path)?).0.replace('\\', "/");
     let folder = path.parent().unwrap_or(Path::new(""));

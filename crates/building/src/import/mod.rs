@@ -1,13 +1,13 @@
 //! Import of users' models.
 //!
 //! The engine silently accepts truncated files, zones with the same name and models of another version, and simulates
-//! something else than the author meant. [`read`] rejects such a model and says what to correct;
+//! something other than the author meant. [`read`] rejects such a model and says what to correct;
 //! [`crate::PreparedBuilding::as_far_as_possible`] prepares it.
 //!
 //! In an imported building:
 //!
-//! - Systems of the supported kinds are controlled ([`crate::hvac`]). Zones with other equipment are controlled through the
-//!   setpoints of their thermostats; the equipment keeps its schedules and availability, and is listed in
+//! - Systems of the supported kinds are controlled ([`crate::hvac`]). Zones with other equipment are controlled through
+//!   the setpoints of their thermostats; the equipment keeps its schedules and availability, and is listed in
 //!   [`crate::PreparedBuilding::uncontrolled`].
 //! - The temperature of every zone is observed; controlled zones count in the reward.
 //! - Energy covers all HVAC, controlled or not, per floor area of all conditioned zones.
@@ -56,14 +56,15 @@ pub struct Options<'a> {
     pub transition: Option<&'a Path>,
 }
 
-/// Reads a user's model (IDF or epJSON), converts it to the engine's version and makes the checks that the engine does not.
+/// Reads a user's model (IDF or epJSON), converts it to the engine's version and makes the checks that the engine does
+/// not.
 ///
 /// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs
 /// code or names a file outside its own folder is rejected before the engine simulates it.
 ///
 /// # Errors
-/// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with the
-/// engine's messages when it cannot read an IDF.
+/// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with
+/// the engine's messages when it cannot read an IDF.
 pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Model> {
     let options = Options { allow_external, ..Options::default() };
     Ok(read_with_notes(path, library, options)?.model)

@@ -9,7 +9,7 @@ use super::versions::Conversion;
 use crate::band::Off;
 use crate::hvac::{Discovery, Switch};
 
-/// The share of a month that is most of it.
+/// Share of a month from which a schedule counts as mostly off.
 const MOSTLY: f64 = 0.9;
 
 /// What was found and changed when a model was read and sized.
@@ -70,8 +70,8 @@ impl fmt::Display for SwitchedOff {
     }
 }
 
-/// Returns the schedules that switch off equipment of zones that a discovery controls through their setpoints. `off` has when
-/// each switch is off.
+/// Returns the schedules that switch off equipment of zones that a discovery controls through their setpoints. `off`
+/// has when each switch is off.
 pub(crate) fn switched_off(switches: &[Switch], off: &[Off], found: &Discovery) -> Vec<SwitchedOff> {
     let controlled: HashSet<String> =
         found.setpoint_zones().into_iter().map(|zone| zone.to_lowercase()).collect();
@@ -117,7 +117,7 @@ impl Notes {
         mostly.flat_map(|off| &off.zones).any(|other| other.eq_ignore_ascii_case(zone))
     }
 
-    /// Returns whether there is nothing to say.
+    /// Returns whether there are no notes.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -135,7 +135,7 @@ mod tests {
 
     /// Ideal loads whose heating is switched off by one schedule, and whose cooling is not by another.
     #[test]
-    fn schedules_that_switch_off_equipment_are_told_with_their_share_of_the_year() {
+    fn schedules_that_switch_off_equipment_are_reported_with_their_share_of_the_year() {
         let mut model = Model::from_epjson(
             &json!({
                 "Zone": {"Z": {}},

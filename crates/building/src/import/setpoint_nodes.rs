@@ -1,4 +1,4 @@
-//! Nodes whose setpoint nothing in a model gives.
+//! Nodes that need a setpoint and get none.
 
 use std::collections::HashSet;
 
@@ -14,8 +14,8 @@ const CONTROLLER: &str = "Controller:WaterCoil";
 /// The word in classes and control variables of humidity.
 const HUMIDITY: &str = "humidity";
 
-/// Returns a problem for every node whose setpoint is used, and neither a setpoint manager nor an EMS actuator gives it. Another
-/// program may have set it while the engine ran.
+/// Returns a problem for every node whose setpoint is used, and neither a setpoint manager nor an EMS actuator gives
+/// it. Another program may have set it while the engine ran.
 pub(super) fn without_setpoint(model: &Model) -> Vec<String> {
     [without_reference(model), without_humidity(model)].concat()
 }
@@ -40,8 +40,8 @@ fn without_reference(model: &Model) -> Vec<String> {
     problems
 }
 
-/// Returns a problem for every node at which a water coil holds a humidity ratio. The engine ends the run and names the nodes
-/// in warnings alone.
+/// Returns a problem for every node at which a water coil holds a humidity ratio. The engine ends the run and names the
+/// nodes only in warnings.
 fn without_humidity(model: &Model) -> Vec<String> {
     let is_of_humidity = |class: &str, fields: &Fields| {
         is_about_humidity(class) || text(fields, "control_variable").is_some_and(is_about_humidity)
@@ -63,8 +63,8 @@ fn is_about_humidity(word: &str) -> bool {
     word.to_lowercase().contains(HUMIDITY)
 }
 
-/// Returns the nodes that get a setpoint from managers that count, given their class and fields, or from an EMS actuator, in
-/// lower case.
+/// Returns the nodes that get a setpoint from managers that count, given their class and fields, or from an EMS
+/// actuator, in lower case.
 fn given(model: &Model, counts: impl Fn(&str, &Fields) -> bool) -> HashSet<String> {
     let mut given = HashSet::new();
     for class in model.classes().filter(|class| begins(class, "SetpointManager:")) {

@@ -3,7 +3,7 @@
 use crate::model::{Model, items, text};
 use crate::schema::Schema;
 
-/// The field that a tank has, and no other class: the node where water that it gives enters.
+/// The field that only tanks have: the inlet node of the use side.
 const USE: &str = "use_side_inlet_node_name";
 /// The end of the fields with the nodes where water enters a tank.
 const INLET: &str = "_side_inlet_node_name";

@@ -1,4 +1,4 @@
-//! Templates, which programs of EnergyPlus replace by objects before the engine reads a model.
+//! Templates, which programs of EnergyPlus replace with objects before the engine reads a model.
 
 use std::path::Path;
 use std::time::Duration;
@@ -27,8 +27,8 @@ const OTHERS: [(&str, &str); 2] = [
     ("Parametric:", "ParametricPreprocessor"),
 ];
 
-/// Replaces the templates of systems in a model of the engine's version by the program in the engine's folder, and returns
-/// a note; `None` for a model without templates.
+/// Replaces the templates of systems in a model of the engine's version with the program in the engine's folder, and
+/// returns a note; `None` for a model without templates.
 ///
 /// # Errors
 /// The problems: no such program, templates of another kind, or the messages of the program.
@@ -76,13 +76,13 @@ fn expand_with(folder: &Path, document: &mut Document) -> Result<Option<String>,
     }
 }
 
-/// Returns the note on a number of expanded templates, which says what the program was not kept from.
+/// Returns the note on a number of expanded templates, which says what the program could still access.
 fn note(templates: usize, confinement: Confinement) -> String {
     let free = confinement.clause();
     format!("its {templates} templates were expanded with {PROGRAM} of the engine's folder{free}")
 }
 
-/// Returns the text that the program makes of another, and how far it was confined.
+/// Runs the program on a text. Returns its output, and how far it was confined.
 fn run(folder: &Path, text: &str) -> Result<(String, Confinement), String> {
     let work = temporary_folder("b2b-templates-").map_err(|error| error.to_string())?;
     let at = |name: &str| work.path().join(name);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_messages_of_the_program_are_told() {
+    fn the_messages_of_the_program_are_reported() {
         let failed = expanded("echo 'no zone B' > expandedidf.err").unwrap_err();
         assert!(failed.contains("no expanded.idf. no zone B"), "{failed}");
         let severe = "echo 'Version,25.2;Output:PreprocessorMessage,ExpandObjects,Severe,Zone B,missing;' > expanded.idf";

@@ -1,6 +1,6 @@
 //! The text of a model file, and checks of it before the engine reads it.
 
-/// Returns the text of a model without a byte order mark, and a warning if it is not UTF-8: it is then taken for Latin-1.
+/// Returns the text of a model without a byte order mark, and a warning if it is not UTF-8: it is then read as Latin-1.
 pub(super) fn decode(bytes: &[u8]) -> (String, Option<String>) {
     match std::str::from_utf8(bytes) {
         Ok(text) => (text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(), None),

@@ -1,4 +1,4 @@
-//! Conversion of an old IDF by EnergyPlus's own Transition programs, one a version step.
+//! Conversion of an old IDF by EnergyPlus's own Transition programs, one per version step.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,8 +14,8 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// The model in the folder where the programs work.
 const MODEL: &str = "model.idf";
 
-/// Converts an IDF to a version by the programs of a folder, and returns the text with a report. `None` if it already has
-/// the version, has none, or has a newer one.
+/// Converts an IDF to a version with the programs of a folder, and returns the text with a report. `None` if it already
+/// has the version, has none, or has a newer one.
 ///
 /// # Errors
 /// The name of a program that is not in the folder, or that failed, and what it said.

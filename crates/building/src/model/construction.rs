@@ -61,8 +61,8 @@ pub fn resistance(model: &Model, material: &str) -> Option<f64> {
     Some(number(fields, "thickness")? / number(fields, "conductivity")?)
 }
 
-/// Returns the resistance of all layers of a construction without air films, m²K/W; `None` for a construction that is not
-/// made of opaque layers, such as a window or a slab given by its F-factor.
+/// Returns the resistance of all layers of a construction without air films, m²K/W; `None` for a construction that is
+/// not made of opaque layers, such as a window or a slab given by its F-factor.
 pub fn assembly_resistance(model: &Model, construction: &str) -> Option<f64> {
     let mut layers = layers(model.get("Construction", construction)?).peekable();
     layers.peek()?;

@@ -195,7 +195,7 @@ impl Model {
         }
     }
 
-    /// Replaces every string field equal to `from` by `to`: renames a node or an object wherever it is referenced.
+    /// Replaces every string field equal to `from` with `to`: renames a node or an object wherever it is referenced.
     pub fn replace_references(&mut self, from: &str, to: &str) {
         for objects in self.classes.values_mut() {
             replace_strings(objects, from, to);

@@ -1,19 +1,20 @@
-//! People in a model, divided like in the engine: a `People` object applies once to every zone or space that it names.
+//! People in a model, divided as in the engine: a `People` object applies once to every zone or space that it names.
 
 use crate::Result;
 use crate::hvac::zone_equipment::has_exhaust;
 use crate::model::{Fields, Model, number, text};
 use crate::zone::{self, Zone, covers_space, covers_zone};
 
-/// Share of the people at design occupancy from which a zone counts as in use in tasks of operation. Prototypes schedule 5 %
-/// of their people at night, on Sundays and before opening, when they supply no outdoor air: someone who cleans or guards
-/// does not turn a building on. Infiltration alone brings each of so few 5 to 35 L/s in a medium office in Tampa.
+/// Share of the people at design occupancy from which a zone counts as in use in tasks of operation. Prototypes
+/// schedule 5 % of their people at night, on Sundays and before opening, when they supply no outdoor air: a cleaner or
+/// a guard does not turn a building on. Infiltration alone gives each of these few people 5 to 35 L/s in a medium
+/// office in Tampa.
 const IN_USE: f64 = 0.1;
 /// Relative difference between a number of people that the engine computes and the same product here.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns the least number of people with which a zone is in use. In a room with exhaust fans, that is anyone: a hood runs
-/// whoever cooks, and needs make-up air.
+/// Returns the least number of people with which a zone is in use. In a room with exhaust fans, anyone counts: a hood
+/// runs for a single cook, and needs make-up air.
 ///
 /// # Errors
 /// The errors of [`zone_equipment`](crate::hvac::zone_equipment::zone_equipment).

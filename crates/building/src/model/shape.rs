@@ -172,8 +172,8 @@ impl Shape {
         extent(self.bounds(zone).iter().flat_map(|bound| &bound.face.corners))
     }
 
-    /// Returns the volume of a zone, m³: given in the model, or from its faces, or from its floor and height if they do not
-    /// enclose it.
+    /// Returns the volume of a zone, m³: given in the model, or from its faces, or from its floor and height if they do
+    /// not enclose it.
     pub fn volume(&self, zone: usize) -> f64 {
         if let Some(given) = self.given_volumes[zone] {
             return given;

@@ -101,8 +101,8 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
     spaces_of(model, zone).map(space).collect()
 }
 
-/// Returns the floor area of a zone's surfaces that belong to no space, m²; `None` if there is no such surface. The engine
-/// makes another space of them.
+/// Returns the floor area of a zone's surfaces that belong to no space, m²; `None` if there is no such surface. The
+/// engine makes another space of them.
 pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
     let own =

@@ -1,7 +1,7 @@
 //! The morphology of a building (as in the paper): a graph over one vocabulary for all buildings.
 //!
-//! The [`Universe`] has the node types with the attribute, observation and action space of each. A [`Morphology`] is one
-//! building: its nodes, in the order of their types and within a type in model order, its edges, and its common
+//! The [`Universe`] has the node types with the attribute, observation and action space of each. A [`Morphology`] is
+//! one building: its nodes, in the order of their types and within a type in model order, its edges, and its common
 //! attributes.
 //!
 //! | edge | from | to | attribute |
@@ -12,9 +12,9 @@
 //!
 //! Weather, calendar and energy nodes have no edges.
 //!
-//! Values of the nodes are in one array per type, of `[nodes of the type, slots of the type]`; a [`Layout`] has the offset
-//! of each array in one buffer. Every slot of an observation has its [`Owner`], which determines its node; the environment
-//! crate has the tables for `split` and `join`.
+//! Values of the nodes are in one array per type, of `[nodes of the type, slots of the type]`; a [`Layout`] has the
+//! offset of each array in one buffer. Every slot of an observation has its [`Owner`], which determines its node; the
+//! environment crate has the tables for `split` and `join`.
 
 mod layout;
 mod owner;
@@ -77,7 +77,8 @@ pub enum EdgeKind {
     Serves,
     /// Two zones are adjacent; shared area, m². Undirected: listed once, from the lower number.
     Adjacent,
-    /// The actions of a node condition a zone; number of these actions. Directed; a zone with equipment controls itself.
+    /// The actions of a node condition a zone; number of these actions. Directed; a zone with equipment controls
+    /// itself.
     Controls,
 }
 

@@ -28,7 +28,8 @@ pub enum NodeType {
     SetpointZone,
     /// A zone with a terminal of a central air loop, and no heat of its own: damper.
     DamperZone,
-    /// A zone that shares the air of a unitary system, which the thermostat of another zone controls. Observations only.
+    /// A zone that shares the air of a unitary system, which the thermostat of another zone controls. Observations
+    /// only.
     FollowingZone,
 }
 

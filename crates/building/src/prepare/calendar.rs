@@ -34,14 +34,14 @@ impl PreparedBuilding {
     /// Checks that the building has the days of a run period.
     ///
     /// # Errors
-    /// [`Error::PeriodOfCalendar`] for 29 February in a year without, and for a generated building after New Year.
+    /// [`Error::PeriodOfCalendar`] for 29 February in a year without it, and for a generated building after New Year.
     pub fn check_period(&self, period: RunPeriod) -> Result<()> {
         let refused =
             |why| Err(Error::PeriodOfCalendar { name: self.name.clone(), period: period.to_string(), why });
         let is_leap_day = |date: Date| date.month_and_day() == [2, 29];
         if !self.calendar().is_leap() && [period.first(), period.last()].into_iter().any(is_leap_day) {
             return refused(
-                "its year has no 29 February, which only a model of your own in weather with that day has",
+                "its year has no 29 February; only a model of your own in weather with that day has one",
             );
         }
         if self.calendar.is_none() && period.passes_new_year() {

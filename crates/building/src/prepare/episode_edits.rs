@@ -16,12 +16,12 @@ const WARMUP_TOLERANCES: [f64; 2] = [0.5, 0.5];
 const EXHAUST_FAN: &str = "Fan:ZoneExhaust";
 const DAYLIGHT_SAVING: &str = "RunPeriodControl:DaylightSavingTime";
 
-/// Who makes up for the air that exhaust fans remove beyond the supply air.
+/// What makes up for the air that exhaust fans remove beyond the supply air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exhaust {
     /// Infiltration.
     Balanced,
-    /// What the author of the model wants.
+    /// As the original model specifies.
     AsGiven,
 }
 
@@ -64,8 +64,8 @@ fn keep_standard_time(model: &mut Model) {
     model.remove_class(DAYLIGHT_SAVING);
 }
 
-/// Balances exhaust fans by infiltration where they exceed the supply air; otherwise the engine makes up the missing air
-/// at room temperature, at no cost.
+/// Balances exhaust fans with infiltration where they exceed the supply air; otherwise the engine makes up the missing
+/// air at room temperature, at no cost.
 fn balance_exhaust(model: &mut Model) {
     const CLASS: &str = "ZoneAirMassFlowConservation";
     if model.objects(EXHAUST_FAN).is_empty() {

@@ -12,13 +12,13 @@
 //! elevation from the weather file, not from `Site:Location`, and with them the air density and the
 //! solar position of the design days. They also depend on `Timestep`. Set both before sizing.
 //!
-//! One difference of a hard-sized model: the cap on outdoor air of a `Controller:MechanicalVentilation`
-//! with the procedure `Standard62.1VentilationRateProcedureWithLimit` is lifted, because the engine knows it only from
-//! its own system sizing. In the medium office's first week of January that is up to 0.03 K.
+//! One difference of a hard-sized model: the cap on outdoor air of a `Controller:MechanicalVentilation` with the
+//! procedure `Standard62.1VentilationRateProcedureWithLimit` is lifted, because the engine knows it only from its own
+//! system sizing. In the medium office's first week of January this makes a difference of up to 0.03 K.
 //!
 //! `Sizing:Zone`, `Sizing:System` and `Sizing:Plant` are removed: with sizing off the engine does not read them, and
 //! the results are the same to the bit without them. Where a `Controller:MechanicalVentilation` leaves its
-//! `DesignSpecification:OutdoorAir` to `Sizing:Zone`, it gets the name of it first ([`outdoor_air`]).
+//! `DesignSpecification:OutdoorAir` to `Sizing:Zone`, the controller gets its name first ([`outdoor_air`]).
 
 mod names;
 mod outdoor_air;
@@ -69,10 +69,10 @@ pub struct Unreported {
 }
 
 impl Sizes {
-    /// Sizes a model with the site of a weather file (EPW). The model must still be autosized: an edited model has the sizes
-    /// of its edited equipment.
+    /// Sizes a model with the site of a weather file (EPW). The model must still be autosized: an edited model has the
+    /// sizes of its edited equipment.
     ///
-    /// Takes the start of a run and the simulation of the design days; weather days are not simulated.
+    /// Takes as long as starting a run and simulating the design days; weather days are not simulated.
     ///
     /// # Errors
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
@@ -88,7 +88,8 @@ impl Sizes {
         self.sizes.iter()
     }
 
-    /// Returns the size of a field of an object, in the engine's unit; `None` if the engine reports none under its name.
+    /// Returns the size of a field of an object, in the engine's unit; `None` if the engine reports none under its
+    /// name.
     ///
     /// Values that the model gives (`User-Specified`) are not sizes.
     pub fn get(&self, class: &str, object: &str, field: &str) -> Option<f64> {
@@ -110,12 +111,12 @@ impl Sizes {
     /// An autosized field without a size does not depend on the design days:
     ///
     /// - The object was not sized at all: nothing uses it, and it stays as it is.
-    /// - Every size of the object belongs to another field: the object does not use this one. It gets the smallest number
-    ///   that the engine accepts, which has no effect.
-    /// - Else it is left to the engine, which rejects the model if it cannot size the field.
+    /// - Every size of the object belongs to another field: the object does not use this one. It gets the smallest
+    ///   number that the engine accepts, which has no effect.
+    /// - Otherwise it is left to the engine, which rejects the model if it cannot size the field.
     ///
-    /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields without
-    /// sizing (the volume of a zone, the view factors of a surface).
+    /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields
+    /// without sizing (the volume of a zone, the view factors of a surface).
     pub fn write_into(&self, model: &mut Model) -> Unreported {
         let mut unreported = Unreported::default();
         for (class, name, fields) in model.objects_mut().filter(|(class, ..)| !is_for_sizing(class)) {
@@ -202,8 +203,8 @@ impl Sizes {
         }
     }
 
-    /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a zone that
-    /// needs no heat, and then reject that.
+    /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a
+    /// zone that needs no heat, and then reject that.
     fn minimum(&self, class: &str, field: &str) -> f64 {
         let is_fan_flow = begins(class, "Fan:") && field.ends_with("maximum_flow_rate");
         let is_positive = self.schema.field(class, field).is_some_and(|field| field.positive);
@@ -274,8 +275,8 @@ fn switch_sizing_off(model: &mut Model) {
     }
 }
 
-/// Makes explicit what the engine does without system sizing: the ventilation rate procedure "with limit" caps outdoor air
-/// at the design flow of the sized system, which is then unknown, and so runs without the cap.
+/// Makes explicit what the engine does without system sizing: the ventilation rate procedure "with limit" caps outdoor
+/// air at the design flow of the sized system, which is then unknown, and so runs without the cap.
 fn lift_outdoor_air_limit(model: &mut Model) {
     const CLASS: &str = "Controller:MechanicalVentilation";
     const LIMITED: &str = "Standard62.1VentilationRateProcedureWithLimit";

@@ -1,14 +1,15 @@
 //! Fields and the engine's descriptions of their sizes.
 //!
-//! Most descriptions are the name of the field. Others say the same in other words: `Supply Air Flow Rate During Cooling
-//! Operation` is `cooling_supply_air_flow_rate`. Within an object, the pairs with most words in common belong together. Fields with
-//! given values take part, so that an autosized field does not take the size of another.
+//! Most descriptions are the name of the field. Others say the same in other words:
+//! `Supply Air Flow Rate During Cooling Operation` is `cooling_supply_air_flow_rate`. Within an object, the pairs with
+//! most words in common belong together. Fields with given values take part, so that an autosized field does not take
+//! the size of another.
 
 use std::collections::BTreeSet;
 
 /// Smallest share of common words in all words of a pair.
 const SIMILAR: f64 = 0.4;
-/// What a field gains that the engine sizes: a given one is reported as `User-Specified`.
+/// Score advantage of a field that the engine sizes: a given one is reported as `User-Specified`.
 const ADVANTAGE: f64 = 1e-6;
 /// Two pairs with shares as near as this are ambiguous.
 const EQUAL: f64 = 1e-9;
@@ -22,9 +23,9 @@ pub(super) fn field_name(description: &str) -> String {
     words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
-/// Returns pairs of a field and a description, as indices. Descriptions are given as names of fields; a field comes with
-/// whether the engine sizes it. Pairs of the same name come first, then those with most words in common; of fields with
-/// equally many, the one that the engine sizes; ambiguous ones are left out.
+/// Returns pairs of a field and a description, as indices. Descriptions are given as names of fields; a field comes
+/// with whether the engine sizes it. Pairs of the same name come first, then pairs with the most words in common; of
+/// fields with equally many, the one that the engine sizes; ambiguous ones are left out.
 pub(super) fn pairs(fields: &[(&str, bool)], descriptions: &[&str]) -> Vec<(usize, usize)> {
     let mut scores: Vec<(f64, usize, usize)> = Vec::new();
     for (f, &(field, is_sized)) in fields.iter().enumerate() {

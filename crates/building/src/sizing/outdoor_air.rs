@@ -17,8 +17,8 @@ const SPECIFICATIONS: [&str; 2] = [
     "design_specification_zone_air_distribution_object_name",
 ];
 
-/// Names in every controller of mechanical ventilation what it leaves to `Sizing:Zone`: without it, the engine uses defaults. A
-/// list of zones whose specification is blank becomes its zones.
+/// Writes into every controller of mechanical ventilation the names that it leaves to `Sizing:Zone`: without them, the
+/// engine uses defaults. A list of zones whose specification is blank becomes its zones.
 pub(super) fn name_in_controllers(model: &mut Model) {
     for name in model.names(CONTROLLER) {
         let Some(fields) = model.get(CONTROLLER, &name) else { continue };

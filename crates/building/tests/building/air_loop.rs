@@ -34,7 +34,7 @@ struct Command {
 const MILD: Command =
     Command { supply_temperature: 18.0, outdoor_air: 0.05, openings: [0.3; 5], heating_setpoint: 20.0 };
 
-/// What sees the end of every step with the command that it ran under.
+/// Called at the end of every step with the command of the step.
 type Look<'a> = Box<dyn FnMut(&Reader, usize, Command) + 'a>;
 
 /// A day under `command(step)`.
@@ -84,7 +84,7 @@ impl Office {
         self.loops.iter().flat_map(|air_loop| &air_loop.terminals)
     }
 
-    /// Days from the 10th of a month, one for each trial. Asserts that there are no severe messages.
+    /// Simulates days from the 10th of a month, one for each trial. Asserts that there are no severe messages.
     fn play(&self, month: u32, trials: &mut [Trial<'_>]) {
         let last = 9 + trials.len() as u32;
         let period = RunPeriod::new(Date::new(month, 10).unwrap(), Date::new(month, last).unwrap());
@@ -186,7 +186,8 @@ fn dampers(office: &Office) -> Trial<'_> {
     })
 }
 
-/// The command of step `step` of a day with supply temperatures from `lowest` to 40 °C, flows and shares of outdoor air.
+/// The command of step `step` of a day with supply temperatures from `lowest` to 40 °C, flows and shares of outdoor
+/// air.
 fn supply_command(lowest: f64, step: usize) -> Command {
     let cell = step / HOLD;
     Command {

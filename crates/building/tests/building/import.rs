@@ -319,7 +319,7 @@ fn missing_temperatures_are_neither_in_degree_days_nor_in_design_days() {
     assert!(site.sized_by_hours && site.cooling.dry_bulb < 40.0, "{} °C", site.cooling.dry_bulb);
 }
 
-/// What a model wants of its calendar and episodes do not have is told to its author.
+/// Features of a model that episodes change, such as daylight saving time, are noted for its author.
 #[test]
 fn what_episodes_change_in_a_model_is_noted() {
     let stock = Stock::new();

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const DENVER: &str = "USA_CO_Denver-Aurora-Buckley.AFB.724695_TMY3.epw";
 const MIAMI: &str = "USA_FL_Miami.Intl.AP.722020_TMY3.epw";
 
-/// Days of January from a Sunday, so that they include days of work.
+/// Days of January from a Sunday, so that they include workdays.
 const DAYS: usize = 3;
 
 /// The folder of the engine.

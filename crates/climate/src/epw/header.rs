@@ -82,7 +82,7 @@ impl<'a> Line<'a> {
             .ok_or_else(|| self.malformed(format!("`{text}` is not a month from 1 to 12")))
     }
 
-    /// The fields that follow a word in the line.
+    /// Returns the fields that follow a word in the line.
     pub fn after(&self, word: &str) -> Result<Self> {
         let start = self
             .fields

@@ -18,11 +18,11 @@ const FIRST: [f64; 2] = [6.0, 50.0];
 
 /// The hours of a weather file.
 ///
-/// A missing temperature or humidity is the last one before it, and missing radiation is 0, as in the engine. Of a date
-/// that the file has in several years, the first one counts.
+/// A missing temperature or humidity takes the last value before it, and missing radiation is 0, as in the engine. Of a
+/// date that the file has in several years, the first one counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
-    /// Rows of an hour.
+    /// Rows per hour.
     intervals: u32,
     /// The earliest and the latest year of the rows.
     years: Option<[u32; 2]>,
@@ -51,8 +51,8 @@ impl Record {
     /// Reads the hours of an EPW text; `path` is used in error messages.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line and the reason: a row that the engine cannot read or that is not plausible, a row
-    /// that is shorter than the others, an hour or a day out of sequence, or an incomplete last day.
+    /// [`Error::Malformed`] with the line and the reason: a row that the engine cannot read or that is not plausible, a
+    /// row that is shorter than the others, an hour or a day out of sequence, or an incomplete last day.
     pub(crate) fn of(text: &str, path: &Path) -> Result<Self> {
         Self::read(text).map_err(|why| Error::Malformed { path: path.to_owned(), why })
     }
@@ -74,7 +74,7 @@ impl Record {
         reader.finish()
     }
 
-    /// Returns the number of rows of an hour.
+    /// Returns the number of rows per hour.
     pub fn intervals(&self) -> u32 {
         self.intervals
     }
@@ -109,8 +109,8 @@ impl Record {
         Some([of(with_start.clone().min())?, of(with_start.max())?])
     }
 
-    /// Returns the dry bulb at the end of each hour of a year without 29 February, °C. A day that the file lacks is as the
-    /// nearest that it has.
+    /// Returns the dry bulb at the end of each hour of a year without 29 February, °C. A missing day has the values of
+    /// the nearest.
     pub fn dry_bulbs(&self) -> Vec<f64> {
         self.dry_bulbs_in(Calendar::default())
     }
@@ -120,8 +120,8 @@ impl Record {
         self.by_date(calendar, |hour| hour.dry_bulb)
     }
 
-    /// Returns the mean global horizontal radiation of each hour of the year of a calendar, W/m². A day that the file lacks is
-    /// as the nearest that it has.
+    /// Returns the mean global horizontal radiation of each hour of the year of a calendar, W/m². A missing day has the
+    /// values of the nearest.
     pub fn global_radiation_in(&self, calendar: Calendar) -> Vec<f64> {
         self.by_date(calendar, |hour| hour.radiation)
     }
@@ -160,13 +160,13 @@ impl Record {
     }
 }
 
-/// Returns a mean; NaN of nothing.
+/// Returns the mean of values; NaN for none.
 pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 
-/// Returns the rows of an hour and the number of periods in the header; 1 and 1 without the line.
+/// Returns the rows per hour and the number of periods in the header; 1 and 1 without the line.
 fn data_periods(text: &str) -> std::result::Result<(u32, u32), String> {
     let line = text.lines().take(HEADER_LINES).find(|line| {
         line.split(',').next().is_some_and(|title| title.trim().eq_ignore_ascii_case("DATA PERIODS"))
@@ -180,7 +180,7 @@ fn data_periods(text: &str) -> std::result::Result<(u32, u32), String> {
             Ok((intervals, periods.unwrap_or(1)))
         }
         _ => Err(format!(
-            "`{line}` does not give the rows of an hour: expected DATA PERIODS,1, and a number that divides 60"
+            "`{line}` does not give the rows per hour; expected DATA PERIODS,1, and a number that divides 60"
         )),
     }
 }
@@ -188,16 +188,16 @@ fn data_periods(text: &str) -> std::result::Result<(u32, u32), String> {
 /// Reads rows one after the other.
 struct Reader {
     record: Record,
-    /// Whether days may be missing between others.
+    /// Whether gaps between days are allowed.
     has_gaps: bool,
     rows: usize,
     columns: usize,
     date: [u32; 2],
-    /// Whether the date of the present day has been read before.
+    /// Whether the date of the current day has been read before.
     repeated: bool,
     /// Last dry bulb and humidity.
     last: [f64; 2],
-    /// Radiation of the rows of the present hour.
+    /// Radiation of the rows of the current hour.
     radiation: f64,
 }
 
@@ -271,7 +271,7 @@ impl Reader {
             let [before, yesterday] = self.date;
             return Err(format!(
                 "{month:02}-{day:02} follows {before:02}-{yesterday:02}: days are missing or out of order, and the engine \
-                 would take one for another"
+                 would use the wrong days"
             ));
         }
         self.date = date;

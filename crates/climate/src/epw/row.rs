@@ -1,11 +1,11 @@
 //! A row of an EPW file: the weather of an hour or of a part of it.
 
-/// Columns that the engine needs, up to the indicator of observed weather. It takes the values of later columns, where they
-/// are missing, as unknown.
+/// Columns that the engine needs, up to the indicator of observed weather. It treats missing values of later columns as
+/// unknown.
 const NEEDED: usize = 27;
 /// The column of source and uncertainty flags, the only text among them.
 const FLAGS: usize = 5;
-/// The column of global horizontal radiation, W/m². Negative values and values from 9999 are missing ones.
+/// The column of global horizontal radiation, W/m². Negative values and values of 9999 or more are missing.
 const RADIATION: usize = 13;
 const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
 /// The columns whose values must be plausible.
@@ -30,7 +30,7 @@ pub(super) struct Row {
     pub year: u32,
     pub month: u32,
     pub day: u32,
-    /// Hour that it is in or ends, 1 to 24.
+    /// Hour that it falls in or ends, 1 to 24.
     pub hour: u32,
     /// Number of columns.
     pub columns: usize,

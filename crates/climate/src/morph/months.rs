@@ -82,7 +82,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Limits dew points to the dry bulbs and shifts them to preserve their mean.
+/// Limits dew points to the dry bulbs and shifts them to the mean `target`.
 pub(super) fn held_under(mut dew_points: Vec<f64>, dry_bulbs: &[f64], target: f64) -> Vec<f64> {
     let mut shift = 0.0;
     let clamped = |shift: f64| dew_points.iter().zip(dry_bulbs).map(move |(d, t)| (d + shift).min(*t));

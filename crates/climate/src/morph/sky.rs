@@ -10,7 +10,7 @@ const LOW_SUN: f64 = 30.0;
 /// Stefan-Boltzmann constant, W/m²K⁴.
 const STEFAN_BOLTZMANN: f64 = 5.6697e-8;
 
-/// Standard atmosphere (ASHRAE Fundamentals, psychrometrics).
+/// Scales pressures to another elevation, m, by the standard atmosphere (ASHRAE Fundamentals, psychrometrics).
 pub(super) fn at_elevation(pressures: &[f64], from: f64, to: f64) -> Vec<f64> {
     let standard = |elevation: f64| libm::pow(1.0 - 2.25577e-5 * elevation, 5.2559);
     let ratio = standard(to) / standard(from);
@@ -35,7 +35,7 @@ pub(super) fn clearness(global: &[f64], suns: &[sun::Sun]) -> Vec<f64> {
     (0..global.len()).map(of_hour).collect()
 }
 
-/// Global horizontal irradiation of a month that sums to `target`, with the maximum clearness index respected.
+/// Global horizontal irradiation of a month that sums to `target`, within the maximum clearness index.
 pub(super) fn with_total(clearness: &[f64], suns: &[sun::Sun], target: f64) -> Vec<f64> {
     let hours = |scale: f64| {
         let pairs = clearness.iter().zip(suns);

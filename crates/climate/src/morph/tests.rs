@@ -20,7 +20,7 @@ static MORPHED: LazyLock<Vec<(&Station, String)>> = LazyLock::new(|| {
     Station::all().iter().map(|station| (station, morph(&base, station).unwrap())).collect()
 });
 
-/// The hours of an EPW text, all columns but the flags.
+/// The hours of an EPW text, with 0 for the flags.
 fn hours(text: &str) -> Vec<Vec<f64>> {
     let hour = |line: &str| line.split(',').map(|v| v.trim().parse().unwrap_or(0.0)).collect();
     text.lines().skip(8).map(hour).collect()
@@ -34,9 +34,9 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a - b).abs() <= tolerance, "{what}: {a} is not {b}");
 }
 
-/// One test, because a test is a process and would morph all stations again.
+/// One test, because each test runs in its own process and would morph all stations again.
 #[test]
-fn the_weather_of_every_station_is_its_normals_and_physical() {
+fn the_weather_of_every_station_matches_its_normals_and_is_physical() {
     every_morphed_month_matches_the_normals_of_its_station();
     heating_degree_days_follow_from_the_normals();
     humidity_is_physical_and_sunlight_adds_up();
@@ -62,7 +62,7 @@ fn every_morphed_month_matches_the_normals_of_its_station() {
     }
 }
 
-/// From October to April no day reaches 18 °C, so that the months' means give the degree-days.
+/// From November to March no day reaches 18 °C, so that the months' means give the degree-days.
 fn heating_degree_days_follow_from_the_normals() {
     const COLD: [usize; 5] = [0, 1, 2, 10, 11];
     for (station, text) in MORPHED.iter() {
@@ -114,7 +114,7 @@ fn morphing_to_the_same_station_changes_little() {
         (column::PRESSURE, 1.0),
         (column::INFRARED, 5.0),
         (column::GLOBAL, 15.0),
-        // The scatter of hours around Erbs.
+        // Hours scatter around the Erbs correlation.
         (column::DIFFUSE, 60.0),
         (column::WIND, 0.1),
     ] {

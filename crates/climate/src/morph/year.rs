@@ -42,7 +42,7 @@ impl<'a> Year<'a> {
     pub(super) fn read(lines: impl Iterator<Item = &'a str>) -> Self {
         let lines: Vec<&str> = lines.collect();
         let values = |column: usize| {
-            // `Record::of` has parsed every column.
+            // `Record::of` has checked these columns.
             let value = |line: &&str| line.split(',').nth(column).and_then(|v| v.trim().parse().ok());
             lines.iter().map(|line| value(line).unwrap_or_default()).collect()
         };

@@ -35,8 +35,8 @@ fn the_steps_of_every_shipped_tariff_sum_up_to_the_bill_and_its_parts() {
     }
 }
 
-/// Rate G from its definition: 15,090 kWh a month at the first price; the largest 15-minute mean above 50 kW, but at least
-/// 65 % of the winter's largest until then.
+/// Rate G from its definition: 15,090 kWh a month at the first price; the largest 15-minute mean above 50 kW, but at
+/// least 65 % of the winter's largest until then.
 #[test]
 fn rate_g_of_a_trajectory_equals_the_sum_of_the_steps() {
     let prices = prices("hq-g", &[], None);

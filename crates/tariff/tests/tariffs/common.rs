@@ -1,4 +1,4 @@
-//! Shared by the tests of bills: an episode of a load, and the bill of its trajectory from the definitions.
+//! Shared by the tests of bills: prices of 2017, and an episode with a given load.
 
 use b2b_tariff::{Bill, Calendar, Carrier, CarrierEnergy, Event, Moment, Prices, StepCost, Tariff};
 

@@ -66,7 +66,7 @@ fn with_table(page: &str, table: &str) -> String {
 }
 
 #[test]
-fn the_example_of_a_tariff_is_one() {
+fn the_example_of_a_tariff_is_valid() {
     let page = std::fs::read_to_string(path()).unwrap();
     let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let tariff = Tariff::parse("example", "docs/tariffs.md", example).unwrap();

@@ -3,7 +3,7 @@
 use crate::common::{assert_cost, day};
 use b2b_tariff::{Carrier, Emissions, Moment, Tariff};
 
-/// A tariff with two seasons, events and a demand charge; each line is named by its number.
+/// A tariff with two seasons, events and a demand charge. Tests name its lines by number.
 const TARIFF: &str = r#"title = "Test"
 place = "Nowhere"
 customers = "any"

@@ -32,7 +32,7 @@ fn a_block_of_a_month_shrinks_with_the_days_of_the_episode() {
 }
 
 #[test]
-fn two_kilowatts_a_day_under_rate_d_pay_40_kilowatt_hours_a_day_at_the_first_price() {
+fn two_kilowatts_under_rate_d_pay_40_kilowatt_hours_a_day_at_the_first_price() {
     let prices = prices("hq-d", &[], None);
     let (bill, _) = run(&prices, day(6, 1), day(6, 10), |_| 2.0);
     // 48 kWh a day: 40 at 7.065 ¢ and 8 at 11.142 ¢, over the ten days together.
@@ -92,7 +92,7 @@ fn a_january_day_under_gsdt_1_is_on_peak_in_the_morning_and_the_evening() {
 #[test]
 fn a_night_peak_in_rochester_pays_the_excess_over_the_day_alone() {
     let prices = prices("rpu-medium-gs-tou", &[], None);
-    // A year's February: 60 kW by day on weekdays, 100 kW at night.
+    // February: 60 kW from 10:00 to 22:00 on all days, 100 kW at night.
     let (bill, _) =
         run(&prices, day(2, 1), day(2, 28), |at| if (10.0..22.0).contains(&at.hour) { 60.0 } else { 100.0 });
     assert_cost(part(&bill, &prices, "on-peak demand"), 60.0 * 15.52);
@@ -140,7 +140,7 @@ fn gas_and_the_carriers_that_a_tariff_does_not_price_have_the_defaults() {
 #[test]
 fn events_of_the_coldest_winter_days_use_up_the_hours_of_the_tariff() {
     let flex = b2b_tariff::Tariff::named("hq-flex-d").unwrap();
-    // The coldest days are Christmas, then 20 January, then colder and colder Februaries' ends.
+    // Each day is colder than the one before until the end of March; Christmas and 1 July are colder still.
     let mut means = [5.0; 365];
     (0..90).for_each(|day| means[day] = -10.0 - day as f64 / 10.0);
     means[day(12, 25) as usize - 1] = -40.0;

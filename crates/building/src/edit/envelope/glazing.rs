@@ -13,8 +13,8 @@ use crate::opening::{FENESTRATION, is_glass, parent};
 use crate::zone::{self, Surface, SurfaceKind};
 use crate::{Error, Model, Result};
 
-/// Ratio of visible transmittance to solar heat gain coefficient: the minimum of the code (ASHRAE 90.1, 5.5.4.6), as in the
-/// prototypes.
+/// Ratio of visible transmittance to solar heat gain coefficient: the minimum of the code (ASHRAE 90.1, 5.5.4.6), as in
+/// the prototypes.
 const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
 /// Maximum visible transmittance.
 const MAX_TRANSMITTANCE: f64 = 0.99;
@@ -34,8 +34,8 @@ struct Glass {
 /// Returns the number of windows and glass doors.
 ///
 /// Skylights have separate requirements and are not changed: glazing that they share is copied. A construction that is
-/// given layer by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must be
-/// given.
+/// given layer by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must
+/// be given.
 ///
 /// # Errors
 /// [`Error::Edit`] naming the construction that cannot be changed; [`Error::MissingObject`] for a dangling reference.

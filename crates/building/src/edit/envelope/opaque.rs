@@ -46,12 +46,12 @@ struct Requirement {
     resistance: f64,
 }
 
-/// Sets the assembly U-factor of every exterior wall and roof, W/m²K with the code's air films, through the resistance of
-/// its insulation.
+/// Sets the assembly U-factor of every exterior wall and roof, W/m²K with the code's air films, through the resistance
+/// of its insulation.
 ///
-/// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A construction
-/// without insulation that needs more resistance gets a layer of it outside. Insulation that other constructions use
-/// with another resistance is copied. Other surfaces with the same construction change, too.
+/// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A
+/// construction without insulation that needs more resistance gets a layer of it outside. Insulation that other
+/// constructions use with another resistance is copied. Other surfaces with the same construction change, too.
 ///
 /// Under an attic, the ceiling counts as the roof, because the deck has no insulation and the attic is vented.
 ///

@@ -95,8 +95,8 @@ fn mean_width(corners: &[[f64; 3]], height: f64) -> f64 {
     if is_rectangle(corners) { width(corners) } else { polygon_area(corners) / height }
 }
 
-/// Returns the factor of all heights that gives the windows an area, m²; `None` if there is none. Windows that would exceed
-/// their walls have their maximum height, and the others take the rest.
+/// Returns the factor of all heights that gives the windows an area, m²; `None` if there is none. Windows that would
+/// exceed their walls have their maximum height, and the others take the rest.
 fn height_factor(windows: &[Window], area: f64) -> Option<f64> {
     let mut free: Vec<&Window> = windows.iter().collect();
     let mut left = area;

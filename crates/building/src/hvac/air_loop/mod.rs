@@ -1,8 +1,9 @@
 //! Central air loops: supply temperature, outdoor air, dampers, reheat.
 //!
-//! [`make_controllable`] replaces the controls of an air loop with variable-volume reheat terminals by actuators. The
-//! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are removed;
-//! the equipment and its capacities are kept. In a generated building, [`enlarge_heating_coil`] is called first.
+//! [`make_controllable`] replaces the controls of a loop of variable-volume reheat terminals with actuators. The
+//! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are
+//! removed; the equipment and its capacities are kept. In a generated building, [`enlarge_heating_coil`] is called
+//! first.
 //!
 //! 1. The loop runs at every hour (`always_on`).
 //! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the heat of the fan is upstream of
@@ -14,8 +15,8 @@
 //! With all dampers open the terminals request more than the fan can deliver (they are sized for different peak hours):
 //! then all flows are scaled down by the same factor, to [`AirLoop::fan_flow`] in total.
 //!
-//! **Do not set the dampers before the end of the first warm-up step.** The values of their schedules at the beginning of
-//! a run (0 in the model) are the minimum flows of the terminals for the whole run.
+//! **Do not set the dampers before the end of the first warm-up step.** The values of their schedules at the beginning
+//! of a run (0 in the model) are the minimum flows of the terminals for the whole run.
 
 mod branch;
 mod components;
@@ -79,8 +80,8 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, ventilation, terminals })
 }
 
-/// Enlarges the main heating coil of a loop so that it reaches [`HIGHEST_SUPPLY_TEMPERATURE`] in winter, unless it is a water
-/// coil. Arguments and errors as in [`make_controllable`].
+/// Enlarges the main heating coil of a loop so that it reaches [`HIGHEST_SUPPLY_TEMPERATURE`] in winter, unless it is a
+/// water coil. Arguments as in [`make_controllable`].
 ///
 /// # Errors
 /// As [`make_controllable`].

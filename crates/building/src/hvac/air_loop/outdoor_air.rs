@@ -9,8 +9,8 @@ use crate::{Error, Model, Result};
 /// Schedule that is always 0.
 const ALWAYS_OFF: &str = "B2B Always Off";
 
-/// Hands outdoor air over to its actuator, without an economizer. The ventilation requirement of the controller is kept: it
-/// applies when the actuator is not set, and can be read.
+/// Hands outdoor air over to its actuator, without an economizer. The ventilation requirement of the controller is
+/// kept: it applies when the actuator is not set, and can be read.
 pub(super) fn release(
     model: &mut Model,
     air_loop: &str,
@@ -37,8 +37,8 @@ pub(super) fn release(
 }
 
 /// Like [`release`], but through a schedule of the minimum outdoor air. Exhaust fans remove air from the zones of the
-/// loop. The engine supplies at least as much outdoor air, but not against an actuator: the missing air would cost
-/// nothing.
+/// loop. The engine supplies at least as much outdoor air, but not above an actuator's value: the missing air would be
+/// free.
 pub(super) fn schedule(
     model: &mut Model,
     air_loop: &str,

@@ -17,14 +17,14 @@ pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
 /// Supply temperature before the first action, °C.
 pub(super) const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
 /// Temperature rise of the fan's design flow over the main heating coil, K: room air to the highest supply temperature
-/// with 25 % outdoor air at -17 °C. The coils of the prototypes (about 4 K) only temper outdoor air and leave all heating
-/// to reheat: they do not reach 25 °C in winter.
+/// with 25 % outdoor air at -17 °C. The coils of the prototypes (about 4 K) only temper outdoor air and leave all
+/// heating to reheat: they do not reach 25 °C in winter.
 pub(super) const HEATING_COIL_RISE: f64 = 45.0;
 /// Field of the capacity of a gas or electric coil, W.
 const CAPACITY: &str = "nominal_capacity";
 
-/// Enlarges a gas or electric coil to warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil keeps its
-/// size, for which its plant is sized.
+/// Enlarges a gas or electric coil to warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil keeps
+/// its size, for which its plant is sized.
 pub(super) fn enlarge(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<()> {
     if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
         return Ok(());

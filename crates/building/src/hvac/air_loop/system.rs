@@ -12,7 +12,7 @@ use crate::hvac::ventilation::Ventilation;
 use crate::morphology::NodeType;
 use crate::{Model, Result};
 
-/// Temperature deviation at full damper opening during warm-up, K.
+/// Temperature deviation that opens a damper by 1 during warm-up, K.
 const WARM_UP_BAND: f64 = 2.0;
 /// Supply air temperature during warm-up, °C.
 const WARM_UP_SUPPLY: f64 = 14.0;
@@ -47,13 +47,13 @@ pub struct Terminal {
     pub zone: String,
     /// [`Quantity::DamperOpening`](crate::hvac::Quantity::DamperOpening).
     pub damper: Actuator,
-    /// [`Quantity::HeatingSetpoint`](crate::hvac::Quantity::HeatingSetpoint), which the reheat coil holds, or a heater of the
-    /// zone; `None` for a zone with neither.
+    /// [`Quantity::HeatingSetpoint`](crate::hvac::Quantity::HeatingSetpoint), which the reheat coil holds, or a heater
+    /// of the zone; `None` for a zone with neither.
     pub reheat: Option<Actuator>,
     /// Design flow, kg/s.
     pub design_flow: f64,
-    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
-    /// coils.
+    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for
+    /// other coils.
     pub heating_opening: f64,
 }
 

@@ -47,8 +47,8 @@ fn coil(model: &Model, terminal: &Reference) -> Result<Option<Reference>> {
     Ok(reference(fields, "reheat_coil_object_type", "reheat_coil_name"))
 }
 
-/// Makes the damper of a terminal follow a schedule, and its reheat coil or the heater of the zone the zone's own heating
-/// setpoint.
+/// Makes the damper of a terminal follow a schedule, and its reheat coil or the heater of the zone the zone's own
+/// heating setpoint.
 pub(super) fn make_controllable(model: &mut Model, served: ServedZone, air_density: f64) -> Result<Terminal> {
     let ServedZone { zone, unit, ref terminal } = served;
     put_first(model, &zone, &unit)?;
@@ -85,8 +85,8 @@ pub(super) fn make_controllable(model: &mut Model, served: ServedZone, air_densi
     Ok(Terminal { zone, damper, reheat, design_flow, heating_opening })
 }
 
-/// Switches on the heater of a zone whose terminal has no coil, and returns the engine variable of its heat. Heaters without
-/// capacity are left alone.
+/// Switches on the heater of a zone whose terminal has no coil, and returns the engine variable of its heat. Heaters
+/// without capacity are left alone.
 fn heat_of_heater(model: &mut Model, zone: &str) -> Result<Option<EngineVariable>> {
     let mut heaters =
         zone_equipment(model, zone)?.into_iter().filter(|item| is_one_of(&item.class, &HEATERS));
@@ -97,9 +97,9 @@ fn heat_of_heater(model: &mut Model, zone: &str) -> Result<Option<EngineVariable
     heating_only::heat(model, &heater).map(Some)
 }
 
-/// Schedules the minimum flow of a terminal. With the cooling setpoint out of reach and a damper that does not reverse for
-/// heating, a terminal always has its minimum flow. The schedule is 0 because its value at the beginning of a run is a
-/// lower limit for the whole run.
+/// Schedules the minimum flow of a terminal. With the cooling setpoint out of reach and a damper that does not reverse
+/// for heating, a terminal always has its minimum flow. The schedule is 0 because its value at the beginning of a run
+/// is a lower limit for the whole run.
 fn schedule_damper(model: &mut Model, zone: &str, terminal: &Reference) -> Result<String> {
     let name = format!("{zone} Damper Opening");
     constant_schedule(model, &name, 0.0);

@@ -65,10 +65,10 @@ pub struct Uncontrolled {
     pub follows_setpoints: bool,
 }
 
-/// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its zones,
-/// then the thermostats of zones that nothing else controls, if such zones are [`Unsupported::LeftAlone`]. `air_density`,
-/// kg/m³, turns design volume flows into mass flows. Equipment that is `absent`, because it is switched off all year, does
-/// not prevent the control of other equipment in its zone.
+/// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its
+/// zones, then the thermostats of zones that nothing else controls, if such zones are [`Unsupported::LeftAlone`].
+/// `air_density`, kg/m³, turns design volume flows into mass flows. Equipment that is `absent`, because it is switched
+/// off all year, does not prevent the control of other equipment in its zone.
 ///
 /// Each system is edited on a copy of the model, which is kept only if the whole edit succeeds.
 ///
@@ -213,7 +213,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Makes controllable the thermostats of zones that nothing else controls.
+    /// Makes the thermostats controllable in zones that nothing else controls.
     fn thermostats(&mut self) -> Result<()> {
         let first = self.found.systems.len();
         for zone in self.model.names("Zone") {
@@ -282,8 +282,8 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same
-    /// thermostat.
+    /// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow
+    /// the same thermostat.
     fn refuse_second_system(&self, air_loop: &str) -> Result<()> {
         let mut units = HashSet::new();
         let served = served_zones(self.model, air_loop)?;
@@ -382,7 +382,8 @@ fn reason(error: Error, system: &str) -> Result<String> {
     }
 }
 
-/// Returns every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.
+/// Returns every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals,
+/// zones.
 fn belongings(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     let mut names = HashSet::from([air_loop.to_lowercase()]);
     for component in supply_components(model, air_loop)? {

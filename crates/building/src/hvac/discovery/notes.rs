@@ -1,4 +1,4 @@
-//! What discovery changes in the thermostats of a model, for its author.
+//! Notes on what discovery changes in a model's thermostats.
 
 use crate::Model;
 use crate::hvac::energy_management::schedule_sensors;

@@ -122,7 +122,7 @@ fn systems_are_read_back_as_they_were_written_and_an_unknown_kind_is_named() {
     assert!(said.contains("`geothermal`"), "{said}");
 }
 
-/// A loop of units in a room, of which the first are switched off all year.
+/// The model of [`two_zones`] with this equipment in its second zone.
 fn room_with(equipment: &[&str]) -> Model {
     let mut model = two_zones("Fan:ZoneExhaust");
     let item = |(number, class): (usize, &&str)| json!({"zone_equipment_object_type": class, "zone_equipment_name": format!("E{number}")});

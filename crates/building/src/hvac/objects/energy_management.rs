@@ -50,8 +50,8 @@ pub fn objects(model: &Model) -> HashSet<(String, String)> {
     model.classes().flat_map(of_class).collect()
 }
 
-/// Makes the EMS sensors of equipment that was removed, or replaced by another class, read zero: a variable that the new
-/// equipment does not have would end the run, and a program without its sensor as well.
+/// Makes the EMS sensors of equipment that was removed, or replaced by another class, read zero: a variable that the
+/// new equipment does not have would end the run, and a program without its sensor as well.
 pub fn silence_sensors(model: &mut Model, before: &HashSet<(String, String)>) {
     let after = objects(model);
     let gone: HashSet<&str> = before.difference(&after).map(|(_, name)| name.as_str()).collect();

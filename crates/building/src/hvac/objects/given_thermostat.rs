@@ -1,4 +1,4 @@
-//! The thermostats of zones as the author of a model gave them.
+//! The thermostats of zones in the original model.
 
 use crate::Model;
 use crate::model::{Fields, text};

@@ -11,8 +11,8 @@ use crate::{Error, Model, Result};
 
 /// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
 const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
-/// A cooling setpoint that no zone reaches, °C: cooling is controlled through the supply air. Random actions have reached
-/// 46 °C.
+/// A cooling setpoint that no zone reaches, °C: cooling is controlled through the supply air. Random actions have
+/// reached 46 °C.
 pub const OUT_OF_REACH: f64 = 90.0;
 /// A heating setpoint that no zone reaches, °C: heating is controlled through the supply air.
 pub const OUT_OF_REACH_BELOW: f64 = 0.0;
@@ -30,8 +30,8 @@ pub struct Setpoints {
 /// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that is taken gets a
 /// suffix.
 ///
-/// What else sets or shifts its setpoints is removed ([`zone_controls`]). EMS sensors that read the schedule of a setpoint
-/// read its new one, unless it is out of reach.
+/// What else sets or shifts its setpoints is removed ([`zone_controls`]). EMS sensors that read the schedule of a
+/// setpoint read its new one, unless it is out of reach.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.

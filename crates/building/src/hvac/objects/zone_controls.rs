@@ -46,7 +46,7 @@ pub(super) fn remove(model: &mut Model, zone: &str) -> Result<()> {
     Ok(())
 }
 
-/// Replaces each thermostat or other control of a list of zones by one per zone, with what shifts its setpoints.
+/// Replaces each thermostat or other control of a list of zones with one per zone, with what shifts its setpoints.
 pub(in crate::hvac) fn split(model: &mut Model) {
     for class in [THERMOSTAT, INSTEAD[0], INSTEAD[1]] {
         for name in model.names(class) {

@@ -15,7 +15,7 @@ pub(in crate::hvac) const HEATERS: [&str; 5] = [
     "ZoneHVAC:Baseboard:RadiantConvective:Water",
 ];
 const LIST: &str = "ZoneHVAC:EquipmentList";
-/// The fields of the turn of equipment.
+/// The fields of the sequence numbers of equipment.
 const SEQUENCES: [&str; 2] =
     ["zone_equipment_cooling_sequence", "zone_equipment_heating_or_no_load_sequence"];
 /// Exhaust fan of a zone.
@@ -24,8 +24,8 @@ const EXHAUST: &str = "Fan:ZoneExhaust";
 pub(in crate::hvac) const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
 /// Zone equipment that moves air without controlling a temperature.
 pub(in crate::hvac) const VENTILATION: [&str; 2] = [EXHAUST, "ZoneHVAC:EnergyRecoveryVentilator"];
-/// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant heater
-/// of the warehouse is switched off in the prototype.
+/// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant
+/// heater of the warehouse is switched off in the prototype.
 pub(in crate::hvac) const UNCONTROLLED: [&str; 2] = [EXHAUST, "ZoneHVAC:HighTemperatureRadiant"];
 
 /// Returns whether equipment may share a zone with a controlled system.
@@ -49,9 +49,9 @@ pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
         .collect())
 }
 
-/// Puts equipment of a zone ahead of all others but heaters, which give no more than the load. The engine takes warm air
-/// that another gives first for a cooling load, and adds flow to the terminal: the more, the nearer its supply air is to the
-/// zone's temperature.
+/// Puts equipment of a zone ahead of all others except heaters, which deliver no more than the load. If another
+/// delivers warm air first, the engine sees a cooling load and adds flow to the terminal: the more, the nearer its
+/// supply air is to the zone's temperature.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] when the equipment list that the zone names is not in the model.
@@ -116,7 +116,7 @@ pub fn has_exhaust(model: &Model, zone: &str) -> Result<bool> {
 mod tests {
     use super::*;
 
-    /// Returns the turns of the equipment of a zone after the terminal `Own` was put first.
+    /// Returns the sequence numbers of the equipment of a zone after the terminal `Own` was put first.
     fn turns(equipment: &[(&str, &str, u64)]) -> Vec<u64> {
         let item = |&(class, name, turn): &(&str, &str, u64)| json!({"zone_equipment_object_type": class, "zone_equipment_name": name, SEQUENCES[0]: turn});
         let model = json!({

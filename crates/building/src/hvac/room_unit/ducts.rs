@@ -1,7 +1,7 @@
 //! The air loop of a unit in a room.
 //!
-//! Nodes, in the order of the air: zone → return → outdoor air mixer, if there is any → unit → supply → terminal → zone. The
-//! unit keeps its node of the mixed air or its inlet; its outlet becomes the terminal's.
+//! Nodes, in the order of the air: zone → return → outdoor air mixer, if there is any → unit → supply → terminal →
+//! zone. The unit keeps its node of the mixed air or its inlet; its outlet becomes the terminal's.
 
 use serde_json::{Value, json};
 
@@ -31,7 +31,7 @@ struct DuctedLoop {
     flow: f64,
 }
 
-/// Replaces the equipment of a zone by an air loop that has it as its only unit. Returns the name of the air loop.
+/// Replaces the equipment of a zone with an air loop that has it as its only unit. Returns the name of the air loop.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a unit that takes air from elsewhere than its zone or delivers it elsewhere;
@@ -95,7 +95,7 @@ fn refuse_other_paths(
     Ok(())
 }
 
-/// Returns the design flow of a unit, m³/s: the largest that it uses, as far as its fan can deliver it.
+/// Returns the design flow of a unit, m³/s: the largest that it uses, limited by its fan.
 fn design_flow(model: &Model, unit: &Fields, object: &Reference) -> Result<f64> {
     let fan = ["supply_air_fan", "supply_fan"]
         .iter()
@@ -116,8 +116,8 @@ fn largest(unit: &Fields, ending: &str) -> f64 {
     flows.filter_map(|field| number(unit, field)).fold(0.0, f64::max)
 }
 
-/// Puts the mixer of a unit into an outdoor air system with the unit's largest flow of outdoor air, and returns its component
-/// and the node of the mixed air. A unit without a mixer has none; a mixer without outdoor air is removed.
+/// Puts the mixer of a unit into an outdoor air system with the unit's largest flow of outdoor air, and returns its
+/// component and the node of the mixed air. A unit without a mixer has none; a mixer without outdoor air is removed.
 fn outdoor_air(
     model: &mut Model,
     air_loop: &DuctedLoop,

@@ -1,8 +1,8 @@
-//! Units in the room that they serve, controlled by air flow and supply air temperature: packaged terminal air conditioners
-//! and heat pumps, four-pipe fan coils, unitary systems without ducts.
+//! Units in the room that they serve, controlled by air flow and supply air temperature: packaged terminal air
+//! conditioners and heat pumps, four-pipe fan coils, unitary systems without ducts.
 //!
-//! The engine controls such a unit by the load of its zone and by nothing else. It becomes the only unit of an air loop of its
-//! own, with the same fan, coils and outdoor air ([`ducts`]); from there on it is a [`Unitary`] system.
+//! The engine controls such a unit by the load of its zone and by nothing else. It becomes the only unit of an air loop
+//! of its own, with the same fan, coils and outdoor air ([`ducts`]); from there on it is a [`Unitary`] system.
 
 mod ducts;
 mod zone_nodes;
@@ -30,8 +30,8 @@ const UNITS: [&str; 4] = [
     "AirLoopHVAC:UnitarySystem",
 ];
 
-/// Design flow, in air changes of the room per hour, above which the room follows a command within seconds: it cannot be held
-/// by a command a step, but by the engine's own control.
+/// Design flow, in air changes of the room per hour, above which the room responds within seconds. One command per step
+/// cannot hold it; the engine's own control can.
 const MOST_AIR_CHANGES: f64 = 60.0;
 
 /// A unit in the room that it serves.
@@ -100,8 +100,8 @@ impl FromModel for RoomUnit {
         let unit = unitary::make_controllable(model, &air_loop, air_density)?;
         match air_changes(model, zone, unit.flow.high / air_density)? {
             changes if changes > MOST_AIR_CHANGES => Err(candidate.unsupported(&format!(
-                "its design flow changes the air of its room {changes:.0} times an hour; up to {MOST_AIR_CHANGES} can be \
-                 held by commands"
+                "its design flow changes the air of its room {changes:.0} times an hour; one command per step can hold \
+                 at most {MOST_AIR_CHANGES}"
             ))),
             _ => Ok(Self { object: object.clone(), unit }),
         }

@@ -56,7 +56,7 @@ impl ZoneNodes {
         nodes.iter().any(|other| other.eq_ignore_ascii_case(node))
     }
 
-    /// Replaces a node that takes air from the zone by a return node.
+    /// Replaces a node that takes air from the zone with a return node.
     pub(super) fn return_through(&self, model: &mut Model, exhaust: &str, node: &str) -> Result<()> {
         let exhausts = text(&self.fields, EXHAUSTS).unwrap_or_default();
         let mut kept = nodes_of(model, exhausts);

@@ -21,8 +21,8 @@ pub(super) fn conditioning(model: &Model, zone: &str) -> Result<Vec<Reference>> 
     Ok(equipment)
 }
 
-/// Rejects a zone without authority: all that it has are heaters without capacity, or terminals that pass the air of a unit,
-/// which follows the thermostat of another zone or none.
+/// Rejects a zone whose setpoints have no effect: it has only heaters without capacity, or only terminals that pass the
+/// air of a unit that follows another zone's thermostat or none.
 pub(super) fn refuse_deaf(model: &Model, zone: &str, equipment: &[Reference]) -> Result<()> {
     if equipment.iter().all(|item| is_one_of(&item.class, &HEATERS)) {
         let mut powerless = equipment.iter().map(|heater| refuse_powerless(model, heater));

@@ -1,10 +1,10 @@
-//! Zones that are controlled through the setpoints of their thermostat. All of a zone's equipment follows: ideal loads, fan
-//! coils, packaged terminal units, variable refrigerant flow, unit ventilators, radiant systems, terminals of an air loop.
-//! It keeps its schedules of availability and its ventilation.
+//! Zones that are controlled through the setpoints of their thermostat. All of a zone's equipment follows: ideal loads,
+//! fan coils, packaged terminal units, variable refrigerant flow, unit ventilators, radiant systems, terminals of an
+//! air loop. It keeps its schedules of availability and its ventilation.
 //!
 //! The zone gets a thermostat of its own with a heating and a cooling setpoint at every hour, regardless of what the
-//! model's thermostat has. The engine ends a run whose heating setpoint is above the cooling setpoint, so that the
-//! cooling setpoint is raised to at least [`LEAST_GAP`] above the heating setpoint: see [`separate`].
+//! model's thermostat has. The engine ends a run whose heating setpoint is above the cooling setpoint, so the cooling
+//! setpoint is raised to at least [`LEAST_GAP`] above the heating setpoint: see [`separate`].
 
 mod equipment;
 mod switches;

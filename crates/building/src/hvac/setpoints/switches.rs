@@ -32,7 +32,8 @@ pub(crate) fn absent(switches: &[Switch], shares: impl Iterator<Item = f64>) -> 
     absent.map(|(switch, _)| switch.object.clone()).collect()
 }
 
-/// Returns the switches of the equipment that heats or cools the zones of a model, but for those that EMS programs set.
+/// Returns the switches of the equipment that heats or cools the zones of a model, except the switches that EMS
+/// programs set.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.

@@ -30,7 +30,7 @@ fn found(model: &mut Model) -> Discovery {
     discover(model, 1.2, &KINDS, Unsupported::LeftAlone, &[]).unwrap()
 }
 
-/// A terminal of a loop with a cooling coil, and whether the loop follows the zone.
+/// A terminal of a loop with a cooling coil that follows the thermostat of `control_zone`.
 fn terminal(class: &str, control_zone: &str) -> Value {
     json!({
         "ZoneHVAC:AirDistributionUnit": {"X": {"air_terminal_object_type": class, "air_terminal_name": "D"}},
@@ -129,7 +129,7 @@ fn programs_that_read_a_setpoint_read_the_commanded_one() {
 }
 
 #[test]
-fn a_zone_on_a_unit_that_follows_another_zone_is_not_controlled_and_said_so() {
+fn a_zone_on_a_unit_that_follows_another_zone_is_reported_as_uncontrolled() {
     for (terminal_class, control_zone, controlled) in
         [(PASSES, "Other", 0), (PASSES, "Z", 1), ("AirTerminal:SingleDuct:VAV:NoReheat", "Other", 1)]
     {

@@ -35,7 +35,7 @@ pub(super) fn has_parts(model: &Model, air_loop: &str) -> Result<bool> {
     Ok(parts(&supply_components(model, air_loop)?).is_some() && feeds_terminals())
 }
 
-/// Replaces the parts of a unit on the branch by a unitary system. Its nodes and controls follow when the unit is
+/// Replaces the parts of a unit on the branch with a unitary system. Its nodes and controls follow when the unit is
 /// rewritten. Without parts the model does not change.
 pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some(parts) = parts(&supply_components(model, air_loop)?) else { return Ok(()) };
@@ -55,8 +55,8 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// Returns the parts if there are one cooling coil, one heating coil or a heat pump's and its backup, one fan, and nothing
-/// else but outdoor air.
+/// Returns the parts if there are one cooling coil, one heating coil or a heat pump's and its backup, one fan, and
+/// nothing else but outdoor air.
 fn parts(components: &[Reference]) -> Option<Parts> {
     let inside: Vec<_> = components.iter().filter(|c| !is_outdoor_air(&c.class)).collect();
     let one = |classes: &[&str]| inside.iter().find(|c| is_one_of(&c.class, classes)).map(|c| (*c).clone());
@@ -82,7 +82,7 @@ fn coil_within(model: &mut Model, found: Reference, system: &str, which: &str) -
     coil(&fields, which).ok_or_else(|| Error::unsupported(&found.class, &found.name, "it has no coil"))
 }
 
-/// Replaces the parts on the branch by the unit, downstream of outdoor air if there is any.
+/// Replaces the parts on the branch with the unit, downstream of outdoor air if there is any.
 fn put_on_branch(model: &mut Model, air_loop: &str, unit: &str) -> Result<()> {
     let branch = only_branch(model, air_loop)?;
     let (mut outside, parts): (Vec<_>, Vec<_>) =

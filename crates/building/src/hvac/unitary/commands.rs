@@ -67,8 +67,8 @@ pub(super) fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &
     );
 }
 
-/// Makes the minimum flow of the terminal of a zone follow the command: with the cooling setpoint of the zone out of reach, it
-/// never requests more.
+/// Makes the minimum flow of the terminal of a zone follow the command: with the cooling setpoint of the zone out of
+/// reach, it never requests more.
 pub(super) fn follow_flow(model: &mut Model, served: &ServedZone, schedule: &str) -> Result<Terminal> {
     let ServedZone { zone, unit: distribution, terminal: Reference { class, name } } = served;
     if !is_one_of(class, &TERMINALS) {

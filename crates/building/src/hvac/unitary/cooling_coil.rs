@@ -13,14 +13,15 @@ pub(super) const CURVES: [&str; 4] = [
 ];
 pub(super) const PART_LOAD_CURVE: &str = "part_load_fraction_correlation_curve_name";
 
-/// Low speed of a two-speed coil that replaces a single-speed coil: fraction of its capacity and of its air flow. Both are
-/// the same, so that the flow per capacity stays in the range that the engine accepts.
+/// Low speed of a two-speed coil that replaces a single-speed coil: fraction of its capacity and of its air flow. Both
+/// are the same, so that the flow per capacity stays in the range that the engine accepts.
 const LOW_SPEED: f64 = 0.5;
 
-/// Returns the fields of a two-speed coil with the performance of a coil of this class; `None` if there is no equivalent.
+/// Returns the fields of a two-speed coil with the performance of a coil of this class; `None` if there is no
+/// equivalent.
 ///
-/// Single-speed coils jump to −39 °C at low flow, multi-speed coils control the fan themselves, and variable-speed coils
-/// have the wrong power below 20 % flow.
+/// Single-speed coils jump to −39 °C at low flow, multi-speed coils control the fan themselves, and variable-speed
+/// coils have the wrong power below 20 % flow.
 pub(super) fn two_speed_equivalent(class: &str, old: Fields) -> Option<Value> {
     match class.to_ascii_lowercase().as_str() {
         "coil:cooling:dx:singlespeed" => two_speed_from_single(&old),

@@ -1,7 +1,7 @@
 //! The heating coils of a heat pump downstream of the unit, on its branch.
 //!
 //! Inside the unit the engine would search for the companion coil of the compressor at every call, in vain if it is
-//! two-speed: a sixth of the time of a run. Each coil has the setpoint that it would have inside.
+//! two-speed, which takes a sixth of a run's time. Each coil has the setpoint that it would have inside.
 
 use serde_json::json;
 

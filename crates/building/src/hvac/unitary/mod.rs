@@ -1,9 +1,9 @@
-//! Unitary systems: one unit, controlled by air flow and supply air temperature. It serves the zone with its thermostat, and
-//! may serve others, whose terminals share its air in proportion to their design flows.
+//! Unitary systems: one unit, controlled by air flow and supply air temperature. It serves the zone with its
+//! thermostat, and may serve others, whose terminals share its air in proportion to their design flows.
 //!
 //! Every packaged unit is rewritten as the same kind, which follows both commands exactly: a blow-through
-//! `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed cooling coil, feeding
-//! a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it. Capacities,
+//! `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed or water cooling coil,
+//! feeding a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it. Capacities,
 //! efficiencies, pressures and curves are the original unit's; a coil with several speeds has the curves of its highest
 //! speed, and condensers are cooled by air.
 
@@ -31,15 +31,15 @@ use commands::{Schedules, follow_flow, follow_supply_temperature};
 use outdoor_air::OutdoorAir;
 use unit::{Unit, is_unit};
 
-/// Bounds of the supply air temperature, °C. The lower bound is what a cooling coil delivers without freezing; the upper
-/// bound is below what gas coils and heat pumps reach at full flow on a design day.
+/// Bounds of the supply air temperature, °C. The lower bound is what a cooling coil delivers without freezing; the
+/// upper bound is below what gas coils and heat pumps reach at full flow on a design day.
 const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
 
 /// Makes the unitary system of an air loop controllable. The model must be hard-sized.
 ///
 /// # Errors
-/// [`crate::Error::Unsupported`] naming the object that cannot be rewritten; [`crate::Error::MissingObject`] for a dangling
-/// reference.
+/// [`crate::Error::Unsupported`] naming the object that cannot be rewritten; [`crate::Error::MissingObject`] for a
+/// dangling reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
     assemble::assemble(model, air_loop)?;
     heat_pump::move_coils_in(model, air_loop)?;

@@ -28,8 +28,8 @@ impl OutdoorAir {
         })
     }
 
-    /// Makes it follow the supply temperature at `outlet`, limited only by its own flows, and returns its requirements. `fan`
-    /// is the inlet and the outlet node of the fan.
+    /// Makes an economizer follow the supply temperature at `outlet`, lifts the limit on the outdoor air fraction, and
+    /// returns the requirements. `fan` is the inlet and the outlet node of the fan.
     pub(super) fn follow(
         &self,
         model: &mut Model,

@@ -1,4 +1,5 @@
-//! What a rule-based controller must know of a packaged unit beside its actuators, read while the unit is made controllable.
+//! What a rule-based controller must know of a packaged unit beside its actuators, read while the unit is made
+//! controllable.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,8 @@ pub struct HeatPump {
 }
 
 impl Packaged {
-    /// Reads a unit of a hard-sized model, before it is rewritten. `air_density`, kg/m³, turns volume flows into mass flows.
+    /// Reads a unit of a hard-sized model, before it is rewritten. `air_density`, kg/m³, turns volume flows into mass
+    /// flows.
     pub(super) fn of(model: &Model, unit: &Unit, air_density: f64) -> Result<Self> {
         Ok(Self {
             economizer: unit.outdoor_air.as_ref().is_some_and(|air| air.has_economizer),

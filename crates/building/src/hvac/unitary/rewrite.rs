@@ -16,8 +16,8 @@ const WATER_HEATING: &str = "Coil:Heating:Water";
 const TWO_SPEED: &str = "Coil:Cooling:DX:TwoSpeed";
 /// The engine's limit on supply air temperature, °C: above the bounds of the action, so that it never binds.
 const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
-/// Outdoor temperature below which the compressor does not cool, °C. It is never reached: an overheated zone can be cooled
-/// in any weather, and a lockout would disable the actuator silently.
+/// Outdoor temperature below which the compressor does not cool, °C. It is never reached: an overheated zone can be
+/// cooled in any weather, and a lockout would disable the actuator silently.
 const COOLING_LOCKOUT: f64 = -60.0;
 /// Fan efficiencies where the model has none: the engine's defaults.
 const FAN_EFFICIENCY: f64 = 0.7;
@@ -27,7 +27,7 @@ const MOTOR_EFFICIENCY: f64 = 0.9;
 const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
 
 impl Unit {
-    /// Replaces the unit by its controllable form and returns the nodes inside it.
+    /// Replaces the unit with its controllable form and returns the nodes inside it.
     pub(super) fn rewrite(&self, model: &mut Model) -> Result<Nodes> {
         let old = model.take(&self.component.object.class, &self.component.object.name)?;
         if coil(&old, "reheat_coil").is_some() {
@@ -111,14 +111,15 @@ impl Unit {
     }
 
     /// Returns whether the heating coils are moved out of the unit, as a heat pump's are unless it has an economizer.
-    /// That aims at a temperature upstream of the fan, and the engine would iterate the air side a dozen times.
+    /// An economizer aims at a temperature upstream of the fan, and the engine would iterate the air side a dozen
+    /// times.
     fn heats_apart(&self, heating: &Reference) -> bool {
         let economizes = self.outdoor_air.as_ref().is_some_and(|air| air.has_economizer);
         heating.class.eq_ignore_ascii_case(heat_pump::HEATING_COIL) && !economizes
     }
 
-    /// Replaces the fan by a variable-volume fan with its pressure and efficiencies and without a minimum flow. Returns its
-    /// name and its design flow, m³/s.
+    /// Replaces the fan with a variable-volume fan that has its pressure and efficiencies and no minimum flow. Returns
+    /// its name and its design flow, m³/s.
     fn rewrite_fan(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<(String, f64)> {
         let class = text(unit, "supply_fan_object_type").or(text(unit, "supply_air_fan_object_type"));
         let name = text(unit, "supply_fan_name").or(text(unit, "supply_air_fan_name"));
@@ -163,7 +164,7 @@ impl Unit {
         Ok((name.to_owned(), flow))
     }
 
-    /// Moves a cooling coil of water to its nodes, or replaces one of a compressor by a two-speed coil with its performance.
+    /// Moves a water cooling coil to its nodes, or replaces a DX coil with a two-speed coil of the same performance.
     fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<Reference> {
         let cooling = coil(unit, "cooling_coil").ok_or_else(|| self.unsupported("it has no cooling coil"))?;
         if is_one_of(&cooling.class, &WATER_COOLING) {

@@ -45,7 +45,7 @@ pub struct Unitary {
     pub supply_temperature: Actuator,
     /// Its outdoor air; `None` for a unit without any.
     pub ventilation: Option<Ventilation>,
-    /// What the unit has, for rule-based controllers.
+    /// Properties of the unit that rule-based controllers use.
     pub packaged: Packaged,
 }
 

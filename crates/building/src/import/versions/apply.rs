@@ -57,7 +57,7 @@ pub fn step(document: &mut Document, step: &Step, report: &mut Conversion) -> Ve
     problems
 }
 
-/// Returns the names of the objects of which a field names the only one, by class.
+/// Returns the name of the object that inserted fields refer to, by class.
 fn only_objects(document: &Document, step: &Step) -> BTreeMap<String, String> {
     let edits = step.classes.iter().flat_map(|rule| &rule.edits);
     let classes = edits.filter_map(|edit| match edit {
@@ -147,7 +147,8 @@ impl Context<'_> {
     }
 }
 
-/// Returns the name of an output with `to` instead of `from`, in any case; `None` if it has no `from` or has `to` already.
+/// Returns the name of an output with `to` instead of `from`, in any case; `None` if it has no `from` or has `to`
+/// already.
 fn renamed_output(text: &str, from: &str, to: &str) -> Option<String> {
     // ASCII lower case has the same positions.
     let [lower, from, already] = [text, from, to].map(str::to_ascii_lowercase);

@@ -181,7 +181,8 @@ impl Object {
         }
     }
 
-    /// Calls `change` with every value of text; it returns a new value, or `None` to keep it. Returns whether a value changed.
+    /// Calls `change` with every value of text; it returns a new value, or `None` to keep it. Returns whether a value
+    /// changed.
     pub fn change_texts(&mut self, mut change: impl FnMut(&str) -> Option<String>) -> bool {
         match &mut self.body {
             Body::Positions(values) => values.iter_mut().fold(false, |changed, value| match change(value) {

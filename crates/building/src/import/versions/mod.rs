@@ -1,9 +1,9 @@
 //! The version of EnergyPlus that a model was written for, and its conversion to the engine's.
 //!
-//! The engine reads a model of another version with a warning, although fields change between versions. The version is read
-//! from the text before the engine sees it, and older models are converted step by step by rules that are data
-//! (`data/versions`, one file a step). They follow the published input changes ("Rules9-0-0-to-9-1-0.md" and the like) and the
-//! schemas of both versions.
+//! The engine reads a model of another version with a warning, although fields change between versions. The version is
+//! read from the text before the engine sees it, and older models are converted step by step by rules that are data
+//! (`data/versions`, one file per step). They follow the published input changes ("Rules9-0-0-to-9-1-0.md" and the
+//! like) and the schemas of both versions.
 
 mod apply;
 pub mod document;
@@ -31,10 +31,11 @@ pub enum Found {
     Converted(Conversion),
 }
 
-/// Makes a model one of the engine's version.
+/// Converts a model to the engine's version.
 ///
 /// # Errors
-/// A sentence with the version and the remedy for a model that is newer, too old, or has objects that cannot be converted.
+/// A sentence with the version and the remedy for a model that is newer, too old, or has objects that cannot be
+/// converted.
 pub fn convert(document: &mut Document, engine: &str) -> Result<Found, Vec<String>> {
     let to = short(engine);
     let Some(version) = document.version() else { return Ok(Found::Assumed(to)) };

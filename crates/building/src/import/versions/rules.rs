@@ -92,7 +92,7 @@ pub enum Edit {
         /// Values before and after; case is ignored.
         values: BTreeMap<String, String>,
     },
-    /// The default of a blank field, which is another after the step.
+    /// The default of a blank field, which the step changes.
     Default {
         /// The field.
         default: String,

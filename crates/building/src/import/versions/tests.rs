@@ -53,7 +53,7 @@ fn what_has_no_counterpart_is_listed_with_its_value() {
 }
 
 #[test]
-fn refrigerant_flow_by_schedule_follows_the_load_and_is_told() {
+fn refrigerant_flow_by_schedule_follows_the_load_and_is_reported() {
     let blanks = ",".repeat(33);
     let (document, report) =
         idf("24.2", &format!("AirConditioner:VariableRefrigerantFlow,Outdoor{blanks},Scheduled,Modes;"));

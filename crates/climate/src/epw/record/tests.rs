@@ -28,7 +28,7 @@ fn why(text: &str) -> String {
     Record::read(text).unwrap_err()
 }
 
-/// Half a day of temperatures that name their day: its number over 10, °C.
+/// A temperature that identifies the day of a row: its number over 10, °C.
 fn day_number(row: usize) -> String {
     format!("{:.1}", (row / 24) as f64 / 10.0)
 }

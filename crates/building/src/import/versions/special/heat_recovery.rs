@@ -1,7 +1,7 @@
 //! Effectiveness of heat recovery at 75 % of the flow.
 //!
-//! Before 24.1, the effectiveness was a straight line through its values at 75 and 100 % of the nominal flow. Now a curve of
-//! the flow multiplies the value at 100 %. The same line, divided by that value, is such a curve.
+//! Before 24.1, the effectiveness was a straight line through its values at 75 and 100 % of the nominal flow. Now a
+//! curve of the flow multiplies the value at 100 %. The same line, divided by that value, is such a curve.
 
 use crate::import::versions::document::{Document, Field, Object};
 use crate::import::versions::report::Conversion;
@@ -20,7 +20,7 @@ const fn field(at: usize, name: &'static str) -> Field<'static> {
     Field { at, name }
 }
 
-/// The kinds, with positions before the step; positions of curves count the fields that are dropped.
+/// The kinds, with positions before the step; curve positions are after the removal of the 75 % fields.
 const KINDS: [Kind; 4] = [
     Kind {
         name: "Sensible Heating",
@@ -68,7 +68,8 @@ pub(super) fn convert(document: &mut Document, version: &str, report: &mut Conve
     Vec::new()
 }
 
-/// Returns intercept and slope of the effectiveness over the flow, relative to the value at 100 %; `None` if it is constant.
+/// Returns intercept and slope of the effectiveness over the flow, relative to the value at 100 %; `None` if it is
+/// constant.
 fn line(object: &Object, kind: &Kind) -> Option<[f64; 2]> {
     let number = |field| object.get(field)?.parse::<f64>().ok();
     let full = number(kind.at_100).filter(|full| *full > 0.0)?;

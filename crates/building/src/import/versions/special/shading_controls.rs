@@ -12,7 +12,7 @@ use crate::model::begins;
 const CLASS: &str = "WindowProperty:ShadingControl";
 /// Position of the control's name in a window.
 const WINDOWS: [(&str, usize); 3] = [("FenestrationSurface:Detailed", 7), ("Window", 4), ("GlazedDoor", 4)];
-/// The fields that follow the sequence number, as they were numbered before.
+/// The fields after the sequence number: old position, old name and new name.
 const KEPT: [(usize, &str, &str); 11] = [
     (2, "shading_type", "shading_type"),
     (3, "construction_with_shading_name", "construction_with_shading_name_"),

@@ -1,7 +1,7 @@
 //! Terminals that connected an air loop to a zone directly.
 //!
-//! Since 9.3 there is an `AirTerminal:SingleDuct:ConstantVolume:NoReheat` in a `ZoneHVAC:AirDistributionUnit` in their place.
-//! It has an inlet node of its own, which splitters, plenums and loops name instead of the zone's inlet.
+//! Since 9.3 there is an `AirTerminal:SingleDuct:ConstantVolume:NoReheat` in a `ZoneHVAC:AirDistributionUnit` in their
+//! place. It has an inlet node of its own, which splitters, plenums and loops name instead of the zone's inlet.
 
 use crate::import::versions::document::{Document, Field, Object};
 use crate::import::versions::report::Conversion;
@@ -77,7 +77,7 @@ fn upstream_lists(document: &Document) -> Vec<String> {
     names.into_iter().filter(is_upstream).collect()
 }
 
-/// Duct networks end at the terminals, and cannot be converted with them.
+/// Returns a problem if the ducts of an AirflowNetwork end at the terminals, which cannot be converted.
 fn airflow_network(document: &Document, terminals: &[Terminal]) -> Vec<String> {
     let has_ducts = document.of("AirflowNetwork:Distribution:Linkage").next().is_some();
     let ducts = terminals.first().filter(|_| has_ducts);
@@ -105,8 +105,8 @@ fn replace(object: &mut Object, terminal: &Terminal) -> Object {
     Object::like(object, UNIT, &terminal.unit(), &values)
 }
 
-/// Names the distribution unit of each terminal in a list of equipment. Names of other equipment in the list stay, unless
-/// they are the same as a terminal's.
+/// Names the distribution unit of each terminal in a list of equipment. Names of other equipment in the list stay,
+/// unless they are the same as a terminal's.
 fn name_units(list: &mut Object, terminals: &[Terminal]) {
     let unit = |text: &str| match text.eq_ignore_ascii_case(CLASS) {
         true => Some(UNIT.to_owned()),
