@@ -1,6 +1,7 @@
 //! Kinds of controllers: each has a name, parameters with bounds, and makes controllers for episodes.
 //!
-//! A kind is registered in [`KINDS`](crate::KINDS). Commands, evaluations, worker processes and Python find it there by its name.
+//! A kind is registered in [`KINDS`](crate::KINDS). Commands, evaluations, worker processes and Python find it there by
+//! its name.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,8 +28,8 @@ pub trait Kind: Sync {
         false
     }
 
-    /// Returns what decides its actions beside an episode: its name, and for a kind with shipped schedules or rules their digest,
-    /// so that results of others are not reused.
+    /// Returns what decides its actions beside an episode: its name, and for a kind with shipped schedules or rules
+    /// their digest, so that results of others are not reused.
     fn identity(&self) -> String {
         self.name().to_owned()
     }
@@ -83,8 +84,8 @@ pub trait Kind: Sync {
     /// [`Error::NeedsEpisode`] if the kind plans episodes; [`Error::Values`].
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>>;
 
-    /// Resets an episode and plans it on copies, for kinds that plan instead of acting step by step. Returns a
-    /// controller that carries out the plan. `step` is called for every planned step.
+    /// Plans an episode by running it, copies of it or days before it, for kinds that plan. Returns a controller that
+    /// carries out the plan; `None` for other kinds. `step` is called as often as the episode has steps, for progress.
     ///
     /// # Errors
     /// The errors of [`Episode`]; [`Error::Values`].
@@ -128,7 +129,7 @@ pub struct KindDescription {
 }
 
 impl KindDescription {
-    /// Returns the description in an order to a worker.
+    /// Returns the order from which a worker makes the controller.
     pub fn to_order(&self) -> Value {
         json!({ "built_in": self })
     }
@@ -162,7 +163,7 @@ pub fn kind(name: &str) -> Option<&'static dyn Kind> {
     KINDS.into_iter().find(|kind| kind.name() == name)
 }
 
-/// Returns the identity of a kind with what ships for it.
+/// Returns the identity of a kind with a digest of its shipped data.
 pub(crate) fn shipped_identity(name: &str, shipped: &str) -> String {
     format!("{name}#{}", &sha256(shipped)[..12])
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Noise on actions, drawn uniformly for each actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
-    /// Greatest deviation, as a share of half of each actuator's range.
+    /// Largest deviation, as a share of half of each actuator's range.
     pub level: f64,
     /// Steps for which each draw holds.
     pub steps: u32,

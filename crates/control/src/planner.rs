@@ -1,5 +1,5 @@
-//! A planner that tries actions on copies of the true simulation: an upper bound, with perfect foresight of weather,
-//! occupants and physics.
+//! A planner that tries actions on copies of the true simulation, with perfect foresight of weather, occupants and
+//! physics.
 //!
 //! It varies the actions of the reactive controller. At regular intervals it draws variations for the next few steps,
 //! tries each on a copy of the simulation at its current point, followed by the unvaried reactive controller, and

@@ -59,8 +59,8 @@ pub struct Measured {
     pub default_daily_travel: f64,
     /// Actuator travel under the tuned parameters in the worst cell, full strokes/day.
     pub daily_travel: f64,
-    /// Mean HVAC energy per step under the tuned parameters, averaged over the cells with setpoints by occupancy, Wh/m².
-    /// Under the comfort set, this is τ_E of the class.
+    /// Mean HVAC energy per step under the tuned parameters, averaged over the cells with setpoints by occupancy,
+    /// Wh/m². Under the comfort set, this is τ_E of the class.
     pub energy: f64,
 }
 

@@ -4,7 +4,8 @@
 //! cargo run --release -p b2b-energyplus --example zone_temperatures [MODEL.idf WEATHER.epw]
 //! ```
 //!
-//! Without arguments it runs a small office in Denver with the packaged EnergyPlus, which is downloaded if it is missing.
+//! Without arguments it runs a small office in Denver with the packaged EnergyPlus, which is downloaded if it is
+//! missing.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -9,7 +9,7 @@ use std::os::fd::{AsFd, OwnedFd};
 
 /// Start of the last message of an aborted run.
 const LAST_MESSAGE: &str = "EnergyPlus Terminated--";
-/// The line.
+/// The line to suppress.
 const LINE: &[u8] = b"Program terminated: EnergyPlus Terminated--Error(s) Detected.\n";
 
 /// Standard error, captured until drop, then printed without the line.

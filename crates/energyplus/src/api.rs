@@ -23,8 +23,8 @@ macro_rules! functions {
         }
 
         impl Api {
-            /// Loads the library and resolves every function. It is never unloaded: unloading would run C++ destructors while
-            /// it may still be in use.
+            /// Loads the library and resolves every function. It is never unloaded: unloading would run C++ destructors
+            /// while it may still be in use.
             pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
                 // SAFETY: loading runs the initializers of a library that the user named as EnergyPlus,
                 // which only set up its own static data.

@@ -29,7 +29,7 @@ pub enum Confinement {
 }
 
 impl Confinement {
-    /// Returns what a program was not kept from, as a clause after its name; nothing if it was fully confined.
+    /// Returns what the confinement of a program lacked, as a clause after its name; empty if it was full.
     pub fn clause(self) -> &'static str {
         match self {
             Self::Full => "",
@@ -78,8 +78,8 @@ pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -
     in_thread(|| confine_to(folder), function).1
 }
 
-/// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns how
-/// far it was confined and its result.
+/// Runs a function in a confined thread, which may write only to `folder` and run only these `programs`, and returns
+/// how far it was confined and its result.
 pub(crate) fn confined_to_program<T: Send>(
     folder: &Path,
     programs: &[PathBuf],
@@ -105,8 +105,8 @@ fn confine_to(folder: Option<&Path>) -> Confinement {
     restrict([temporary, devices].into_iter().chain(folders), parent, &[])
 }
 
-/// Allows writing in some folders, removing empty folders in another, because a worker whose owner is gone removes its own
-/// temporary folder, and running some programs.
+/// Restricts this thread to writing in the `writable` folders, removing empty folders in `emptied` (a worker whose
+/// owner is gone removes its own temporary folder) and running `programs`.
 fn restrict(
     writable: impl Iterator<Item = PathBuf>,
     emptied: Option<PathBuf>,

@@ -12,8 +12,8 @@ impl Library {
     /// Converts an IDF file and returns its epJSON text. Runs in a thread confined as by [`confine`](crate::confine).
     ///
     /// # Errors
-    /// [`Error::MissingFile`] if the file does not exist; [`Error::Engine`] with the messages of EnergyPlus if it cannot
-    /// read the file.
+    /// [`Error::MissingFile`] if the file does not exist; [`Error::Engine`] with the messages of EnergyPlus if it
+    /// cannot read the file.
     pub fn convert_idf(&self, idf: &Path) -> Result<String> {
         if !idf.is_file() {
             return Err(Error::MissingFile { what: "model", path: idf.to_owned() });

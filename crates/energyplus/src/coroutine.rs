@@ -1,8 +1,8 @@
 //! A run of EnergyPlus on its own stack, suspended inside its callbacks.
 //!
-//! EnergyPlus calls back into [`Context`] at fixed points of the run; there the run is suspended and its caller continues.
-//! Callbacks for messages carry no state pointer, so the context of the current run is kept in a thread-local during every
-//! resume.
+//! EnergyPlus calls back into [`Context`] at fixed points of the run; there the run is suspended and its caller
+//! continues. Callbacks for messages carry no state pointer, so the context of the current run is kept in a
+//! thread-local during every resume.
 
 #![allow(unsafe_code, reason = "the C API of EnergyPlus")]
 

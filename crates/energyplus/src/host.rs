@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::{Messages, Result};
 
-/// Runs EnergyPlus in other processes, for models that may crash it: see [`Library::hosted_by`](crate::Library::hosted_by).
+/// Runs EnergyPlus in other processes, for models that may crash it: see
+/// [`Library::hosted_by`](crate::Library::hosted_by).
 ///
 /// A crash is then an error, [`Error::Process`](crate::Error::Process), and not the end of this process.
 pub trait Host: fmt::Debug + Send + Sync {

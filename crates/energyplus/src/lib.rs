@@ -1,8 +1,8 @@
 //! Control of [EnergyPlus](https://energyplus.net) simulations from Rust.
 //!
-//! A [`Simulation`] runs EnergyPlus as a coroutine: [`Simulation::advance`] is a plain call that computes one zone time step
-//! and returns. Between calls the run is suspended at the end of a zone time step, where variables and meters can be read
-//! and actuators set.
+//! A [`Simulation`] runs EnergyPlus as a coroutine: [`Simulation::advance`] is a plain call that computes one zone time
+//! step and returns. Between calls the run is suspended at the end of a zone time step, where variables and meters can
+//! be read and actuators set.
 //!
 //! ```no_run
 //! use b2b_energyplus::{Library, Run, Event};
@@ -22,11 +22,11 @@
 //!
 //! Limitations:
 //!
-//! - Runs may be interleaved on one thread, and a process may use several threads, but EnergyPlus itself must never run on two
-//!   threads at once: its results would be silently wrong. Every call into it holds one process-wide lock, which
+//! - Runs may be interleaved on one thread, and a process may use several threads, but EnergyPlus itself must never run
+//!   on two threads at once: its results would be silently wrong. Every call into it holds one process-wide lock, which
 //!   [`exclusive`] holds for several calls; use several processes for parallel work.
-//! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. A [`Host`] converts, sizes and runs models
-//!   in other processes.
+//! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. A [`Host`] converts, sizes and runs
+//!   models in other processes.
 
 mod abort_line;
 mod api;

@@ -49,7 +49,7 @@ impl Library {
         self.host.is_some()
     }
 
-    /// Path of the library file.
+    /// Returns the path of the library file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -85,10 +85,10 @@ thread_local! {
     static HELD: RefCell<Held> = const { RefCell::new(Held { depth: 0, lock: None }) };
 }
 
-/// Locks EnergyPlus for the current thread, which may have the lock already. The library has global state: two threads in it
-/// at once give silently wrong numbers, while interleaved calls are exact, with one exception: a run that starts or ends while
-/// another is in the first steps of its warm-up can change the last digits of the results of either. Where other threads may
-/// do so, hold the lock from the start of a run to the end of its warm-up.
+/// Locks EnergyPlus for the current thread, which may have the lock already. The library has global state: two threads
+/// in it at once give silently wrong numbers, while interleaved calls are exact, with one exception: a run that starts
+/// or ends while another is in the first steps of its warm-up can change the last digits of the results of either.
+/// Where other threads may do so, hold the lock from the start of a run to the end of its warm-up.
 pub fn exclusive() -> Exclusive {
     static LOCK: Mutex<()> = Mutex::new(());
     HELD.with_borrow_mut(|held| {

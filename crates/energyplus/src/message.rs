@@ -105,8 +105,8 @@ impl Messages {
         self.console.push(cut(line));
     }
 
-    /// Returns the positions of the warnings that explain the first fatal message: the last ones before it, and those about
-    /// nodes without a setpoint.
+    /// Returns the positions of the warnings that explain the first fatal message: the last ones before it, and those
+    /// about nodes without a setpoint.
     fn explaining(&self) -> Vec<usize> {
         let fatal = self.kept.iter().position(|message| message.level == Level::Fatal).unwrap_or(0);
         let is_warning = |i: &usize| self.kept[*i].level == Level::Warning;
@@ -130,8 +130,8 @@ impl Messages {
     }
 }
 
-/// Returns whether a warning names a node without a setpoint, which ends a run without being named again: `Missing 'Humidity
-/// Ratio Setpoint' for node named 'X'`.
+/// Returns whether a warning names a node without a setpoint, such as `Missing 'Humidity Ratio Setpoint' for node named
+/// 'X'`. The fatal message that follows does not name the node.
 fn is_about_setpoint(text: &str) -> bool {
     text.trim_start().starts_with("Missing '") && text.contains("' for node")
 }
@@ -150,8 +150,8 @@ impl fmt::Debug for Messages {
     }
 }
 
-/// Severe and fatal messages, each once, and the last warnings before a fatal one, which often explain it; if there are none, the
-/// last lines of standard output.
+/// Severe and fatal messages, each once, and the last warnings before a fatal one, which often explain it; if there are
+/// none, the last lines of standard output.
 impl fmt::Display for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut distinct: Vec<(&Message, usize)> = Vec::new();

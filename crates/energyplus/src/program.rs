@@ -1,4 +1,4 @@
-//! Programs of an EnergyPlus folder, started like untrusted ones.
+//! Confined runs of the programs of an EnergyPlus folder.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
@@ -11,22 +11,22 @@ use crate::confinement::{Confinement, confined_to_program};
 
 /// Loaders of dynamically linked programs, which the kernel runs with them.
 const LOADERS: [&str; 2] = ["/lib64/ld-linux-x86-64.so.2", "/lib/ld-musl-x86_64.so.1"];
-/// Time between two looks at a program.
+/// Interval at which a running program is polled.
 const PAUSE: Duration = Duration::from_millis(5);
 
 /// A program that has ended.
 #[derive(Debug)]
 pub struct Ended {
-    /// Its status.
+    /// Exit status.
     pub status: ExitStatus,
-    /// What it wrote to its standard output.
+    /// Standard output.
     pub output: String,
     /// How far it was confined.
     pub confinement: Confinement,
 }
 
-/// Runs a program with arguments in a folder to its end. Where the kernel can, the program writes only in this folder, starts
-/// no other, and does not connect to a network.
+/// Runs a program with arguments in a folder to its end. As far as the kernel supports it ([`Confinement`]), the
+/// program can write only in this folder, and cannot start others or connect to a network.
 ///
 /// # Errors
 /// [`ErrorKind::TimedOut`] for a program that was stopped after `limit`; the errors of starting it.
@@ -63,7 +63,7 @@ fn run(mut command: Command, limit: Duration) -> Result<ExitStatus> {
     }
 }
 
-/// Returns the program that runs a script, which its first line names.
+/// Returns the interpreter named in the first line of a script.
 fn script_program(path: &Path) -> Result<Option<PathBuf>> {
     let mut start = Vec::new();
     File::open(path)?.take(256).read_to_end(&mut start)?;
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_writes_in_its_folder_alone_and_starts_no_other() {
+    fn a_program_writes_only_in_its_folder_and_starts_no_other() {
         let (root, result) = run_script("echo said; echo a > inside; echo b > ../outside; /bin/true", LONG);
         let Ended { status, output, confinement } = result.unwrap();
         assert_eq!(output, "said\n");

@@ -60,8 +60,7 @@ impl Run {
         self
     }
 
-    /// Suspends the run after every `steps` zone time steps of the run period instead of each; with 0, the run is never
-    /// suspended.
+    /// Suspends the run after every `steps` zone time steps of the run period instead of each; 0 for never.
     #[must_use]
     pub fn stop_every(mut self, steps: u32) -> Self {
         self.stops.every = steps;

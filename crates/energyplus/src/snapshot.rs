@@ -1,8 +1,8 @@
 //! Copies of a running simulation by `fork`.
 //!
-//! EnergyPlus cannot save its state, but the operating system can copy the whole process: a copy shares its memory with the
-//! original until either writes to it, and so takes milliseconds where a start takes a second. Both continue bit for
-//! bit as the original would have done.
+//! EnergyPlus cannot save its state, but the operating system can copy the whole process: a copy shares its memory with
+//! the original until either writes to it, and so takes milliseconds where a start takes a second. Both continue bit
+//! for bit as the original would have done.
 //!
 //! Hazards of a fork, and how they are handled:
 //! 1. Threads: the copy would have one thread and the locks of all. A process with several threads is refused.

@@ -35,7 +35,8 @@ pub struct Billed {
 }
 
 impl Billing {
-    /// Returns the bill of an episode in a building with this floor area, m²; without tariff and profile it bills nothing.
+    /// Returns the bill of an episode in a building with this floor area, m²; without tariff and profile it bills
+    /// nothing.
     ///
     /// # Errors
     /// [`Error::Tariff`]; [`Error::Building`] if the weather file cannot be read.
@@ -78,7 +79,8 @@ impl Billing {
         Billed { cost, emissions: self.emissions.as_ref().map(emitted) }
     }
 
-    /// Writes the electricity prices of the hours ahead, currency/kWh, as known at a moment.
+    /// Writes the electricity prices of the hours ahead, currency/kWh, as known at a moment. Returns whether there are
+    /// any.
     pub(crate) fn preview(
         &self,
         day_of_year: u32,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A part of the bill of an episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BillPart {
-    /// Name: of a price of the tariff, a demand charge or a carrier.
+    /// Name of a price of the tariff, a demand charge or a carrier.
     pub name: String,
     /// kWh of energy, or kW of a demand charge, of the HVAC of the whole building.
     pub quantity: f64,
@@ -26,8 +26,8 @@ pub struct EngineReport {
     pub warning_messages: Vec<String>,
     /// The first severe and fatal messages.
     pub severe_messages: Vec<String>,
-    /// HVAC electricity and gas over the run period from EnergyPlus's own meters, Wh/m². `None` if the engine wrote
-    /// none, as after a restore.
+    /// HVAC electricity and other HVAC energy over the run period from EnergyPlus's own meters, Wh/m². `None` if the
+    /// engine did not finish its run.
     pub meters: Option<[f64; 2]>,
     /// Names of the controlled zones that are never occupied: occupancy setpoints always leave them at the unoccupied
     /// target.

@@ -48,7 +48,7 @@ pub enum Error {
         slot: String,
         /// The value.
         value: f64,
-        /// The step, from 1.
+        /// The step, from 1; 0 at the reset.
         step: usize,
     },
     /// A system resource that could not be created for a pool of environments.

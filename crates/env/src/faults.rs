@@ -1,7 +1,7 @@
 //! Faults of sensors and equipment.
 //!
-//! Faults depend only on seed, step and location, and with [`Faults::own`] on the building's name, so equal tasks have equal
-//! faults in every episode of a building.
+//! Faults depend only on seed, step and location, and with [`Faults::own`] on the building's name, so equal tasks have
+//! equal faults in every episode of a building.
 
 use b2b_base::digest::seed_of;
 use b2b_base::random::{standard_normal, uniform};

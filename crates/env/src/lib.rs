@@ -1,11 +1,11 @@
 //! Buildings as reinforcement-learning environments on EnergyPlus.
 //!
-//! An [`Environment`] consists of a prepared building, a weather file, a [`Task`] and a run period. One step is one zone
-//! time step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of the
-//! step, and energy is the meter reading of that step.
+//! An [`Environment`] consists of a prepared building, a weather file, a [`Task`] and a run period. One step is one
+//! zone time step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of
+//! the step, and energy is the meter reading of that step.
 //!
-//! [`Env`] runs EnergyPlus in this process. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under
-//! it. The crate `b2b-workers` runs environments in worker processes.
+//! [`Env`] runs EnergyPlus in this process. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode
+//! under it. The crate `b2b-workers` runs environments in worker processes.
 
 pub mod authority;
 mod billing;

@@ -78,8 +78,8 @@ impl Forecast {
         })
     }
 
-    /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar radiation
-    /// (W/m²) in each.
+    /// Writes the outdoor temperature (°C) at the end of each of the next hours of the clock, and the mean solar
+    /// radiation (W/m²) in each.
     pub fn write(&self, day_of_year: u32, hour: f64, temperatures: &mut [f64], solar: &mut [f64]) {
         let now = 24 * (day_of_year as usize - 1) + hour as usize;
         for ahead in 0..PREVIEW_HOURS {

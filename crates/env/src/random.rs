@@ -1,7 +1,7 @@
 //! Random streams of a seed.
 //!
-//! Setpoints use one stream per zone and day, sensor noise one per step, other faults the last three, and presence the
-//! streams from 2^40 on.
+//! Setpoints use one stream per zone and day, sensor noise one per step, other faults the last three, presence the
+//! streams from 2^40 on, and forecast errors those from 2^41 on.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

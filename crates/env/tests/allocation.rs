@@ -97,7 +97,7 @@ fn steps_allocate_nothing(case: &Case, task: &str) {
             counts.push((step, count));
         }
     }
-    assert!(counts.len() > 530, "{task}: the engine spoke in {} steps", 575 - counts.len());
+    assert!(counts.len() > 530, "{task}: the engine wrote messages in {} steps", 575 - counts.len());
     counts.retain(|(step, count)| *step > 144 && *count > 0);
     assert_eq!(counts, [], "{task}: steps and their allocations");
 }

@@ -1,8 +1,8 @@
-//! Guideline 36 under a schedule of its supervisory points that was found with perfect foresight of weather, occupants and
-//! physics: the best cost at comfort that is known for an episode, not a bound.
+//! Guideline 36 under a schedule of its supervisory points that was found with perfect foresight of weather, occupants
+//! and physics: the best cost at comfort that is known for an episode, not a bound.
 //!
 //! [`plan`] searches for the [`Schedule`] by running the episode again and again; [`Foresight`] carries it out. A
-//! schedule moves what an operator could move: setpoints, start times, supply air temperatures, least flows and the
+//! schedule moves what an operator could move: setpoints, start times, supply air temperatures, minimum flows and the
 //! economizer, the same in all zones, for each block of a day. The loops of the guideline do the rest.
 
 mod kind;
@@ -77,7 +77,7 @@ impl Controller for Foresight {
     }
 }
 
-/// How a schedule is searched.
+/// Options of the search for a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScheduleSearchOptions {
@@ -125,7 +125,8 @@ impl ScheduleSearchOptions {
 /// every episode of the search.
 ///
 /// # Errors
-/// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].
+/// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of
+/// [`Episode`].
 pub fn plan(
     episode: &mut Episode,
     options: &ScheduleSearchOptions,

@@ -45,7 +45,8 @@ impl Days {
         Self { steps_per_day: 24 * steps_per_hour as usize, steps: 0, days: Vec::new() }
     }
 
-    /// Returns the outcome, with the episode's discomfort divided among the days in proportion to their comfort penalties.
+    /// Returns the outcome, with the episode's discomfort divided among the days in proportion to their comfort
+    /// penalties.
     pub(crate) fn outcome(mut self, metrics: &Metrics) -> EpisodeUse {
         let penalty: f64 = self.days.iter().map(|day| day.discomfort).sum();
         let discomfort = metrics.zone_discomfort().unwrap_or(0.0);

@@ -17,7 +17,7 @@ use crate::{Error, Result};
 /// The plans that ship with the program, one per line.
 pub(super) const SHIPPED: &str = include_str!("../../data/foresight.jsonl");
 
-/// An episode that a plan is for.
+/// The episode of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Planned {
@@ -51,15 +51,15 @@ pub struct EpisodeTotal {
 pub struct SchedulePlan {
     /// The episode.
     pub planned: Planned,
-    /// How it was searched.
+    /// Options of the search.
     pub options: ScheduleSearchOptions,
-    /// Episodes that it ran.
+    /// Number of episodes that the search ran.
     pub episodes: usize,
     /// Guideline 36 without supervision.
     pub guideline: EpisodeTotal,
     /// The plan.
     pub result: EpisodeTotal,
-    /// What each shift saves: the score without it less the score, as a share of the guideline's cost.
+    /// Saving of each shift: the score without it minus the score, as a share of the guideline's cost.
     pub savings: BTreeMap<String, f64>,
     /// The schedule.
     pub schedule: Schedule,

@@ -2,7 +2,7 @@
 
 use crate::search::least_squares::{dot, solve};
 
-/// Regularization of the slope that all days share: the square of a pair's error over the square of a usual slope.
+/// Regularization of the slope that all days share: variance of a pair's error over the variance of slopes.
 const SHARED: f64 = 0.01;
 /// The same for a day's difference from it.
 const OWN: f64 = 0.03;
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn days_share_a_slope_that_none_of_them_could_tell_alone() {
+    fn days_share_a_slope_that_none_of_them_shows_alone() {
         let slope = [0.3, -0.2, 0.0, 0.1];
         // Each day moves along one axis only.
         let day = |axis: usize| {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_day_of_its_own_departs_from_the_others() {
+    fn an_unusual_day_gets_its_own_slope() {
         let pairs = |slope: f64| vec![Pair { difference: vec![1.0], gain: slope }];
         let found = slopes(&[pairs(0.1), pairs(0.1), pairs(-0.5)]);
         assert!(found[0][0] > 0.08 && found[2][0] < -0.45, "{found:?}");

@@ -7,10 +7,10 @@ use crate::{Error, Result};
 
 /// Hours of a day.
 const DAY: u32 = 24;
-/// Values are rounded to this fraction of their unit, so that a file holds what was run.
+/// Values are rounded to hundredths of their unit, so that a file holds what was run.
 const PER_UNIT: f64 = 100.0;
 
-/// Shifts of what Guideline 36 chooses, the same for all owners of a shift, by block of each day.
+/// Shifts of the values that Guideline 36 chooses, the same in all zones and systems, by block of each day.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
@@ -33,8 +33,8 @@ pub(super) struct Varied {
 }
 
 impl Varied {
-    /// Returns the shifts of a building's points, each once, in order of appearance. Setpoints stay within the band: outside,
-    /// they only trade comfort for cost.
+    /// Returns the shifts of a building's points, each once, in order of appearance. Setpoints stay within the band:
+    /// outside, they only trade comfort for cost.
     pub(super) fn of(points: &[SupervisoryPoint]) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for point in points {
@@ -97,7 +97,7 @@ impl Schedule {
         for (number, day) in days.iter().enumerate() {
             if day.len() != blocks || day.iter().any(|block| block.len() != shifts.len()) {
                 return wrong(format!(
-                    "day {number} has not {blocks} blocks with a value for each of {} shifts",
+                    "day {number} does not have {blocks} blocks with a value for each of {} shifts",
                     shifts.len()
                 ));
             }

@@ -1,9 +1,9 @@
 //! The search for a schedule.
 //!
-//! What a building does on a day hardly depends on the day before, so one episode can try something else on each of its
-//! days. A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope of
-//! every day's objective; then it goes down the slopes by steps of several lengths. For each day, the best point tried
-//! is the next one. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best
+//! What a building does on one day hardly depends on the day before, so one episode can try a different point on each
+//! of its days. A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope
+//! of every day's objective; then it goes down the slopes by steps of several lengths. The best point tried on a day is
+//! its next center. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best
 //! days together have no more discomfort than under the guideline.
 
 use b2b_base::random::{standard_normal, stream};
@@ -44,7 +44,7 @@ pub(super) type Point = Vec<Vec<f64>>;
 /// Runs an episode under each point, and returns the outcomes.
 pub(super) type Run<'a> = dyn FnMut(&[Point]) -> Result<Vec<EpisodeUse>> + 'a;
 
-/// How to search.
+/// Size and seed of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
     /// Number of rounds.
@@ -62,14 +62,14 @@ impl Effort {
     }
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) point: Point,
     pub(super) outcome: EpisodeUse,
     /// The guideline itself.
     pub(super) baseline: EpisodeUse,
-    /// Score without each part, less the score.
+    /// Score without each part minus the score.
     pub(super) shares: Vec<f64>,
 }
 
@@ -79,7 +79,7 @@ struct ScheduleSearch<'a> {
     random: ChaCha8Rng,
     spread: f64,
     price: f64,
-    /// The best value of each day.
+    /// The best values of each day.
     center: Point,
     /// The episode at the center, if it has run.
     at_center: Option<EpisodeUse>,
@@ -104,8 +104,8 @@ struct Best {
     score: f64,
 }
 
-/// Returns the cost of an episode relative to the baseline's, with every K·h beyond the baseline's discomfort at the price of
-/// the score at comfort, but without its allowance.
+/// Returns the cost of an episode relative to the baseline, plus a penalty for discomfort beyond the baseline, priced
+/// as in the score at comfort but without its allowance.
 pub(super) fn score(outcome: &EpisodeUse, baseline: &EpisodeUse) -> f64 {
     let days = baseline.days.len() as f64;
     let excess = (outcome.discomfort() - baseline.discomfort()).max(0.0);
@@ -333,8 +333,8 @@ mod tests {
     const EFFORT: Effort = Effort { rounds: 8, pairs: 4, seed: 0 };
     const BOUNDS: [[f64; 2]; 4] = [[-1.0, 1.0]; 4];
 
-    /// A cost with its lowest value at 0.6 and -0.3, flat in the last value, and discomfort from a value of 0.2 of the third on,
-    /// which saves cost.
+    /// A cost with its lowest value at 0.6 and -0.3, flat in the last value, and discomfort from a value of 0.2 of the
+    /// third on, which saves cost.
     fn toy(points: &[Point]) -> Result<Vec<EpisodeUse>> {
         let day = |day: &Vec<f64>| DayUse {
             used: 10.0 + 4.0 * (day[0] - 0.6).powi(2) + 4.0 * (day[1] + 0.3).powi(2) - 2.0 * day[2],
@@ -355,7 +355,7 @@ mod tests {
             "{}",
             found.outcome.discomfort()
         );
-        // 10 - 0.4 of 11.8 at the corner of discomfort.
+        // 10 - 0.4 instead of 11.8, where discomfort begins.
         let ratio = found.outcome.used() / found.baseline.used();
         assert!(ratio < 0.84, "{ratio}");
         assert!(found.point.iter().all(|day| day[3] == 0.0), "a value without effect is left out");

@@ -6,7 +6,7 @@ use b2b_env::{Bands, Spaces, Target};
 
 use super::points::{NextBand, ZoneInput};
 
-/// Half of the band around a target, K: the least distance between setpoints that the guideline allows (5.3.2) is 0.5 K.
+/// Half of the band around a target, K: the guideline's minimum distance between setpoints (5.3.2) is 0.5 K.
 const HALF_BAND: f64 = 0.25;
 /// Days of the year in winter and in summer.
 const SEASONS: [u32; 2] = [10, 190];
@@ -58,7 +58,8 @@ impl Inputs {
         self.bands.as_ref().is_some_and(changes)
     }
 
-    /// Writes the points of the zones; returns the outdoor temperature, °C. Allocates nothing once `points` has room for all.
+    /// Writes the points of the zones; returns the outdoor temperature, °C. Allocates nothing once `points` has room
+    /// for all.
     pub(super) fn read(&self, observation: &[f64], points: &mut Vec<ZoneInput>) -> f64 {
         points.clear();
         let (day, hour) = (observation[self.day_of_year] as u32, observation[self.time_of_day]);

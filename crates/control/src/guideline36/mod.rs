@@ -1,4 +1,4 @@
-//! Sequences of operation of ASHRAE Guideline 36, for the systems that exist here.
+//! Sequences of operation of ASHRAE Guideline 36, for the systems of this package.
 //!
 //! Sections are cited by their printed numbers, as in the 2021 edition. One file holds one sequence:
 //!
@@ -7,11 +7,11 @@
 //!   outdoor air and terminals.
 //! - `single_zone`: a unit of one zone. `thermostat`: a heater, or a zone whose equipment follows its setpoints.
 //!
-//! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations. `supervision` shifts what the
-//! sequences choose.
+//! A sequence reads [`ZoneInput`] and [`SiteInput`]; `inputs` derives them from observations. `supervision` shifts what
+//! the sequences choose.
 //!
-//! Not representable with the actuators: static pressure, discharge temperatures of terminals, return and relief fans, and
-//! the stages of freeze protection on coils.
+//! Not representable with the actuators: static pressure, discharge temperatures of terminals, return and relief fans,
+//! and the stages of freeze protection on coils.
 
 mod air_loop;
 mod inputs;
@@ -50,8 +50,8 @@ use single_zone::{SingleZone, Unit};
 use supervision::Supervision;
 use thermostat::Thermostat;
 
-/// Raised when a change of these sequences, or of the bands of operation tasks, changes trajectories. Baselines, evaluations,
-/// schedules of `foresight` and agents that supervise state the revision that they were made with.
+/// Revision of these sequences, raised when a change of them or of the bands of operation tasks changes trajectories.
+/// Baselines, evaluations, schedules of `foresight` and agents that supervise state the revision they were made with.
 pub const REVISION: u32 = 5;
 
 /// The guideline's sequences, one set per system of a building.
@@ -112,13 +112,13 @@ impl Guideline36 {
         }
     }
 
-    /// Returns the points that a supervisor may set: what it shifts, between which limits.
+    /// Returns the points that a supervisor may set, with their limits.
     pub fn supervisory_points(&self) -> &[SupervisoryPoint] {
         self.supervision.points()
     }
 
-    /// Shifts what the sequences choose, from the next step to the next call or reset. All zeros are the guideline itself.
-    /// Values beyond the limits of their points are clipped.
+    /// Shifts what the sequences choose, from the next step to the next call or reset. All zeros are the guideline
+    /// itself. Values beyond the limits of their points are clipped.
     ///
     /// # Panics
     /// If there is not one value for every point of [`Guideline36::supervisory_points`].
@@ -248,8 +248,8 @@ impl Sequences {
     }
 }
 
-/// Returns the points of a unit that serves several zones: the temperature of the first one, which has the thermostat, in the
-/// band of a zone with people.
+/// Returns the points of a unit that serves several zones: the temperature of the first one, which has the thermostat,
+/// in the band of a zone with people.
 fn in_one<'z>(zones: impl Iterator<Item = &'z ZoneInput>) -> Option<ZoneInput> {
     zones.copied().reduce(|first, other| match other.people && !first.people {
         true => ZoneInput { temperature: first.temperature, ..other },

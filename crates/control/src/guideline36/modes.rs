@@ -5,9 +5,9 @@
 //!
 //! - With the setpoints of occupied hours, or once optimum start has begun, a zone outside them starts warm-up or
 //!   cool-down: no minimum outdoor air, and the fan runs only while a zone needs it.
-//! - With a wider band, a zone outside it starts setback or setup, which last until it is 1 K inside or needs nothing more
-//!   to stay inside. The guideline starts with five zones or the average of all, and always heats by 1 K; here every zone
-//!   counts, because every zone's discomfort does, and the loops modulate: a fan at low flow takes little.
+//! - With a wider band, a zone outside it starts setback or setup, which last until it is 1 K inside or needs nothing
+//!   more to stay inside. The guideline starts with five zones or the average of all, and always heats by 1 K; here
+//!   every zone counts, because every zone's discomfort does, and the loops modulate: a fan at low flow takes little.
 //! - Otherwise the group is unoccupied: no flow.
 
 use super::points::Side;
@@ -69,7 +69,7 @@ impl Mode {
     }
 }
 
-/// What a zone reports to its group. Arrays are by side: heating, cooling.
+/// Report of a zone to its group. Arrays are by side: heating, cooling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ZoneNeed {
     /// Air temperature, °C.

@@ -10,7 +10,7 @@ use super::zone::{LoopGains, ZoneRules};
 use crate::Result;
 use crate::parameter_set::{self, parameter};
 
-/// Parameters of the controller `guideline36`. Four of them are ablations: `air_loop.supply_temperature_reset` 0,
+/// Parameters of the controller `guideline36`. Four settings are ablations: `air_loop.supply_temperature_reset` 0,
 /// `air_loop.min_flow` 0.3, `optimum_start` 0 and `setback` 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -39,13 +39,14 @@ pub struct Guideline36UnitaryParameters {
     pub cooling_margin: f64,
     /// Minimum flow while the fan runs, as a share of the design flow; 0.05 to 1. Coils need about 0.2.
     pub min_flow: f64,
-    /// Largest flow in heating before the supply air gets hotter than its normal limit, as a share of the design flow; 0.05 to
-    /// 1. The guideline's default is half of the cooling flow; with heat pumps, more air of a lower temperature saves energy.
+    /// Largest flow in heating before the supply air gets hotter than its normal limit, as a share of the design flow;
+    /// 0.05 to 1. The guideline's default is half of the cooling flow; with heat pumps, more air of a lower temperature
+    /// saves energy.
     pub heating_flow: f64,
     /// Supply air temperature above the heating setpoint up to which flow is not raised, K; 0 to 30. 11 K mixes well.
     pub heating_lift: f64,
-    /// The same with a heat pump, K; 0 to 30. Its efficiency grows with the flow: in a small office in January, 7 instead of 11 K
-    /// saves 3 % of energy, while 4 K saves no more.
+    /// The same with a heat pump, K; 0 to 30. Its efficiency grows with the flow: in a small office in January, 7
+    /// instead of 11 K saves 3 % of energy, while 4 K saves no more.
     pub heat_pump_lift: f64,
     /// Supply air temperature in cooling down to which flow is not raised, °C; 10 to 20.
     pub cooling_temperature: f64,
@@ -61,7 +62,8 @@ pub struct Guideline36AirLoopParameters {
     pub heating_margin: f64,
     /// Distance below the cooling setpoint at which the cooling loop aims, K; 0 to 1.
     pub cooling_margin: f64,
-    /// Minimum flow of a terminal in occupied mode, as a share of its design flow; 0 to 1. At least what ventilation needs.
+    /// Minimum flow of a terminal in occupied mode, as a share of its design flow; 0 to 1. At least what ventilation
+    /// needs.
     pub min_flow: f64,
     /// Largest flow of a terminal that reheats (Vheat-max), as a share of its design flow; 0 to 1.
     pub heating_flow: f64,
@@ -153,7 +155,8 @@ impl Guideline36Parameters {
         parameter!(air_loop.trim_respond.max_respond, "K/h", 0.0, 100.0),
     ];
 
-    /// Sets a parameter by its name in [`Guideline36Parameters::TABLE`]; [`Guideline36Parameters::check`] checks its value.
+    /// Sets a parameter by its name in [`Guideline36Parameters::TABLE`]; [`Guideline36Parameters::check`] checks its
+    /// value.
     ///
     /// # Errors
     /// [`Error::UnknownParameter`](crate::Error::UnknownParameter).
@@ -164,7 +167,8 @@ impl Guideline36Parameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the errors of [`Guideline36Parameters::check`].
+    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the
+    /// errors of [`Guideline36Parameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;
@@ -181,7 +185,7 @@ impl Guideline36Parameters {
         parameter_set::check(self, &Self::TABLE, [min_supply_temperature, max_supply_temperature])
     }
 
-    /// Returns how zones are controlled, with the margins of no system.
+    /// Returns the rules of zones, without the margins of a system.
     pub(super) fn zone_rules(&self, gains: LoopGains) -> ZoneRules {
         let setback = self.setback >= 0.5;
         ZoneRules { gains: [gains; 2], margins: [0.0; 2], optimum_start: self.optimum_start, setback }

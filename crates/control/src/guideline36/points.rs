@@ -1,4 +1,4 @@
-//! What the sequences read: the points of a zone and of the site at the beginning of a step.
+//! Inputs of the sequences: the points of a zone and of the site at the beginning of a step.
 
 pub use super::setpoints::Setpoints;
 pub(super) use super::setpoints::Side;

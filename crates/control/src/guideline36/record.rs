@@ -1,4 +1,4 @@
-//! What the controller decided in the last step, by name: modes, setpoints, requests and loops.
+//! Decisions of the controller in the last step, by name: modes, setpoints, requests and loops.
 
 use b2b_env::{DecisionSlot, Decisions};
 

@@ -1,9 +1,9 @@
 //! Supervision: what an operator, a planner or an agent adds to the choices of the sequences, which continue to run at
 //! every step.
 //!
-//! A shift of 0 is the guideline's own choice. Setpoints of zones move out of their band by at most the tolerance with which
-//! hours count as too cold or too warm, and into it by up to 2 K. Levels of demand limiting need no point of their own: they
-//! are shifts of both setpoints of all zones.
+//! A shift of 0 is the guideline's own choice. Setpoints of zones move out of their band by at most the tolerance with
+//! which hours count as too cold or too warm, and into it by up to 2 K. Levels of demand limiting need no point of
+//! their own: they are shifts of both setpoints of all zones.
 
 use b2b_building::Conditioning;
 use b2b_building::morphology::Owner;
@@ -30,7 +30,7 @@ pub enum Shift {
     SupplyTemperature,
     /// Outdoor temperature above which the economizer of an air handler is off, K.
     EconomizerLimit,
-    /// Least flow of a running unit, as a share of its design flow.
+    /// Minimum flow of a running unit, as a share of its design flow.
     MinimumFlow,
     /// Supply air temperature in heating up to which the flow of a unit is not raised, K.
     HeatingTemperature,
@@ -106,7 +106,7 @@ impl Shift {
         }
     }
 
-    /// Returns its point at an owner.
+    /// Returns the point of the shift at an owner.
     fn point(self, name: &str, owner: Owner) -> SupervisoryPoint {
         let ((what, unit), [low, high]) = (self.described(), self.limits());
         SupervisoryPoint { name: format!("{name} {what}"), owner, shift: self, unit, low, high }
@@ -156,7 +156,7 @@ impl Supervision {
         &self.points
     }
 
-    /// Sets the points in the sequences, each to its value within its limits.
+    /// Sets the points in the sequences to their values, clipped to their limits.
     pub(super) fn set(&self, systems: &mut [ControlledSystem], value: impl Fn(usize) -> f64) {
         for (index, (point, place)) in self.points.iter().zip(&self.places).enumerate() {
             let value = value(index).clamp(point.low, point.high);

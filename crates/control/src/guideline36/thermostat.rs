@@ -1,5 +1,5 @@
-//! A heater, or a zone whose equipment follows the setpoints of its thermostat: the setpoints in use by mode, with optimum
-//! start (Guideline 36, 5.3.2 and 5.4.6). The equipment of the engine holds them.
+//! A heater, or a zone whose equipment follows the setpoints of its thermostat: the setpoints in use by mode, with
+//! optimum start (Guideline 36, 5.3.2 and 5.4.6). The engine's equipment holds them.
 
 use b2b_building::hvac::Actuator;
 

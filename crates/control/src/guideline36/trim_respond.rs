@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 pub struct Guideline36Reset {
     /// Time from the start of the device to the first change (Td), h; 0 to 24.
     pub delay: f64,
-    /// Ignored requests (I); 0 to 100. The guideline's 2 is for air handlers of tens of zones: with five, it would
-    /// leave a hot one without an answer.
+    /// Ignored requests (I); 0 to 100. The guideline's 2 is for air handlers of tens of zones: with five zones, a hot
+    /// one would get no response.
     pub ignored_requests: f64,
     /// Trim (SPtrim), K/h; 0 to 100.
     pub trim: f64,

@@ -15,10 +15,10 @@ use crate::parameter_set::to_json;
 /// The rules that ship with the program, by building type.
 const SHIPPED: &str = include_str!("../../data/linear_supervisor.json");
 
-/// The kind `linear-supervisor`. Its values are rules for the days, the last of which lasts.
+/// The kind `linear-supervisor`. Its values are rules for the days; the last one stays in effect.
 pub(crate) struct Kind;
 
-/// Returns the shipped rule of a building type; a type without one is left to the guideline.
+/// Returns the shipped rule of a building type; the guideline itself for a type without one.
 fn shipped(building_type: &str) -> Rule {
     let rules: BTreeMap<String, Rule> =
         serde_json::from_str(SHIPPED).expect("a test reads the shipped rules");

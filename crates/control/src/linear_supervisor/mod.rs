@@ -1,9 +1,9 @@
-//! Guideline 36 under shifts that are linear in the weather and in what zones need: the plainest supervisor that is the same in
-//! every building.
+//! Guideline 36 under shifts that are linear in the weather and in what zones need: the simplest supervisor that is the
+//! same in every building.
 //!
-//! Every hour, a point is shifted by a share of its limit: a constant, plus a weight times how cold it is outdoors, plus weights
-//! times the mean outputs of the heating and cooling loops of its zones in the last hour. [`tune`] finds the weights in many
-//! buildings at a time.
+//! Every hour, a point is shifted by a share of its limit: a constant, plus a weight times how cold it is outdoors,
+//! plus weights times the mean outputs of the heating and cooling loops of its zones in the last hour. [`tune`] finds
+//! the weights in many buildings at a time.
 
 mod kind;
 mod search;
@@ -22,14 +22,14 @@ use crate::{Error, Result};
 pub(crate) use kind::Kind;
 pub use search::{Round, TriedEpisode, Tries, TunedWeights, WeightSearchOptions, run, tune};
 
-/// Outdoor temperature from which on it is not cold, °C, and the difference that counts as 1.
+/// Outdoor temperature above which it is not cold, °C, and the difference that counts as 1, K.
 const COLD: [f64; 2] = [10.0, 20.0];
 
 /// The weights of a kind of shift, as shares of its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
-    /// Share whatever the inputs are.
+    /// Share at any inputs.
     pub constant: f64,
     /// Weight of (10 °C - outdoor temperature)/20 K, from 0 to 1.
     pub cold: f64,
@@ -96,7 +96,7 @@ impl Rule {
 #[derive(Clone, Debug)]
 pub struct LinearSupervisor {
     guideline: Guideline36,
-    /// The weights of every point, by day; the last day's last.
+    /// The weights of every point, by day; the last day's stay in effect.
     days: Vec<Vec<Weights>>,
     /// The heating and the cooling loops of each point's zones, as numbers of decisions.
     loops: Vec<[Vec<usize>; 2]>,
@@ -109,7 +109,7 @@ pub struct LinearSupervisor {
 }
 
 impl LinearSupervisor {
-    /// Creates the sequences of a building under a rule, or under a rule for each day, of which the last lasts.
+    /// Creates the sequences of a building under a rule for each day; the last one stays in effect.
     ///
     /// # Errors
     /// [`Error::Values`] for an unknown shift, a weight that is not finite, and no rule.

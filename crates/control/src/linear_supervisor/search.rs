@@ -1,11 +1,11 @@
 //! The search for the weights of a rule in many buildings at a time.
 //!
-//! A day hardly depends on the day before, so that an episode tries other weights on each of its days. Around the best rule so
-//! far, every round draws mirrored pairs of weights for the days of some episodes, in buildings and periods that differ from
-//! round to round. All days so far, each compared with the same day under the guideline, give two response surfaces: of the
-//! logarithm of cost, in which a day weighs by its share of the episode, so that every building counts alike, and of discomfort.
-//! The next rule has the lowest cost near the last one at which discomfort is the guideline's. Setpoints have no weights:
-//! schedules found with foresight do not move them.
+//! A day hardly depends on the day before, so that an episode tries other weights on each of its days. Around the best
+//! rule so far, every round draws mirrored pairs of weights for the days of some episodes, in buildings and periods
+//! that differ from round to round. All days so far, each compared with the same day under the guideline, give two
+//! response surfaces: of the logarithm of cost, in which a day weighs by its share of the episode, so that every
+//! building counts alike, and of discomfort. The next rule has the lowest cost near the last one at which discomfort is
+//! the guideline's. Setpoints have no weights: schedules found with foresight do not move them.
 
 use std::path::Path;
 
@@ -33,7 +33,8 @@ const WIDEST: f64 = 2.0;
 const LARGEST: f64 = 1.5;
 /// Largest change of a weight by a round, in deviations of its draws.
 const REACH: f64 = 1.5;
-/// What a move of a weight by a deviation of its draws must save, as a share of the cost, so that noise moves little.
+/// Saving that justifies moving a weight by a deviation of its draws, as a share of the cost, so that noise moves
+/// little.
 const SIGNIFICANT: f64 = 0.01;
 /// Share of an episode's mean day that is added to costs before their ratio, because days off cost nothing.
 const LEAST: f64 = 0.05;
@@ -41,10 +42,10 @@ const LEAST: f64 = 0.05;
 const PRICES: [f64; 2] = [0.003, 10.0];
 /// Bisections of the logarithm of the price.
 const BISECTIONS: usize = 12;
-/// Weights are rounded to this fraction.
+/// Weights are rounded to thousandths.
 const PER_UNIT: f64 = 1000.0;
 
-/// How weights are searched.
+/// Options of the search for weights.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WeightSearchOptions {
@@ -76,9 +77,9 @@ pub struct TriedEpisode {
 /// The result of a round.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Round {
-    /// Cost relative to the guideline's less 1, as the surface has it.
+    /// Cost relative to the guideline's minus 1, on the response surface.
     pub cost: f64,
-    /// Discomfort less the guideline's, as the surface has it, K·h per zone and day.
+    /// Discomfort minus the guideline's, on the response surface, K·h per zone and day.
     pub discomfort: f64,
     /// The rule.
     pub rule: Rule,
@@ -87,7 +88,7 @@ pub struct Round {
 /// The result of a search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TunedWeights {
-    /// How it was searched.
+    /// Options of the search.
     pub options: WeightSearchOptions,
     /// The rounds. The last one's rule is the result.
     pub rounds: Vec<Round>,
@@ -123,8 +124,8 @@ pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<TriedEpisode> {
 /// Runs the episodes of a round: its number, and for each episode the lists of rules by day.
 pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Result<Vec<TriedEpisode>, E> + 'a;
 
-/// Searches a rule for episodes of a number of days. With a record, a file and what the search depends on, an interrupted search
-/// resumes.
+/// Searches a rule for episodes of a number of days. With a record, a file and what the search depends on, an
+/// interrupted search resumes.
 ///
 /// # Errors
 /// [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of `tries`.
@@ -224,7 +225,8 @@ impl WeightSearch {
         all
     }
 
-    /// Compares the days of an episode with the guideline's. Weights of shifts that the building does not have count as 0.
+    /// Compares the days of an episode with the guideline's. Weights of shifts that the building does not have count as
+    /// 0.
     fn learn(&mut self, draws: &[Draws], site: &TriedEpisode) {
         let [guideline, tried @ ..] = &site.outcomes[..] else { return };
         let mean = guideline.used() / guideline.days.len() as f64;
@@ -296,7 +298,8 @@ mod tests {
     use super::*;
     use crate::foresight::DayUse;
 
-    /// A day of a building in which warmer supply air saves up to a share of 0.5 and an earlier start costs and comforts.
+    /// A day of a building in which warmer supply air saves up to a share of 0.5, and an earlier start costs energy and
+    /// adds comfort.
     fn day(rule: Option<&Rule>) -> DayUse {
         let own = |name: &str| rule.and_then(|rule| rule.0.get(name)).copied().unwrap_or_default().constant;
         let (supply, start) = (own("supply air temperature shift"), own("earlier start"));

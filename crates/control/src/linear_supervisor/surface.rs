@@ -5,7 +5,8 @@ const RIDGE: f64 = 0.02;
 /// Sweeps of the descent by coordinates.
 const SWEEPS: usize = 60;
 
-/// A quadratic function without a constant: 0 where all coordinates are. Products count within groups of coordinates only.
+/// A quadratic function without a constant: 0 where all coordinates are. Products count within groups of coordinates
+/// only.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     terms: Vec<(usize, Option<usize>)>,
@@ -13,8 +14,8 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Fits the surface to points, their values and the weights of these by a ridge regression. Coordinates form groups of
-    /// `group`.
+    /// Fits the surface to points, their values and the weights of these by a ridge regression. Coordinates form groups
+    /// of `group`.
     pub(super) fn fit(points: &[&[f64]], values: &[[f64; 2]], group: usize) -> Self {
         let width = points.first().map_or(0, |point| point.len());
         let mut terms: Vec<(usize, Option<usize>)> = (0..width).map(|index| (index, None)).collect();
@@ -50,8 +51,8 @@ fn value_of((first, second): (usize, Option<usize>), point: &[f64]) -> f64 {
     point[first] * second.map_or(1.0, |second| point[second])
 }
 
-/// Returns a point with the lowest value of a function within bounds, from a point of theirs, by descent along one coordinate at
-/// a time. The function is quadratic in every coordinate on either side of the first point.
+/// Returns a point with the lowest value of a function within bounds, from a point of theirs, by descent along one
+/// coordinate at a time. The function is quadratic in every coordinate on either side of the first point.
 pub(super) fn lowest(start: &[f64], bounds: &[[f64; 2]], value: &dyn Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut point = start.to_vec();
     for _ in 0..SWEEPS {

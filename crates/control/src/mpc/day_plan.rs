@@ -1,14 +1,14 @@
 //! The search over the hours of a day.
 //!
-//! Effects add up over points and hours. At a price of discomfort, every hour has a best level of every shift, so that the search
-//! is for the lowest price at which the day has no more discomfort than under the guideline.
+//! Effects add up over points and hours. At a price of discomfort, every hour has a best level of every shift, so that
+//! the search is for the lowest price at which the day has no more discomfort than under the guideline.
 
 use b2b_env::PREVIEW_HOURS;
 
 use super::drivers::Drivers;
 use super::model::Model;
 
-/// Highest price of discomfort: cost of the reward's own weight is 1.
+/// Highest price of discomfort, in the mean hour's cost per mean hour's discomfort.
 const HIGHEST_PRICE: f64 = 1e3;
 /// Bisections of the price.
 const BISECTIONS: usize = 20;
@@ -34,7 +34,7 @@ struct Shifted {
 #[derive(Clone, Debug)]
 pub(super) struct DayPlan {
     shifts: Vec<Shifted>,
-    /// By hour and effect; `None` for a level that is not known to save.
+    /// By effect and hour; `None` for a level that is not known to save cost or discomfort.
     predicted: Vec<[Option<Predicted>; PREVIEW_HOURS]>,
 }
 
@@ -125,7 +125,7 @@ mod tests {
         own.choose();
         assert_eq!(own.shifts[0].chosen[0], Some(1));
         let mut own = plan([cheap, Predicted { cost: 0.1, discomfort: -0.3 }]);
-        // Cheap in some hours, if others are made up for.
+        // The cheap level, if other hours make up for its discomfort.
         own.predicted[1][..12].fill(None);
         own.choose();
         assert_eq!(own.shifts[0].chosen[0], Some(0));

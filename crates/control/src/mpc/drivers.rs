@@ -1,10 +1,10 @@
-//! What the effect of a point depends on, and can be forecast.
+//! Drivers: inputs that can be forecast and on which the effect of a point depends.
 
 use crate::guideline36::Shift;
 
-/// Outdoor temperatures from which on an hour is mild instead of cold, none and all of it, °C.
+/// Outdoor temperatures at which an hour is fully cold and fully mild, °C.
 const COLD_TO_MILD: [f64; 2] = [-4.0, 6.0];
-/// The same for warm instead of mild.
+/// Outdoor temperatures at which an hour is fully mild and fully warm, °C.
 const MILD_TO_WARM: [f64; 2] = [12.0, 20.0];
 /// Outdoor temperature below which it is cold, °C, and the difference that counts as 1.
 pub(super) const COLD: [f64; 2] = [18.0, 20.0];
@@ -12,9 +12,10 @@ pub(super) const COLD: [f64; 2] = [18.0, 20.0];
 pub(super) const WARM: [f64; 2] = [14.0, 10.0];
 /// Largest value of cold and warm.
 const MOST: f64 = 2.0;
-/// Outdoor temperature around which the limit of an economizer matters, °C, and the distance at which it no longer does, K.
+/// Outdoor temperature around which the limit of an economizer matters, °C, and the distance at which it no longer
+/// does, K.
 const ECONOMIZER: [f64; 2] = [20.0, 8.0];
-/// Least difference between the setpoints of a schedule with a setback, K.
+/// Smallest difference between the setpoints of a schedule with a setback, K.
 const SETBACK: f64 = 0.5;
 
 /// The drivers of an hour.
@@ -30,7 +31,8 @@ impl Drivers {
     /// Largest number of terms of a shift.
     pub(super) const TERMS: usize = 3;
 
-    /// Returns the drivers at an outdoor temperature and a mean heating setpoint (°C) between its lowest and its highest.
+    /// Returns the drivers at an outdoor temperature and a mean heating setpoint (°C) between its lowest and its
+    /// highest.
     pub(super) fn new(outdoor: f64, setpoint: f64, [low, high]: [f64; 2]) -> Self {
         let narrow =
             if high - low < SETBACK { 1.0 } else { ((setpoint - low) / (high - low)).clamp(0.0, 1.0) };
@@ -41,7 +43,7 @@ impl Drivers {
         self.narrow
     }
 
-    /// Returns the levels that are tried of a shift, in its unit; `None` for a shift that stays the guideline's.
+    /// Returns the levels of a shift that are tried, in its unit; `None` for a shift that stays the guideline's.
     pub(super) fn levels(shift: Shift) -> Option<[f64; 2]> {
         match shift {
             Shift::SupplyTemperature => Some([-3.0, 6.0]),
@@ -53,14 +55,14 @@ impl Drivers {
         }
     }
 
-    /// Returns the hours for which a level stays in the identification, so that zones follow: the fabric of a building stores the
-    /// heat of an air handler.
+    /// Returns the hours for which a level stays in the identification, so that zones follow: the fabric of a building
+    /// stores the heat of an air handler.
     pub(super) fn held(shift: Shift) -> usize {
         if Shift::AIR_LOOP.contains(&shift) { 4 } else { 2 }
     }
 
-    /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat and cooling
-    /// than it saves in fans; its effect only helps to tell the effect of warmer air.
+    /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat
+    /// and cooling than it saves in fans; its effect only helps to estimate the effect of warmer air.
     pub(super) fn may_be_chosen(shift: Shift, level: f64) -> bool {
         shift != Shift::SupplyTemperature || level > 0.0
     }
@@ -70,8 +72,8 @@ impl Drivers {
         [(COLD[0] - outdoor) / COLD[1], (outdoor - WARM[0]) / WARM[1]].map(|value| value.clamp(0.0, MOST))
     }
 
-    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a unit's air of another temperature is
-    /// felt in the next hour too.
+    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a unit's air of another
+    /// temperature is felt in the next hour too.
     pub(super) fn shape(shift: Shift) -> (usize, usize) {
         match shift {
             Shift::SupplyTemperature => (3, 1),
@@ -80,7 +82,7 @@ impl Drivers {
         }
     }
 
-    /// Returns the terms of a shift's effect, as a share of what the hour would come to without it; the ones beyond
+    /// Returns the terms of a shift's effect, as a share of the hour's amount without it; the ones beyond
     /// [`Drivers::shape`] are 0.
     pub(super) fn terms(self, shift: Shift) -> [f64; Self::TERMS] {
         let outdoor = self.outdoor;

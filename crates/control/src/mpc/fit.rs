@@ -9,19 +9,19 @@ use crate::guideline36::{REVISION, Shift};
 
 /// Powers of a shift: its effect is linear and, to a lesser degree, quadratic.
 const POWERS: usize = 2;
-/// Regularization of what explains an hour without shifts.
+/// Regularization of the regressors of an hour without shifts.
 const RIDGE: f64 = 1e-2;
 /// Regularization of the powers of a shift: effects of some percent are usual, and much curvature is not.
 const EFFECT_RIDGE: [f64; POWERS] = [30.0, 300.0];
-/// Regularization of what an hour is expected to come to.
+/// Regularization of the expected amount of an hour.
 const EXPECTED_RIDGE: f64 = 0.1;
 
-/// Least size of the errors of an hour, relative to the mean hour.
+/// Smallest size of the errors of an hour, relative to the mean hour.
 const LEAST_SIZE: f64 = 0.1;
-/// Share of the mean hour's cost below which equipment is off: such an hour tells nothing.
+/// Share of the mean hour's cost below which equipment is off: such hours are left out.
 const OFF: f64 = 0.02;
 
-/// Explains an amount of hours relative to its mean. The effects are relative to what each hour is expected to come to.
+/// Regression of an hourly amount, relative to its mean. Effects are relative to the expected amount of each hour.
 struct Explained {
     expected: Vec<f64>,
     estimate: Estimate,
@@ -106,7 +106,7 @@ fn explain(
     Some(Explained { estimate: rows.explain(&values, columns.iter().map(Column::count).sum()), expected })
 }
 
-/// Returns the mean of what hours are expected to come to, by the hour of the day, in setback and outside.
+/// Returns the mean expected amount by hour of the day, in setback and outside.
 fn profile(explained: Option<&Explained>, hours: &[Hour], drivers: &[Drivers]) -> [Vec<f64>; 2] {
     [false, true].map(|narrow| {
         let (mut sums, mut counts) = (vec![0.0; 24], vec![0.0; 24]);
@@ -120,7 +120,8 @@ fn profile(explained: Option<&Explained>, hours: &[Hour], drivers: &[Drivers]) -
     })
 }
 
-/// The regressors of a shift: its share of the larger level and the square of it, times its terms, in its own hour and in later ones.
+/// The regressors of a shift: its share of the larger level and the square of it, times its terms, in its own hour and
+/// in later ones.
 struct Column {
     shift: Shift,
     /// Number of the shift among the tried ones.
@@ -165,7 +166,8 @@ impl Column {
         }
     }
 
-    /// Returns the effect of a level in all hours together, of the coefficients from `first` on among the uncertain ones.
+    /// Returns the effect of a level in all hours together, of the coefficients from `first` on among the uncertain
+    /// ones.
     fn response(&self, value: f64, estimate: Option<&Estimate>, first: usize, uncertain: usize) -> Response {
         let (terms, hours) = Drivers::shape(self.shift);
         let Some(Estimate { coefficients, covariance }) = estimate else {
@@ -220,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_that_saves_is_told_from_one_that_does_nothing() {
+    fn a_level_that_saves_is_distinguished_from_one_without_effect() {
         let model = fit("a", "days".to_owned(), &[Shift::SupplyTemperature], &hours());
         model.check().unwrap();
         let values: Vec<f64> = model.effects.iter().map(|effect| effect.value).collect();

@@ -10,10 +10,11 @@ const OUTDOOR_UNIT: f64 = 10.0;
 /// Hours of a day.
 const DAY: f64 = 24.0;
 
-/// A zone at the beginning of an hour: air temperature, heating and cooling setpoint, °C; the last is infinite without cooling.
+/// A zone at the beginning of an hour: air temperature, heating and cooling setpoint, °C; the last is infinite without
+/// cooling.
 pub(super) type ZoneState = [f64; 3];
 
-/// What an hour was like, and what it came to.
+/// Conditions and outcomes of an hour.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hour {
     /// Hour of the day.

@@ -1,4 +1,4 @@
-//! Two weeks of the guideline with equipment points that move at random.
+//! Identification: two weeks of the guideline with equipment points that move at random.
 
 use std::sync::Arc;
 
@@ -25,13 +25,13 @@ pub const IDENTIFICATION_HOURS: usize = 24 * DAYS as usize;
 /// First and last day of the identification for an episode in the first two weeks of a year.
 const LAST_WEEKS: [u32; 2] = [352, 365];
 
-/// Identifies the model of an episode's building in the two weeks before the episode, in an episode of their own. For an episode
-/// that begins in the first two weeks of January, they are the last two weeks of December in the same weather file. `done` is
-/// called after every hour.
+/// Identifies the model of an episode's building in the two weeks before the episode, in an episode of their own. For
+/// an episode that begins in the first two weeks of January, they are the last two weeks of December in the same
+/// weather file. `done` is called after every hour.
 ///
 /// # Errors
-/// [`Error::NotOperation`] for a task without bands or without a weight of energy; the errors of [`Episode`], for example if a
-/// weather file does not have these days.
+/// [`Error::NotOperation`] for a task without bands or without a weight of energy; the errors of [`Episode`], for
+/// example if a weather file does not have these days.
 pub fn identify(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<Model> {
     let own = &Environment::spaces(episode).episode;
     if !own.task.is_operation() || own.task.energy_weight <= 0.0 {

@@ -1,13 +1,13 @@
-//! A model predictive controller that could run in a building: Guideline 36 under supervisory points, chosen every hour by a
-//! search over a day on a model identified from the two weeks before.
+//! A model predictive controller that could run in a building: Guideline 36 under supervisory points, chosen every hour
+//! by a search over a day on a model identified from the two weeks before.
 //!
-//! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, least flows and the
-//!    economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
-//! 2. From the hours, regressions tell what every level of a point does to cost and to discomfort: a [`Model`].
-//! 3. Every hour, [`Mpc`] forecasts how cold, how warm and how narrow the band will be in the next 24 hours, and chooses the
-//!    levels of lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
+//! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, minimum flows
+//!    and the economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
+//! 2. From the hours, regressions estimate the effect of every level of a point on cost and discomfort: a [`Model`].
+//! 3. Every hour, [`Mpc`] forecasts outdoor temperatures and setpoints for the next 24 hours, and chooses the levels of
+//!    lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
 //!
-//! A level counts only if the model is sure that it saves, so that the guideline itself remains where nothing can be told.
+//! A level counts only if the model is sure of its effect; otherwise the guideline itself stays in effect.
 
 mod day_plan;
 mod drivers;
@@ -34,7 +34,8 @@ pub use model::{Effect, Model, Response};
 const NAME: &str = "mpc";
 /// Revision of identification and plan, for the results of evaluations: raised whenever actions change.
 const REVISION: u32 = 1;
-/// Errors of the weather forecast 24 hours ahead: the temperature's (K) and the radiation's, which the model does not read.
+/// Errors of the weather forecast 24 hours ahead: the temperature's (K) and the radiation's, which the model does not
+/// read.
 const FORECAST_ERROR: Preview = Preview { temperature_error: 2.0, solar_error: 0.0, seed: 0 };
 
 /// The guideline's sequences under a model predictive supervisor.
@@ -60,7 +61,7 @@ impl Mpc {
     ///
     /// # Errors
     /// [`Error::NotOperation`] for a task without bands; [`Error::Values`] for a model of other sequences or shifts;
-    /// [`Error::Environment`] if the weather file cannot be read.
+    /// [`Error::Env`] if the weather file cannot be read.
     pub fn new(spaces: &Spaces, model: &Model, seed: u64) -> Result<Self> {
         model.check().map_err(|why| Error::Values { why })?;
         let task = || spaces.episode.task.to_string();

@@ -1,4 +1,4 @@
-//! What levels of supervisory points do to cost and discomfort, identified from hours in which they moved at random.
+//! Effects of levels of supervisory points on cost and discomfort, identified from hours in which they moved at random.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use crate::guideline36::{REVISION, Shift};
 use crate::parameter_set::read;
 use crate::{Error, Result};
 
-/// Distance from 0, in standard deviations, from which on an effect on cost and one on discomfort count.
+/// Distance from 0 beyond which an effect on cost and one on discomfort count, in standard deviations.
 const SURE: [f64; 2] = [1.0, 2.0];
 
-/// Least effect that counts, relative to the hour's: half of what is a difference at all.
+/// Smallest effect that counts, relative to the hour's amount.
 const LEAST: f64 = 0.005;
 
 /// The identified model of a building.
@@ -27,9 +27,9 @@ pub struct Model {
     pub guideline36: u32,
     /// Lowest and highest mean heating setpoint, °C.
     pub setpoints: [f64; 2],
-    /// Share of the mean hour's cost, by hours of the day of hours in setback and of others.
+    /// Expected cost by hour of the day, in setback and outside, relative to the mean hour.
     pub cost: [Vec<f64>; 2],
-    /// Share of the mean hour's discomfort, likewise.
+    /// Expected discomfort, likewise.
     pub discomfort: [Vec<f64>; 2],
     /// Effects of the levels that were tried.
     pub effects: Vec<Effect>,
@@ -134,7 +134,7 @@ impl Model {
             for Response { mean, covariance } in [&effect.cost, &effect.discomfort] {
                 let fits = mean.len() == terms && covariance.len() == terms;
                 if !fits || covariance.iter().any(|row| row.len() != terms) {
-                    return Err(format!("an effect of `{}` has not {terms} terms", effect.shift));
+                    return Err(format!("an effect of `{}` does not have {terms} terms", effect.shift));
                 }
                 if !mean.iter().chain(covariance.iter().flatten()).all(|value| value.is_finite()) {
                     return Err(format!("an effect of `{}` is not a finite number", effect.shift));

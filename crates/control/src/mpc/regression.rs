@@ -1,15 +1,15 @@
-//! Ridge regression of hourly values whose errors are proportional to their usual size, by a factor that differs by the hour of the
-//! day, and last from hour to hour.
+//! Ridge regression of hourly values whose errors are proportional to their usual size, by a factor that differs by the
+//! hour of the day, and last from hour to hour.
 
 use crate::search::least_squares::{dot, solve};
 
 /// Rounds in which errors are estimated from residuals.
 const ROUNDS: usize = 6;
-/// Bounds of the share of an error that lasts for an hour.
+/// Bounds of the autocorrelation of errors over an hour.
 const LASTING: [f64; 2] = [-0.3, 0.9];
-/// Least deviation of an error, relative to the usual size.
+/// Smallest deviation of an error, relative to the usual size.
 const LEAST_DEVIATION: f64 = 0.02;
-/// Least number of degrees of freedom.
+/// Smallest number of degrees of freedom.
 const LEAST_FREEDOM: f64 = 10.0;
 
 /// Rows to explain.
@@ -31,11 +31,11 @@ pub(super) struct Estimate {
     pub(super) covariance: Vec<Vec<f64>>,
 }
 
-/// How errors behave.
+/// Model of the errors.
 struct Errors {
     /// Standard deviation relative to the usual size, by hour of the day.
     deviation: [f64; 24],
-    /// Share that lasts for an hour.
+    /// Autocorrelation over an hour.
     lasting: f64,
 }
 
@@ -72,13 +72,13 @@ impl Rows {
         Estimate { coefficients, covariance }
     }
 
-    /// Returns the explained part of values, without what is below 0.
+    /// Returns the fitted values, clipped at 0.
     pub(super) fn fitted(&self, values: &[f64]) -> Vec<f64> {
         let Estimate { coefficients, .. } = self.explain(values, 0);
         self.inputs.iter().map(|row| dot(row, &coefficients).max(0.0)).collect()
     }
 
-    /// Returns rows and values whose errors are alike and independent.
+    /// Returns rows and values transformed so that their errors have equal variance and are independent.
     fn alike(&self, values: &[f64], errors: &Errors) -> (Vec<Vec<f64>>, Vec<f64>) {
         let scaled = |row: usize| {
             let scale = 1.0 / (self.sizes[row] * errors.deviation[self.hours[row]]);

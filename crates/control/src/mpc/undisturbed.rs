@@ -1,4 +1,4 @@
-//! What explains the cost and discomfort of hours without shifts.
+//! Regressors of the cost and discomfort of hours without shifts.
 
 use super::drivers::Drivers;
 use super::hour::Hour;
@@ -9,16 +9,17 @@ const EARLY: std::ops::RangeInclusive<usize> = 5..=9;
 const KEPT: usize = 5;
 /// Solar radiation that counts as 1, W/m².
 const RADIATION: f64 = 500.0;
-/// Least sum of the absolute values of a regressor, relative to its largest, with which it is used.
+/// Smallest sum of the absolute values of a regressor, relative to its largest, with which it is used.
 const LEAST_SUM: f64 = 3.0;
 /// Distance to a setpoint within which a zone counts as heated or cooled, K.
 const NEAR: f64 = 1.0;
-/// Outdoor temperature below the zones' from which on they gain heat, K.
+/// Distance of the outdoor temperature below the zones' at which they begin to gain heat, K.
 const GAIN: f64 = 8.0;
 /// Units of heat losses and gains, K.
 const UNITS: [f64; 2] = [20.0, 10.0];
 
-/// Returns what is known before an hour: its place in the day, the weather, people, and how far zones are from their setpoints.
+/// Returns what is known before an hour: its place in the day, the weather, people, and how far zones are from their
+/// setpoints.
 pub(super) fn expected_inputs(hours: &[Hour], drivers: &[Drivers]) -> Vec<Vec<f64>> {
     let is_narrow: Vec<bool> = drivers.iter().map(|own| own.narrow() > 0.5).collect();
     let day = |row: usize| row / 24 * 24..hours.len().min(row / 24 * 24 + 24);
@@ -41,7 +42,8 @@ pub(super) fn expected_inputs(hours: &[Hour], drivers: &[Drivers]) -> Vec<Vec<f6
     (0..hours.len()).map(row).collect()
 }
 
-/// Returns the same with what is known afterward: how near zones were to their setpoints, and the heat that units delivered.
+/// Returns [`expected_inputs`] and what is known afterward: how near zones were to their setpoints, and the heat that
+/// units delivered.
 pub(super) fn inputs(hours: &[Hour], drivers: &[Drivers]) -> Vec<Vec<f64>> {
     let mut all = expected_inputs(hours, drivers);
     let heat = scaled(hours);
@@ -71,7 +73,7 @@ fn weather(hours: &[Hour], row: usize) -> [f64; 8] {
     [cold, warm, cold * cold, warm * warm, cold_day, warm_day, sun, kept]
 }
 
-/// What the zones of an hour need, as means.
+/// Needs of the zones in an hour, as means.
 struct Need {
     /// Distance below the heating and above the cooling setpoint, of this hour and of the next, K.
     recovery: [f64; 4],

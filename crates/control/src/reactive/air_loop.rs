@@ -1,5 +1,5 @@
-//! Control of a central air loop: dampers cool, reheat heats, trim-and-respond resets the supply air temperature, and an
-//! economizer mixes outdoor air.
+//! Control of a central air loop: dampers cool, reheat heats, trim-and-respond resets the supply air temperature, and
+//! an economizer mixes outdoor air.
 
 use b2b_building::hvac;
 use serde::{Deserialize, Serialize};

@@ -57,8 +57,8 @@ impl Reactive {
         Self::following(spaces, parameters, &|_| target)
     }
 
-    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be in slots behind the
-    /// environment's.
+    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be in slots behind
+    /// the environment's.
     pub fn following(
         spaces: &Spaces,
         parameters: &ReactiveParameters,
@@ -115,8 +115,8 @@ impl Reactive {
         }
     }
 
-    /// Creates controllers for an environment, with the parameters tuned for its class of buildings and the objective of its
-    /// task.
+    /// Creates controllers for an environment, with the parameters tuned for its class of buildings and the objective
+    /// of its task.
     pub fn for_env(environment: &dyn Environment) -> Self {
         let spaces = environment.spaces();
         let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);

@@ -10,9 +10,9 @@ use super::unitary::UnitaryParameters;
 use crate::Result;
 use crate::parameter_set::{self, parameter};
 
-/// Parameters of the reactive controllers. The defaults hold 21 °C in every prototype building and are not tuned to any of
-/// them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings and the
-/// objective of a task.
+/// Parameters of the reactive controllers. The defaults hold 21 °C in every prototype building and are not tuned to any
+/// of them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings and the objective of a
+/// task.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReactiveParameters {
@@ -78,7 +78,8 @@ impl ReactiveParameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the errors of [`ReactiveParameters::check`].
+    /// [`Error::Io`](crate::Error::Io); [`Error::ParameterFile`](crate::Error::ParameterFile) with the reason; the
+    /// errors of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let parameters: Self = parameter_set::read(path)?;
         parameters.check()?;

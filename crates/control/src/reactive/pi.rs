@@ -36,8 +36,8 @@ impl Pi {
         self.target = None;
     }
 
-    /// Returns the output for an error from a target, K. A jump of the target resets the integral term: it reflects the load
-    /// at the previous target.
+    /// Returns the output for an error from a target, K. A jump of the target resets the integral term: it reflects the
+    /// load at the previous target.
     pub(super) fn step(&mut self, error: f64, target: f64) -> f64 {
         let before = self.target.replace(target);
         if before.is_some_and(|before| (target - before).abs() >= self.jump) {

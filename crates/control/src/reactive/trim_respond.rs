@@ -1,5 +1,5 @@
-//! Trim-and-respond setpoint reset (ASHRAE Guideline 36, section 5.1.14): a setpoint is trimmed toward its most efficient
-//! value, and responds to requests of the zones.
+//! Trim-and-respond setpoint reset (ASHRAE Guideline 36, section 5.1.14): a setpoint is trimmed toward its most
+//! efficient value, and responds to requests of the zones.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,14 +9,15 @@ use serde::{Deserialize, Serialize};
 pub struct TrimRespond {
     /// Respond rate per request (SPres), K/h; 0 to 100.
     pub respond: f64,
-    /// Largest number of requests responded to, beyond those ignored; with `respond` it gives the maximum response (SPres-max);
-    /// 1 to 100.
+    /// Largest number of requests responded to, beyond those ignored; with `respond` it gives the maximum response
+    /// (SPres-max); 1 to 100.
     pub max_requests: f64,
     /// Trim rate (SPtrim), K/h, applied when there are no more requests than those ignored; 0 to 100.
     pub trim: f64,
     /// Loop output above which a zone sends requests; 0 to 1.
     pub threshold: f64,
-    /// Hysteresis of the threshold: a zone stops sending requests this far below it; 0.1 in Guideline 36, 5.6.8; 0 to 1.
+    /// Hysteresis of the threshold: a zone stops sending requests this far below it; 0.1 in Guideline 36, 5.6.8; 0 to
+    /// 1.
     pub hysteresis: f64,
     /// Ignored requests (I), so that a single zone does not move the setpoint for all zones; 0 to 100.
     pub ignored_requests: f64,
@@ -31,7 +32,8 @@ const URGENT: [f64; 2] = [2.0, 3.0];
 pub(super) struct Request(bool);
 
 impl Request {
-    /// Returns the number of requests, 0 to 3, for a loop output of 0 to 1 and an error, K, positive where there is demand.
+    /// Returns the number of requests, 0 to 3, for a loop output of 0 to 1 and an error, K, positive where there is
+    /// demand.
     pub(super) fn count(&mut self, rule: &TrimRespond, demand: f64, error: f64) -> f64 {
         let threshold = if self.0 { rule.threshold - rule.hysteresis } else { rule.threshold };
         self.0 = demand > threshold.max(0.0);

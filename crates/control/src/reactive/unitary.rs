@@ -1,5 +1,5 @@
-//! Control of a unitary system: a PI loop stages supply air temperature and air flow, and trim-and-respond resets the supply
-//! air temperature.
+//! Control of a unitary system: a PI loop stages supply air temperature and air flow, and trim-and-respond resets the
+//! supply air temperature.
 
 use b2b_building::hvac::{self, Actuator};
 use serde::{Deserialize, Serialize};
@@ -129,8 +129,8 @@ impl Unitary {
         action[hvac::Unitary::SUPPLY_TEMPERATURE] = (target + offset * by_temperature).clamp(low, high);
     }
 
-    /// Returns the demand, from −1 for full cooling to 1 for full heating. Within the deadband the current mode ends and the
-    /// other does not start.
+    /// Returns the demand, from −1 for full cooling to 1 for full heating. Within the deadband the current mode ends
+    /// and the other does not start.
     fn demand(&mut self, error: f64, target: f64) -> f64 {
         let demand = self.demand.step(error, target);
         let wanted = if demand >= 0.0 { Mode::Heating } else { Mode::Cooling };

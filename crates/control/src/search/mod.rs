@@ -1,4 +1,4 @@
-//! What the searches of parameters, schedules and rules share.
+//! Shared parts of the searches for parameters, schedules and rules.
 
 pub(crate) mod least_squares;
 pub(crate) mod record_file;

@@ -10,8 +10,8 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// The limits of unitary systems. A target that jumps up and down once a day moves an actuator there and back twice:
-    /// four strokes.
+    /// The limits of unitary systems. A target that jumps up and down once a day moves an actuator there and back
+    /// twice: four strokes.
     pub(super) const UNITARY: Self = Self { travel: 5.0, increase: 0.1 };
     /// The limits of central air loops. Their defaults hold constant targets to 0.06 to 0.1 K; 1.5 times their loss
     /// corresponds to 0.16 to 0.19 K, which a sensor does not resolve.

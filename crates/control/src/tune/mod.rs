@@ -1,7 +1,8 @@
 //! Tuning of the reactive controllers: one set of parameters for a class of buildings and an objective, optimized on
 //! training buildings.
 //!
-//! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a [`TuningPlan`].
+//! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a
+//!    [`TuningPlan`].
 //! 2. [`Rollouts`] keeps their templates ready for episodes of three days in winter and three in summer.
 //! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by the
 //!    loss of the defaults, so buildings have equal weight; the score is the 75th percentile over the buildings (the
@@ -9,11 +10,12 @@
 //!    multiplied by a factor if actuators hunt on the worst building. Buildings are simulated one after another, and a
 //!    proposal that cannot win is dropped: most are, after one building. The search ends early when it no longer lowers
 //!    the score. On central air loops, each building is also simulated with constant targets.
-//! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
-//!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
+//! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with
+//!    the lowest median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere. If none is eligible, the next best sets are validated.
 //!
-//! Every evaluation is appended to a file: a tuning run with the same plan resumes from there and returns the same result.
+//! Every evaluation is appended to a file: a tuning run with the same plan resumes from there and returns the same
+//! result.
 
 mod limits;
 mod outcome;
@@ -64,8 +66,8 @@ pub enum PlanBuilding {
 /// is called after each evaluation with their number. `command` is stored in the result.
 ///
 /// # Errors
-/// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan; [`Error::Io`](crate::Error::Io);
-/// errors of `simulate`.
+/// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan;
+/// [`Error::Io`](crate::Error::Io); errors of `simulate`.
 pub fn tune(
     plan: &TuningPlan,
     evaluations: usize,

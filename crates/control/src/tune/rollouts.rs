@@ -27,7 +27,7 @@ impl Rollouts {
     /// Prepares buildings of the dataset for some periods and tasks.
     ///
     /// # Errors
-    /// [`Error::PlanBuilding`] when a model cannot be generated, [`Error::Env`] when it cannot be prepared.
+    /// [`Error::Building`] when a model cannot be generated, [`Error::Env`] when it cannot be prepared.
     pub fn new(
         options: WorkerOptions,
         catalog: &Catalog,

@@ -1,4 +1,5 @@
-//! The search: tree-structured Parzen estimators (Bergstra et al. 2011), one per parameter, and variations of the best set.
+//! The search: tree-structured Parzen estimators (Bergstra et al. 2011), one per parameter, and variations of the best
+//! set.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -50,8 +50,8 @@ const UNITARY_ENERGY: [Axis; 10] = [
     logarithmic("unitary.trim_respond.trim", 2.0, 50.0),
 ];
 
-/// Highest minimum opening of a damper: in the deadband of a zone, ASHRAE 90.1 (6.5.2.1, exception 2) allows 20 % of its
-/// design flow.
+/// Highest minimum opening of a damper: in the deadband of a zone, ASHRAE 90.1 (6.5.2.1, exception 2) allows 20 % of
+/// its design flow.
 const MAX_MIN_OPENING: f64 = 0.2;
 
 /// Parameters of central air loops that affect comfort. The deadband is not among them: with an energy weight of 0 the

@@ -1,5 +1,5 @@
-//! Generated commercial buildings in EnergyPlus: the reactive controllers hold them in every climate and at the bounds of
-//! the parameters.
+//! Generated commercial buildings in EnergyPlus: the reactive controllers hold them in every climate and at the bounds
+//! of the parameters.
 
 use std::sync::Arc;
 

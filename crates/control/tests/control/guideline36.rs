@@ -1,5 +1,5 @@
-//! The sequences of Guideline 36 on the engine, with the band of an office: 21 to 24 °C from 6:00 to 20:00 on weekdays, 15.6 to
-//! 28 °C otherwise.
+//! The sequences of Guideline 36 on the engine, with the band of an office: 21 to 24 °C from 6:00 to 20:00 on weekdays,
+//! 15.6 to 28 °C otherwise.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const DAY: usize = 288;
 const WINTER: &str = "01-08..01-10";
 const SUMMER: &str = "07-09..07-11";
 
-/// A prepared building with what its environments need.
+/// A prepared building with its engine and weather.
 struct Case {
     library: Library,
     building: Arc<PreparedBuilding>,
@@ -225,8 +225,8 @@ fn spent(case: &Case, period: &str, change: impl FnOnce(&mut Guideline36Paramete
     [env.metrics().total(Term::Energy), env.metrics().zone_discomfort().unwrap()]
 }
 
-/// Directions. docs/guideline36.md has the changes over whole periods, why those in winter have the other sign, and published
-/// figures.
+/// Checks directions only: docs/guideline36.md has the changes over whole periods, why those in winter have the other
+/// sign, and published figures.
 #[test]
 fn without_its_sequences_a_medium_office_needs_more_energy_or_is_less_comfortable() {
     let case = Case::at(BuildingType::OfficeMedium, "International Falls");

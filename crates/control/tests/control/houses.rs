@@ -104,7 +104,7 @@ fn drawn_houses_stay_warm_in_january_and_cool_in_july() {
     }
 }
 
-/// The engine reads a morphed year to its end without a severe message.
+/// The engine runs a winter and a summer week of morphed weather without a severe message.
 #[test]
 fn a_house_runs_a_week_on_morphed_weather() {
     let library = library();

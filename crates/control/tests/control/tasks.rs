@@ -22,8 +22,8 @@ fn env(building_type: BuildingType, task: &str, period: &str) -> Env {
     Env::new(library, Arc::new(building), episode).unwrap()
 }
 
-/// Runs an episode. Returns the largest deviation from target in each step, over the zones with heating and cooling whose
-/// name starts with `name`.
+/// Runs an episode. Returns the largest deviation from target in each step, over the zones with heating and cooling
+/// whose name starts with `name`.
 fn deviations(env: &mut Env, name: &str) -> Vec<f64> {
     let (building, space) = (env.building(), env.observation_space());
     let mut controller = Reactive::new(building, space, 12, &ReactiveParameters::default());

@@ -46,8 +46,7 @@ impl Cache {
     }
 }
 
-/// Returns the cache folder: `$B2B_CACHE`, otherwise `building2building` in `$XDG_CACHE_HOME` or in the cache folder of the
-/// system (`~/.cache`, `~/Library/Caches`, `%LOCALAPPDATA%`).
+/// Returns the cache folder: `$B2B_CACHE`, otherwise `building2building` in `$XDG_CACHE_HOME` or in `~/.cache`.
 ///
 /// # Errors
 /// [`Error::NoCacheFolder`] when no home folder is known.

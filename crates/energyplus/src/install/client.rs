@@ -48,8 +48,8 @@ impl Client {
         format!("`{}`", commands.join("`, `"))
     }
 
-    /// Downloads `requirement` (`name==version`), `bytes` in size, into `destination`. Temporary files are in `scratch`, where
-    /// their size shows the progress, which the client does not report.
+    /// Downloads `requirement` (`name==version`), `bytes` in size, into `destination`. Temporary files are in
+    /// `scratch`, where their size shows the progress, which the client does not report.
     pub(super) fn download(
         &self,
         requirement: &str,

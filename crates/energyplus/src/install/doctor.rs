@@ -34,8 +34,8 @@ pub enum Health {
     Bad,
 }
 
-/// Checks the cache, EnergyPlus, the package client and further `packages` (weather), reading every cached file. `installed`
-/// is the value of `B2B_ENERGYPLUS`.
+/// Checks the cache, EnergyPlus, the package client and further `packages` (weather), reading every cached file.
+/// `installed` is the value of `B2B_ENERGYPLUS`.
 pub fn report(cache: &Cache, installed: Option<&Path>, packages: &[&Package]) -> Vec<Finding> {
     let mut findings = vec![cache_folder(cache), engine(cache, installed)];
     findings.push(package(cache, &ENGINE));

@@ -23,8 +23,8 @@ pub enum Error {
     },
     /// A platform without a wheel.
     #[error(
-        "{package} has no wheel for {platform}; expected Linux x86_64, macOS arm64 or Windows x86_64. Elsewhere, \
-         install EnergyPlus {version} and set B2B_ENERGYPLUS to its folder",
+        "{package} has no wheel for {platform}; expected Linux x86_64. Elsewhere, install EnergyPlus {version} and set \
+         B2B_ENERGYPLUS to its folder",
         version = ENGINE_VERSION
     )]
     NoWheel {

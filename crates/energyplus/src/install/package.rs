@@ -63,8 +63,8 @@ impl Package {
         cache.root.join(self.stem())
     }
 
-    /// Returns the package from the folder of the package client or from the cache, if all files have the right content.
-    /// Files are read only if they changed since they were last verified.
+    /// Returns the package from the folder of the package client or from the cache, if all files have the right
+    /// content. Files are read only if they changed since they were last verified.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
         let wheel = self.wheel();
         let by_client = cache.packages.as_deref().and_then(|folder| self.find_among(folder));
@@ -127,7 +127,7 @@ impl Package {
         }
     }
 
-    /// Returns the package in the cache; downloads it if a file is missing or truncated.
+    /// Returns the package as [`Package::find`]; downloads it to the cache if a file is missing or damaged.
     ///
     /// Processes and threads may call this concurrently: one downloads, the others wait.
     ///
@@ -138,7 +138,7 @@ impl Package {
         self.ensure_that(Self::find, cache, progress)
     }
 
-    /// Like [`Package::ensure`], but verifies the SHA-256 of every file and downloads the package again if one is wrong.
+    /// Like [`Package::ensure`], but verifies the SHA-256 of every file, even of those that seem unchanged.
     ///
     /// # Errors
     /// The errors of [`Package::ensure`].
@@ -269,8 +269,8 @@ impl Package {
         Ok(files)
     }
 
-    /// Locks the installation of this package, waiting for other processes and threads. The lock is released when the file is
-    /// closed, also at the end of the process.
+    /// Locks the installation of this package, waiting for other processes and threads. The lock is released when the
+    /// file is closed, also at the end of the process.
     fn lock(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<File> {
         let path = cache.root.join(format!(".{}.lock", self.stem()));
         let file = File::create(&path).map_err(at(&path))?;

@@ -1,16 +1,16 @@
 //! Actuator response check: whether the simulated equipment follows the command of every actuator.
 //!
-//! On a winter day and a summer day every actuator is stepped through its range (low, middle, high, middle, low, and zero
-//! for a flow), each value held for most of an hour, all systems at once:
+//! On a winter day and a summer day every actuator is stepped through its range (low, middle, high, middle, low, and
+//! zero for a flow), each value held for most of an hour, all systems at once:
 //!
 //! 1. air flows, with supply air at 20 °C;
 //! 2. supply temperatures, at middle and at full flow;
 //! 3. outdoor air of central air loops, then all dampers of a loop open;
 //! 4. heating setpoints, into the next day: low, middle, low, high, low, two hours each.
 //!
-//! Setpoints of zones that are controlled through their thermostats are tested on the same days, from 8 h on: nothing called
-//! for, heating setpoints high, nothing, cooling setpoints low, nothing, two hours each. Their equipment keeps the schedules
-//! of the model, which is why the time of day matters.
+//! Setpoints of zones that are controlled through their thermostats are tested on the same days, from 8 h on: nothing
+//! called for, heating setpoints high, nothing, cooling setpoints low, nothing, two hours each. Their equipment keeps
+//! the schedules of the model, which is why the time of day matters.
 //!
 //! The state at the end of every held step but the first is compared with the command:
 //!
@@ -20,25 +20,25 @@
 //! - heating setpoint: a raised setpoint increases the delivered heat compared with the low setpoint before and after,
 //!   and either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
 //!   below it gets some;
-//! - setpoints of a thermostat: at the high heating setpoint, the zone gets more heat than before and after and is warmer or at
-//!   the setpoint; at the low cooling setpoint, it gets more cooling and is cooler or at the setpoint.
+//! - setpoints of a thermostat: at the high heating setpoint, the zone gets more heat than before and after and is
+//!   warmer or at the setpoint; at the low cooling setpoint, it gets more cooling and is cooler or at the setpoint.
 //!
 //! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
 //!
-//! - **supply temperature**: after each missed step the command moves halfway to the reached value for one step, and the
-//!   outlet changes with it by less than a fifth of the command change, relative to the mean of the steps before and after (plus a
-//!   quarter of its drift between these, and what it moves back and forth under the same command, as with a plant that cycles):
-//!   a coil with capacity left would follow. If the nearer command is met at once, the
-//!   coil is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
-//!   command by the end of the hold. An outlet that never moves fails: at the same flow and in the same season, some hold must
-//!   end at its command.
+//! - **supply temperature**: after each missed step the command moves halfway to the reached value for one step, and
+//!   the outlet changes with it by less than a fifth of the command change, relative to the mean of the steps before
+//!   and after (plus a quarter of its drift between these, and what it moves back and forth under the same command, as
+//!   with a plant that cycles): a coil with capacity left would follow. If the nearer command is met at once, the coil
+//!   is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
+//!   command by the end of the hold. An outlet that never moves fails: at the same flow and in the same season, some
+//!   hold must end at its command.
 //! - **damper**: the total flow of the loop's terminals equals the fan's design flow, and more was commanded.
-//! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
-//!   zones of the loop, within their design flow, and less was commanded.
+//! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans
+//!   in the zones of the loop, within their design flow, and less was commanded.
 //! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
-//! - **setpoints of a thermostat**: the zone is beyond it without more heat or cooling than before and after, or gets more and
-//!   never comes within 0.5 K of it, or misses the lowest heating or the highest cooling setpoint as well; or a schedule of the
-//!   model switches equipment of the zone off for at least 90 % of the month.
+//! - **setpoints of a thermostat**: the zone is beyond it without more heat or cooling than before and after, or gets
+//!   more and never comes within 0.5 K of it, or misses the lowest heating or the highest cooling setpoint as well; or
+//!   a schedule of the model switches equipment of the zone off for at least 90 % of the month.
 //!
 //! If the engine ends the run of setpoints, each one that is not tested fails with the engine's message.
 

@@ -178,8 +178,8 @@ impl Reading {
     }
 }
 
-/// Returns one row per actuator, level and condition, over all holds. A coil is at capacity only if some hold at the same flow
-/// ends at its command.
+/// Returns one row per actuator, level and condition, over all holds. A coil is at capacity only if some hold at the
+/// same flow ends at its command.
 pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
     let mut merged: Vec<Reading> = Vec::new();
     for reading in readings {
@@ -215,7 +215,8 @@ mod tests {
 
     use super::*;
 
-    /// The verdict on a supply temperature of 45 °C at full flow, for the outlet under each command, and on others at the same flow.
+    /// The verdict on a supply temperature of 45 °C at full flow, for the outlet under each command, and on others at
+    /// the same flow.
     fn verdict(outlet: impl Fn(usize, f64) -> f64, other: f64) -> Verdict {
         let effect = EngineVariable::new("", "");
         let quantity = Quantity::SupplyAirTemperature;

@@ -29,8 +29,8 @@ pub struct Row {
     pub level: Level,
     /// Command, in the unit of the quantity.
     pub command: f64,
-    /// Lowest response over the held steps, in the same unit; for a setpoint the zone temperature, °C. NaN if the engine ended
-    /// the run, for which JSON has null.
+    /// Lowest response over the held steps, in the same unit; for a setpoint the zone temperature, °C. NaN if the
+    /// engine ended the run, for which JSON has null.
     #[serde(deserialize_with = "or_nan")]
     pub lowest: f64,
     /// Mean response.
@@ -42,7 +42,8 @@ pub struct Row {
     /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
     #[serde(deserialize_with = "or_nan")]
     pub error: f64,
-    /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null for it.
+    /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null
+    /// for it.
     #[serde(deserialize_with = "or_infinite")]
     pub tolerance: f64,
     /// Heat delivered or removed, W; setpoints only. For a setpoint of a thermostat, its mean over the hold.
@@ -58,9 +59,9 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Season {
-    /// From Monday, January 16.
+    /// Winter of the site: from January 16, south of the equator from July 17.
     Winter,
-    /// From Monday, July 17.
+    /// Summer of the site: from July 17, south of the equator from January 16.
     Summer,
 }
 
@@ -86,7 +87,7 @@ pub enum Condition {
     NeutralSupply,
     /// Half of the design flow.
     MiddleFlow,
-    /// All of the design flow.
+    /// The design flow.
     FullFlow,
     /// Every damper of the loop open.
     AllOpen,

@@ -15,12 +15,12 @@ use crate::{Error, Result};
 const STEPS_BEFORE: usize = 96;
 /// Steps of a hold: two hours.
 const STEPS: usize = 24;
-/// What is tested between holds that call for nothing.
+/// Tests, each between two holds that call for nothing.
 const TESTED: [(Quantity, Level); 2] =
     [(Quantity::HeatingSetpoint, Level::High), (Quantity::CoolingSetpoint, Level::Low)];
 
-/// The state of the zones of all setpoints in a hold: temperature at its end (°C), and mean heat delivered or removed (W).
-/// Equipment may cycle, so that a single step says little.
+/// The state of the zones of all setpoints in a hold: temperature at its end (°C), and mean heat delivered or removed
+/// (W). Equipment may cycle, so that a single step says little.
 type State = Vec<(f64, f64)>;
 
 /// A zone between two holds that call for nothing.
@@ -37,8 +37,8 @@ struct Free {
 }
 
 impl Bench<'_> {
-    /// Raises the heating setpoints and lowers the cooling setpoints of thermostats, and evaluates the zone temperatures. If the
-    /// engine ends the run, every setpoint that is not tested fails with its message.
+    /// Raises the heating setpoints and lowers the cooling setpoints of thermostats, and evaluates the zone
+    /// temperatures. If the engine ends the run, every setpoint that is not tested fails with its message.
     pub(super) fn thermostats(&mut self) -> Result<Vec<Row>> {
         let mut rows = Vec::new();
         match self.test_thermostats(&mut rows) {
@@ -174,9 +174,9 @@ fn heats_surfaces(class: &str) -> bool {
     class.contains("radiant") || class.contains("slab")
 }
 
-/// A setpoint must bring more heat to its zone than when nothing calls for it, and move it towards the setpoint or hold it there,
-/// unless the zone is beyond it anyway, or at it. A zone that never comes near its setpoint while it gets more heat, or is
-/// short of heat also when nothing is called for, has equipment at capacity.
+/// A setpoint must bring more heat to its zone than when nothing calls for it, and move it toward the setpoint or hold
+/// it there, unless the zone is beyond it anyway, or at it. A zone that never comes near its setpoint while it gets
+/// more heat, or is short of heat also when nothing is called for, has equipment at capacity.
 fn judge(row: &Row, free: Free) -> Verdict {
     let (sign, [short, idle]) = match row.quantity {
         Quantity::CoolingSetpoint => (-1.0, [Limit::Cooler, Limit::CoolZone]),

@@ -45,9 +45,9 @@ const MODEL_FILE: &str = "model.epJSON";
 /// A building as an environment, with the engine in this process.
 ///
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
-/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, raised by the interlock of [`Ventilation`] while
-///   zones are occupied, and limited by the task's [`Faults`](crate::Faults). A cooling setpoint is at least 0.5 K above the
-///   heating setpoint of its zone.
+/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, raised by the interlock of [`Ventilation`]
+///   while zones are occupied, and limited by the task's [`Faults`](crate::Faults). A cooling setpoint is at least 0.5
+///   K above the heating setpoint of its zone.
 /// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], relative to the targets
 ///   observed before the step.
 /// - End: truncated at the end of the run period; never terminated.
@@ -104,7 +104,8 @@ impl Env {
     /// Creates an environment. [`Env::reset`] starts its first episode.
     ///
     /// # Errors
-    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
+    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary
+    /// folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
         building.check_period(episode.period).map_err(Error::building)?;

@@ -81,8 +81,8 @@ impl Env {
         engine.heats.get(actuator).copied().flatten().map(|variable| engine.simulation.read(variable))
     }
 
-    /// The outdoor air mass flow of each system at the end of the last step, kg/s, and the people in its zones; `None` for
-    /// a system without outdoor air. Empty without an episode in progress.
+    /// The outdoor air mass flow of each system at the end of the last step, kg/s, and the people in its zones; `None`
+    /// for a system without outdoor air. Empty without an episode in progress.
     pub fn outdoor_air(&self) -> Vec<Option<[f64; 2]>> {
         let engine = self.engine.as_ref();
         engine.map(Engine::outdoor_air_by_system).unwrap_or_default()

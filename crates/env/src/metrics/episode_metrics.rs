@@ -210,7 +210,8 @@ episode_metrics! {
         /// hours above or below the comfort band, mean over the zones with heating and cooling
         hours_outside_band: f64 = "hours_outside_band", "h", Metrics::hours_outside_band,
             Display::lower("outside comfort band (h)", 1.0, 1);
-        /// deviation beyond the comfort band, integrated over time, mean over the controlled zones; without cooling, only below
+        /// deviation beyond the comfort band, integrated over time, mean over the controlled zones; without cooling,
+        /// only below
         discomfort: f64 = "discomfort_k_h", "K h", Metrics::discomfort,
             Display::lower("discomfort outside the band (K·h)", 1.0, 1);
     }

@@ -219,8 +219,8 @@ impl Metrics {
         steps as f64 / (self.steps * self.zones.len()).max(1) as f64
     }
 
-    /// Returns the root mean square of the rewarded deviation, K, averaged over the zones without cooling; 0 if there are
-    /// none.
+    /// Returns the root mean square of the rewarded deviation, K, averaged over the zones without cooling; 0 if there
+    /// are none.
     pub fn rms_heating_only(&self) -> f64 {
         let heated: Vec<_> = self.zones.iter().filter(|zone| !zone.fully_conditioned).collect();
         heated.iter().map(|zone| zone.rms_penalized_deviation(self.steps)).sum::<f64>()
@@ -232,12 +232,14 @@ impl Metrics {
         self.zones.iter().filter(|zone| zone.is_never_near_target(self.steps)).count()
     }
 
-    /// Returns the thermal discomfort of operation, K h for each zone, by the trapezoid rule; `None` in tasks without bands.
+    /// Returns the thermal discomfort of operation, K h for each zone, by the trapezoid rule; `None` in tasks without
+    /// bands.
     pub fn zone_discomfort(&self) -> Option<f64> {
         Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
     }
 
-    /// Returns the CO₂ above the limit, ppm h for each zone, by the trapezoid rule; `None` in tasks without the CO₂ balance.
+    /// Returns the CO₂ above the limit, ppm h for each zone, by the trapezoid rule; `None` in tasks without the CO₂
+    /// balance.
     pub fn zone_bad_air(&self) -> Option<f64> {
         self.kpis.as_ref()?.bad_air(self.zones.len())
     }
@@ -291,7 +293,7 @@ mod tests {
     use crate::terms::Amounts;
 
     #[test]
-    fn shares_of_occupied_hours_count_occupied_zones_alone() {
+    fn shares_of_occupied_hours_count_only_occupied_zones() {
         let zone = |slot| ControlledZone {
             slot,
             penalize_above_target: true,

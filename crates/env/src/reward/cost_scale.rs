@@ -32,8 +32,8 @@ impl CostScale {
         &SHIPPED
     }
 
-    /// Returns the mean cost of a step at `steps_per_hour` in a building of a class, currency/m²: a typical one if the class is
-    /// unknown or has not been measured.
+    /// Returns the mean cost of a step at `steps_per_hour` in a building of a class, currency/m²: a typical one if the
+    /// class is unknown or has not been measured.
     pub fn of(class: Option<Class>, steps_per_hour: u32) -> f64 {
         let shipped = class.and_then(|class| SHIPPED.iter().find(|shipped| shipped.class == class));
         shipped.map_or(TYPICAL, |shipped| shipped.cost_scale) / f64::from(steps_per_hour)

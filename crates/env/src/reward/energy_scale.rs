@@ -8,8 +8,9 @@ use serde::Deserialize;
 /// Steps per hour of the shipped scales.
 const STEPS_PER_HOUR: u32 = 12;
 
-/// The energy scale of a class, as measured by `b2b tune`: mean HVAC energy of its tuned reactive controllers on training
-/// buildings with targets by occupancy, over three days each of winter and summer (`01-08..01-10` and `07-09..07-11`).
+/// The energy scale of a class, as measured by `b2b tune`: mean HVAC energy of its tuned reactive controllers on
+/// training buildings with targets by occupancy, over three days each of winter and summer (`01-08..01-10` and
+/// `07-09..07-11`).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnergyScale {

@@ -7,8 +7,8 @@ pub trait Controller {
     /// Resets all state at the beginning of an episode.
     fn reset(&mut self);
 
-    /// Begins another episode in the same building. A controller with memory keeps what it has learned about the building; by
-    /// default all state is reset.
+    /// Begins another episode in the same building. A controller with memory keeps what it has learned about the
+    /// building; by default all state is reset.
     fn next_episode(&mut self) {
         self.reset();
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::limits::within;
 use crate::{Error, Result};
 
-/// Least gap between heating and cooling setpoint, K (Guideline 36, 5.3.2).
+/// Minimum gap between heating and cooling setpoint, K (Guideline 36, 5.3.2).
 const LEAST_WIDTH: f64 = 0.5;
 /// Setpoints that no zone reaches, °C, for one without heating or cooling.
 const UNREACHED: [f64; 2] = [0.0, 50.0];
@@ -16,14 +16,15 @@ const UNREACHED: [f64; 2] = [0.0, 50.0];
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Band {
-    /// The schedules of the model's own thermostats. A generated house has the setpoints of a household, drawn by its id.
+    /// The schedules of the model's own thermostats. A generated house has the setpoints of a household, drawn by its
+    /// id.
     #[default]
     Own,
     /// One pair of setpoints while people are in the zone and one while they are not, [heating, cooling], °C.
     Presence {
         /// While people are present.
         occupied: [f64; 2],
-        /// While nobody is.
+        /// While nobody is present.
         unoccupied: [f64; 2],
     },
     /// Pairs by hours and days of the week; the first that applies.
@@ -149,8 +150,8 @@ impl Bands {
         Self { band, scheduled, calendar, zones: zones.collect() }
     }
 
-    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and for
-    /// random presence: an observation has the people of the step before.
+    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and
+    /// for random presence: an observation has the people of the step before.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let (zone, day) = (&self.zones[zone], self.calendar.count(day_of_year));
         match &self.band {
@@ -196,7 +197,8 @@ impl Bands {
         }
     }
 
-    /// Returns the hours until people are in a zone, by its schedules; 0 if they are, `None` if nobody comes within a week.
+    /// Returns the hours until people are in a zone, by its schedules; 0 if they are, `None` if nobody comes within a
+    /// week.
     pub fn hours_to_people(&self, zone: usize, day_of_year: u32, hour: f64) -> Option<f64> {
         let (year, day) = (&self.zones[zone].year, self.calendar.count(day_of_year));
         if year.is_empty() { None } else { year.hours_to_people(day, hour) }

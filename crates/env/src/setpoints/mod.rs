@@ -69,8 +69,8 @@ pub struct RandomDay {
     pub departure: RandomHour,
     /// Range of the target when occupied, °C; uniform.
     pub occupied: [f64; 2],
-    /// Largest offset of the target when unoccupied, K; uniform, downward from December to February, upward from June to
-    /// August, to both sides in other months.
+    /// Largest offset of the target when unoccupied, K; uniform, downward in winter, upward in summer, to both sides in
+    /// other months.
     pub offset: f64,
 }
 
@@ -238,8 +238,8 @@ struct Plan {
 }
 
 impl Targets {
-    /// The targets of a number of controlled zones, with the bands of a task that has them, the building's class and the
-    /// seasons of its site.
+    /// The targets of a number of controlled zones, with the bands of a task that has them, the building's class and
+    /// the seasons of its site.
     pub(crate) fn new(
         setpoints: &Setpoints,
         bands: Option<Bands>,

@@ -107,8 +107,8 @@ impl Spaces {
         }
     }
 
-    /// The controlled zones in model order: the index of each in the building, which is also the slot of its temperature in the
-    /// observation.
+    /// The controlled zones in model order: the index of each in the building, which is also the slot of its
+    /// temperature in the observation.
     pub fn controlled_zones(&self) -> impl Iterator<Item = usize> {
         let zones = self.building.zones.iter().enumerate();
         zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, _)| index)

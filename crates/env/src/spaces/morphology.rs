@@ -9,12 +9,13 @@ use crate::{Error, Result};
 
 /// The paper's two translations: `split` an observation into node observations, and `join` node actions to an action.
 ///
-/// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each slot
-/// of the observation and of the action has one cell in the node arrays, except for quantities that no node type has.
+/// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each
+/// slot of the observation and of the action has one cell in the node arrays, except for quantities that no node type
+/// has.
 ///
 /// Every controlled zone has cells for target and occupancy. With constant targets, the observation has no such slots,
-/// and `split` writes the constant target and an occupancy of 1. With comfort bands, the target is the middle of the band,
-/// or the heating setpoint of a zone without cooling; setpoints and preview have no cells.
+/// and `split` writes the constant target and an occupancy of 1. With comfort bands, the target is the middle of the
+/// band, or the heating setpoint of a zone without cooling; setpoints and preview have no cells.
 ///
 /// ```text
 /// decomposition.split(observation, &mut nodes);            // nodes[block.range()]: [nodes of a type, its slots]
@@ -159,8 +160,8 @@ impl Decomposition {
         gather(nodes, &self.acted, action);
     }
 
-    /// Joins node observations to an observation: the inverse of [`Decomposition::split`]. Slots without a cell are left
-    /// unchanged.
+    /// Joins node observations to an observation: the inverse of [`Decomposition::split`]. Slots without a cell are
+    /// left unchanged.
     ///
     /// # Panics
     /// See [`Decomposition::split`].
@@ -172,8 +173,8 @@ impl Decomposition {
         }
     }
 
-    /// Splits an action, or its bounds, into node actions: the inverse of [`Decomposition::join`]. Cells without an actuator
-    /// in the building are left unchanged.
+    /// Splits an action, or its bounds, into node actions: the inverse of [`Decomposition::join`]. Cells without an
+    /// actuator in the building are left unchanged.
     ///
     /// # Panics
     /// See [`Decomposition::join`].

@@ -14,13 +14,13 @@ use crate::zones::zone_air::ZoneAir;
 const MAX_POWER: f64 = 1000.0;
 
 /// Names, units and bounds of the observation, in order: air temperature of every zone in model order, outdoor air
-/// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
-/// controlled zone follow, in model order.
+/// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of
+/// every controlled zone follow, in model order.
 ///
-/// With bands, whether the day is a holiday follows the energy, and a heating and a cooling setpoint replace the target.
-/// Where the task needs them, these slots of every controlled zone follow: mean radiant temperature and humidity, CO₂. With
-/// a preview: the next setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor
-/// temperatures and solar radiations of the hours ahead.
+/// With bands, whether the day is a holiday follows the energy, and a heating and a cooling setpoint replace the
+/// target. Where the task needs them, these slots of every controlled zone follow: mean radiant temperature and
+/// humidity, CO₂. With a preview: the next setpoints of every controlled zone with the hours until then, and 24
+/// electricity prices, outdoor temperatures and solar radiations of the hours ahead.
 ///
 /// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
@@ -83,8 +83,8 @@ impl Target {
         }
     }
 
-    /// Returns the heating and the cooling setpoint for the step after an observation: both are the target in a task without
-    /// bands, and the second is infinite where a band has no cooling.
+    /// Returns the heating and the cooling setpoint for the step after an observation: both are the target in a task
+    /// without bands, and the second is infinite where a band has no cooling.
     pub fn pair_of(self, observation: &[f64], has_bands: bool) -> Pair {
         match self {
             Self::Between([heating, cooling]) => {
@@ -211,8 +211,8 @@ impl ObservationSpace {
         }
     }
 
-    /// Slot of a quantity of the air of a controlled zone, given its index among the controlled zones; `None` if the task
-    /// does not observe it.
+    /// Slot of a quantity of the air of a controlled zone, given its index among the controlled zones; `None` if the
+    /// task does not observe it.
     pub fn zone_air(&self, quantity: ZoneAir, controlled_zone: usize) -> Option<usize> {
         let index = self.air.iter().position(|each| *each == quantity)?;
         Some(self.first_air + controlled_zone * self.air.len() + index)

@@ -56,8 +56,8 @@ impl RoleObservation {
     /// Number of slots.
     pub const WIDTH: usize = 2 * ROLES + 9;
 
-    /// Returns the role observation of a house; `None` for a building that is not a house of the generator, and for a task
-    /// with bands.
+    /// Returns the role observation of a house; `None` for a building that is not a house of the generator, and for a
+    /// task with bands.
     pub fn of(spaces: &Spaces) -> Option<Self> {
         let building = &spaces.building;
         let is_house = |class: b2b_building::Class| class.building_type.is_house();

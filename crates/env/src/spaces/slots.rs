@@ -40,7 +40,7 @@ pub(crate) enum Shared {
 /// Number of shared slots.
 const SHARED: usize = Shared::Gas as usize + 1;
 
-/// A slot: name, owner, value, unit, bounds and source.
+/// A slot: name, owner, quantity, unit, bounds and source.
 type SharedSlot = (&'static str, Owner, Observed, &'static str, (f64, f64), &'static str);
 
 /// The slots that every building has, in the order of [`Shared`].

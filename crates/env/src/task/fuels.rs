@@ -39,8 +39,8 @@ pub enum Hourly {
     Hours([f64; 24]),
 }
 
-/// US commercial consumers, 2023, rounded: 12.7 ¢/kWh of electricity (EIA, Electric Power Monthly). A default, to be replaced by
-/// local prices.
+/// US commercial consumers, 2023, rounded: 12.7 ¢/kWh of electricity (EIA, Electric Power Monthly). A default, to be
+/// replaced by local prices.
 pub(super) const PRICES: Fuels = Fuels::of(0.127, &FuelValues::PRICES);
 /// 0.373 kg/kWh: US grid average (EPA eGRID 2022, 823 lb/MWh). A default, to be replaced by local factors.
 pub(super) const EMISSIONS: Fuels = Fuels::of(0.373, &FuelValues::EMISSIONS);

@@ -1,4 +1,4 @@
-//! Tasks: the definition of the reward as plain data, stored with every result.
+//! Tasks: targets, reward, ventilation and disturbances as plain data, stored with every result.
 
 mod fuels;
 mod reward;

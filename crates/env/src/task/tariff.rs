@@ -34,7 +34,7 @@ impl DataFile {
         Ok(Self::Own { name, toml })
     }
 
-    /// Returns it with its text if it is the path of a user's file.
+    /// Reads the text of the file if this is the path of a user's file.
     ///
     /// # Errors
     /// Same as [`DataFile::read`].
@@ -45,14 +45,14 @@ impl DataFile {
         }
     }
 
-    /// Returns its name.
+    /// Returns the name of the file.
     pub fn name(&self) -> &str {
         match self {
             Self::Shipped(name) | Self::Own { name, .. } => name,
         }
     }
 
-    /// Returns its text; `None` for the name of a file that does not ship with this software.
+    /// Returns the text of the file; `None` for a name that does not ship with this software.
     pub fn text(&self) -> Option<&str> {
         match self {
             Self::Shipped(name) => b2b_tariff::shipped_text(name),
@@ -60,7 +60,7 @@ impl DataFile {
         }
     }
 
-    /// Returns it as a tariff.
+    /// Returns the file as a tariff.
     ///
     /// # Errors
     /// [`Error::Tariff`] for an unknown name, or with the line of an error.
@@ -71,7 +71,7 @@ impl DataFile {
         })
     }
 
-    /// Returns it as an emission profile.
+    /// Returns the file as an emission profile.
     ///
     /// # Errors
     /// Same as [`DataFile::tariff`].

@@ -13,7 +13,7 @@ pub struct Entry {
     pub unit: &'static str,
     /// Computes the value of a step. Called on every step: it must not allocate.
     pub of_step: fn(&Measured<'_>) -> f64,
-    /// How the values of the steps make the value of an episode.
+    /// How the values of steps accumulate over an episode.
     pub total: Total,
     /// How a task penalizes it; `None` if no task can.
     pub penalty: Option<Penalty>,
@@ -23,12 +23,12 @@ pub struct Entry {
     pub info: Option<&'static str>,
 }
 
-/// What the terms of a step are computed from.
+/// Inputs of the terms of a step.
 #[derive(Debug)]
 pub struct Measured<'a> {
     /// HVAC energy of the step, Wh/m².
     pub energy: &'a CarrierEnergy,
-    /// The same by end use. Losses of a building's transformer are in `energy` alone.
+    /// The same by end use. Losses of a building's transformer are only in `energy`.
     pub end_uses: &'a EndUseEnergy,
     /// Cost by the task's tariff, or else at its prices, currency/m².
     pub cost: f64,
@@ -43,7 +43,7 @@ pub struct Measured<'a> {
 /// How the values of steps accumulate over an episode.
 #[derive(Clone, Copy, Debug)]
 pub enum Total {
-    /// Their sum. Returns follow from sums, so a term with a [`Penalty`] has none of the others but [`Total::Of`] sums.
+    /// Their sum. Returns follow from sums, so a term with a [`Penalty`] must use this, or [`Total::Of`] such terms.
     Sum,
     /// The largest of them.
     Max,

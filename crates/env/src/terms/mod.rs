@@ -1,4 +1,4 @@
-//! The terms: quantities that every step has one value of, and that accumulate over an episode.
+//! The terms: quantities with one value per step, which accumulate over an episode.
 //!
 //! [`Term::ALL`] is the list. A term's [`Entry`] says its name and unit, how the value of a step is computed and how it
 //! accumulates, whether a task can penalize it, and which column of the metrics it has. Tasks, metrics, results tables,
@@ -26,7 +26,7 @@ pub use term_metrics::TermMetrics;
 /// Declares the terms and their order, which is the order of their columns.
 macro_rules! terms {
     ($($(#[$doc:meta])* $term:ident: $entry:path;)*) => {
-        /// A quantity that every step has one value of.
+        /// A quantity with one value per step.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Term {
             $($(#[$doc])* $term,)*
@@ -59,7 +59,7 @@ terms! {
     Emissions: emissions::EMISSIONS;
     /// Increase of the episode's peak electric demand, W/m²; over an episode, the peak.
     PeakElectricity: peak::ELECTRICITY;
-    /// Gas demand, W/m²; over an episode, its peak.
+    /// Non-electric HVAC demand, W/m²; over an episode, its peak.
     PeakGas: peak::GAS;
     /// HVAC energy for heating, Wh/m².
     Heating: end_uses::HEATING;

@@ -7,8 +7,8 @@ use serde::{Serialize, Serializer};
 
 use super::{TERMS, Term, Totals};
 
-/// The totals of the terms with a column, in the units of the columns. An episode from before a term was added to the list
-/// does not have it.
+/// The totals of the terms with a column, in the units of the columns. An episode from before a term was added to the
+/// list does not have it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TermMetrics([Option<f64>; TERMS]);
 

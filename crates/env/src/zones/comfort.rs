@@ -28,8 +28,8 @@ pub enum Comfort {
     },
 }
 
-/// Assumptions of the predicted mean vote (ISO 7730). In tasks of operation, mean radiant temperature and humidity are the
-/// zone's own; otherwise, the radiant temperature is the air temperature and the humidity an assumption.
+/// Assumptions of the predicted mean vote (ISO 7730). In tasks of operation, mean radiant temperature and humidity are
+/// the zone's own; otherwise, the radiant temperature is the air temperature and the humidity an assumption.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pmv {
@@ -41,7 +41,8 @@ pub struct Pmv {
     pub humidity: f64,
     /// Clothing insulation in winter, December to February (June to August in the south), clo.
     pub winter_clothing: f64,
-    /// Clothing insulation in summer, June to August (December to February in the south), clo; in other months the mean of both.
+    /// Clothing insulation in summer, June to August (December to February in the south), clo; in other months the mean
+    /// of both.
     pub summer_clothing: f64,
 }
 

@@ -33,7 +33,7 @@ pub struct ControlledZone {
     pub penalize_above_target: bool,
     /// Whether the zone has both heating and cooling.
     pub fully_conditioned: bool,
-    /// Number of people from which the zone is occupied; 0: from anyone on.
+    /// Smallest number of people that makes the zone occupied; with 0, any person does.
     pub least_people: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Quantities of the air of zones besides its temperature, observed where a task's comfort model or indicators need them.
+//! Quantities of the air of zones besides its temperature, observed where a task's comfort model or indicators need
+//! them.
 
 use b2b_building::morphology::Observed;
 
@@ -30,8 +31,8 @@ pub(crate) struct AirSlot {
 }
 
 impl ZoneAir {
-    /// Returns the quantities that a task observes in every controlled zone, in the order of their slots: for a comfort by
-    /// predicted mean vote in a task of operation, and for the CO₂ balance.
+    /// Returns the quantities that a task observes in every controlled zone, in the order of their slots: for a comfort
+    /// by predicted mean vote in a task of operation, and for the CO₂ balance.
     pub(crate) fn of(task: &Task) -> Vec<Self> {
         let votes = task.is_operation() && matches!(task.comfort, Comfort::Pmv(_));
         let thermal = votes.then_some([Self::RadiantTemperature, Self::Humidity]);

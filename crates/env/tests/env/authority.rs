@@ -73,8 +73,8 @@ fn every_actuator_of_the_warehouse_responds() {
     assert!(winter.clone().any(|row| row.heat.is_some_and(|heat| heat > 50e3)), "the bulk storage is heated");
 }
 
-/// No actuator of an imported building fails, but many air handlers are at the capacity of their coils, which keep
-/// their author's sizes. At least a share of the commands is followed.
+/// No actuator of an imported building fails, but many air handlers are at the capacity of their coils, which keep the
+/// sizes of the model. At least a share of the commands is followed.
 fn no_actuator_of_an_import_fails(model: &str, share: f64) {
     let case = Case::imported(model, "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
@@ -98,7 +98,8 @@ fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_respo
     no_actuator_of_an_import_fails("RefBldgPrimarySchoolNew2004_Chicago.idf", 0.8);
 }
 
-/// The coils of its packaged units reach neither 10 °C in summer nor 45 °C: 183 of the 223 commands at capacity, of 1018.
+/// The coils of its packaged units reach neither 10 °C in summer nor 45 °C: 183 of the 223 commands at capacity, of
+/// 1018.
 #[test]
 fn every_actuator_of_an_imported_hotel_of_packaged_units_responds() {
     no_actuator_of_an_import_fails("RefBldgSmallHotelNew2004_Chicago.idf", 0.75);

@@ -1,4 +1,4 @@
-//! Faults on the engine: sensors err without touching the reward, and faulty equipment does not follow.
+//! Faults on the engine: sensors err without changing the reward, and faulty equipment does not follow.
 
 use std::sync::Arc;
 

@@ -33,7 +33,8 @@ fn the_band_of_a_medium_office_is_its_prototype_s() {
     let (first, trajectory) = random_episode_from(&mut env, 1);
     let rows = rows(&first, &trajectory, first.len());
     let day = setpoints(&env, &rows, "Core_bottom", 0);
-    // PNNL's prototype: 21 and 24 °C from 6 to 22 h on weekdays, 15.6 and 26.7 °C at night, with an hour of recovery before.
+    // PNNL's prototype: 21 and 24 °C from 6 to 22 h on weekdays, 15.6 and 26.7 °C at night, with an hour of recovery
+    // before.
     assert!((day[3][0] - 15.6).abs() < 0.05 && (day[3][1] - 26.7).abs() < 0.05, "{day:?}");
     assert!(
         day[8..20].iter().all(|pair| (pair[0] - 21.0).abs() < 0.05 && (pair[1] - 24.0).abs() < 0.05),

@@ -153,7 +153,7 @@ fn random_targets_follow_their_seed_and_differ_by_zone_and_day() {
     let noon: Vec<u64> = one.iter().flat_map(|zone| [zone[143], zone[287 + 144]]).map(f64::to_bits).collect();
     let different: std::collections::BTreeSet<_> = noon.iter().collect();
     assert_eq!(different.len(), 10, "five zones on two days");
-    assert!(one.iter().flatten().all(|target| (14.0..=23.0).contains(target)), "winter is let go downward");
+    assert!(one.iter().flatten().all(|target| (14.0..=23.0).contains(target)), "winter offsets go down");
 }
 
 #[test]

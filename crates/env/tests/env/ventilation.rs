@@ -15,7 +15,8 @@ struct Air {
     minimum: f64,
 }
 
-/// Runs some days with every actuator at its lower bound. Returns the people and outdoor air of each system, step by step.
+/// Runs some days with every actuator at its lower bound. Returns the people and outdoor air of each system, step by
+/// step.
 fn starve(case: &Case, task: &str, days: &str) -> (Vec<Vec<Air>>, Env) {
     let mut env = case.env_for(days, task);
     env.reset().unwrap();
@@ -41,8 +42,8 @@ fn airs(env: &Env) -> Vec<Air> {
         .collect()
 }
 
-/// Asserts that outdoor air is at least the design minimum from the second occupied step on, and that the interlock does not
-/// act at every step.
+/// Asserts that outdoor air is at least the design minimum from the second occupied step on, and that the interlock
+/// does not act at every step.
 fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let per_person = people_of_a_case_get_their_outdoor_air(&Case::at(building_type, place));
     eprintln!("{building_type} in {place}: {per_person:.1} L/s per person");

@@ -1,5 +1,5 @@
-//! Economizer: its high limit (Guideline 36, 5.1.17, with the limits of ASHRAE 90.1 by climate zone), and the outdoor air
-//! that mixes to the supply air temperature.
+//! Economizer: its high limit (Guideline 36, 5.1.17, with the limits of ASHRAE 90.1 by climate zone), and the outdoor
+//! air that mixes to the supply air temperature.
 
 /// Distance below the limit at which the economizer is enabled again, K.
 const HYSTERESIS: f64 = 1.0;
@@ -16,7 +16,8 @@ pub(super) enum HighLimit {
 }
 
 impl HighLimit {
-    /// Returns the limit of an ASHRAE climate zone, for example `5B`: a fixed dry bulb, or the return air without a zone.
+    /// Returns the limit of an ASHRAE climate zone, for example `5B`: a fixed dry bulb, or the return air without a
+    /// zone.
     pub(super) fn of_zone(zone: Option<&str>) -> Self {
         match zone {
             Some("0A" | "1A" | "2A" | "3A" | "4A") => Self::Fixed(18.0),
@@ -48,8 +49,8 @@ impl Economizer {
         *self = Self::new(self.limit);
     }
 
-    /// Returns whether the economizer may open at outdoor and return air temperatures, °C. `cools`: whether the air handler
-    /// runs to cool. Above the limit, it closes at once.
+    /// Returns whether the economizer may open at outdoor and return air temperatures, °C. `cools`: whether the air
+    /// handler runs to cool. Above the limit, it closes at once.
     pub(super) fn step(&mut self, cools: bool, outdoor: f64, return_air: f64, hours: f64) -> bool {
         self.stayed += hours;
         let limit = match self.limit {
@@ -79,8 +80,8 @@ impl Economizer {
     }
 }
 
-/// Returns the share of outdoor air that brings return air to a temperature of mixed air, °C; 1 if even outdoor air is
-/// warmer.
+/// Returns the share of outdoor air that brings the mixed air to a temperature, °C; 1 if outdoor air is warmer than it
+/// or the return air.
 pub(super) fn outdoor_share(outdoor: f64, return_air: f64, mixed: f64) -> f64 {
     if outdoor >= mixed || outdoor >= return_air {
         return 1.0;

@@ -1,8 +1,8 @@
 //! An air handler of several zones with reheat terminals (Guideline 36, 5.6 and 5.16): the sequences of the zones, the
 //! terminals and the air handler together.
 //!
-//! Not representable: static pressure reset, discharge temperatures of terminals, return and relief fans, and the stages of
-//! freeze protection that act on coils and dampers of the air handler.
+//! Not representable: static pressure reset, discharge temperatures of terminals, return and relief fans, and the
+//! stages of freeze protection that act on coils and dampers of the air handler.
 
 mod economizer;
 mod outdoor_air;

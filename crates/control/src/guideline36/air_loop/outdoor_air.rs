@@ -1,8 +1,9 @@
 //! Minimum outdoor air of an air handler (Guideline 36, 5.16.3).
 //!
-//! The design minimum of a system is its requirement for all of its zones ([`b2b_building::hvac::Ventilation`]). As in the
-//! guideline, only zones in occupied mode count, so that it is 0 in warm-up, cool-down, setback and setup. The guideline's
-//! reset of the minimum by the flows of the zones is left out: a task requires the design minimum while people are present.
+//! The design minimum of a system is its requirement for all of its zones ([`b2b_building::hvac::Ventilation`]). As in
+//! the guideline, only zones in occupied mode count, so that it is 0 in warm-up, cool-down, setback and setup. The
+//! guideline's reset of the minimum by the flows of the zones is left out: a task requires the design minimum while
+//! people are present.
 
 use super::super::modes::Mode;
 use super::economizer::outdoor_share;
@@ -39,8 +40,8 @@ impl OutdoorAir {
         if mode == Mode::Occupied { self.minimum } else { 0.0 }
     }
 
-    /// Returns the outdoor air flow, kg/s: the minimum, or what the economizer mixes to the supply air temperature. A minimum
-    /// above the supply flow means all outdoor air.
+    /// Returns the outdoor air flow, kg/s: the minimum, or what the economizer mixes to the supply air temperature. A
+    /// minimum above the supply flow means all outdoor air.
     pub(super) fn step(&self, mode: Mode, air: Air) -> f64 {
         let minimum = self.minimum(mode);
         if !air.economizes {
@@ -57,8 +58,8 @@ impl OutdoorAir {
         air.return_air + share * (air.outdoor - air.return_air) + self.rise(air.flow)
     }
 
-    /// Returns the temperature rise across the fan, K. The power of a variable fan falls with about the third power of the
-    /// flow, so its rise with the second. Air that is too cold would be heated again.
+    /// Returns the temperature rise across the fan, K. The power of a variable fan falls with about the third power of
+    /// the flow, so its rise with the second. Air that is too cold would be heated again.
     fn rise(&self, flow: f64) -> f64 {
         let share = (flow / self.fan_flow).min(1.0);
         self.fan_rise * share * share

@@ -1,9 +1,9 @@
 //! Supply air temperature setpoint of an air handler of several zones (Guideline 36, 5.16.2.2).
 //!
-//! The guideline lowers the setpoint with the outdoor temperature in occupied mode whether or not a zone cools. Without
-//! a zone that cools, cold air at the least flow is reheated, so that the setpoint is at the upper end of the reset
-//! here. While no zone needs heat, it is lowered to the temperature of the mixed air, which people and lights warm for
-//! free. With a zone that does, the coil of the air handler costs less than reheat where reheat is electric.
+//! The guideline lowers the setpoint as it gets warmer outdoors in occupied mode, whether or not a zone cools. Here it
+//! stays at the upper end of the reset while no zone cools, because cold air at minimum flow would be reheated. While
+//! no zone needs heat, it is lowered to the temperature of the mixed air, which people and lights warm for free. When
+//! one does, heat from the coil of the air handler costs less than electric reheat.
 
 use super::super::modes::Mode;
 use super::super::trim_respond::{Guideline36Reset, Reset};
@@ -48,8 +48,8 @@ impl SupplyTemperature {
         *self = Self::new(self.rules);
     }
 
-    /// Returns the setpoint, °C, in a mode, with the requests of the zones. `outdoor`: the outdoor temperature while a zone
-    /// cools, °C.
+    /// Returns the setpoint, °C, in a mode, with the requests of the zones. `outdoor`: the outdoor temperature while a
+    /// zone cools, °C.
     pub(super) fn step(&mut self, mode: Mode, outdoor: Option<f64>, requests: f64, hours: f64) -> f64 {
         self.highest = self.reset.step(mode.runs() && !mode.heats(), requests, hours);
         let [lowest, _] = self.rules.cooling;
@@ -70,8 +70,8 @@ impl SupplyTemperature {
         WARM_UP.min(self.rules.reach[1])
     }
 
-    /// Returns a setpoint of [`Self::step`] lowered to a temperature, °C, but not below the lowest one in cooling. Its shift
-    /// stays.
+    /// Returns a setpoint of [`Self::step`] lowered to a temperature, °C, but not below the lowest one in cooling. Its
+    /// shift stays.
     pub(super) fn at_most(&self, setpoint: f64, temperature: f64) -> f64 {
         setpoint.min(temperature.max(self.rules.cooling[0]) + self.shift)
     }

@@ -1,16 +1,17 @@
 //! A terminal with reheat under dual-maximum logic, or without (Guideline 36, 5.5 and 5.6).
 //!
-//! The actuators are the damper, as a share of the design flow, and the setpoint that the reheat coil holds in its zone by
-//! itself. The guideline's discharge temperature, which rises over the first half of the heating loop, cannot be commanded:
-//! the coil does that within its capacity. The loop aims a little below the setpoint of the coil, so that it leaves 0 only
-//! when the coil alone does not hold the zone. All of it is the guideline's second half: it raises the flow.
+//! The actuators are the damper, as a share of the design flow, and the setpoint that the reheat coil holds in its zone
+//! by itself. The guideline's discharge temperature, which rises over the first half of the heating loop, cannot be
+//! commanded: the coil does that within its capacity. The loop aims a little below the setpoint of the coil, so that it
+//! leaves 0 only when the coil alone does not hold the zone. Its whole range is the guideline's second half: it raises
+//! the flow.
 
 use super::super::modes::Mode;
 use super::super::zone::zone_loops::Outputs;
 
 /// Distance of the coil's setpoint above the aim of the heating loop, K.
 const COIL_LEAD: f64 = 0.05;
-/// Least opening in heating (Vheat-min): without flow the coil gives no heat.
+/// Minimum opening in heating (Vheat-min): without flow the coil gives no heat.
 const LEAST_HEATING: f64 = 0.1;
 /// Distances above the setpoint of the coil up to which a zone needs heat, and from which it needs none, K.
 const NEED: [f64; 2] = [0.1, 0.5];
@@ -20,9 +21,9 @@ const WARM: f64 = 3.0;
 /// Flows of a terminal as shares of its design flow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TerminalRules {
-    /// Least flow in occupied mode (Vmin): ventilation, or the minimum of the parameters.
+    /// Minimum flow in occupied mode (Vmin): the larger one of ventilation and parameters.
     pub(super) minimum: f64,
-    /// Largest flow in heating (Vheat-max).
+    /// Maximum flow in heating (Vheat-max).
     pub(super) heating_max: f64,
     /// Bounds of the coil's setpoint, °C; it is off at the lower one. `None` for a terminal that only cools.
     pub(super) coil: Option<[f64; 2]>,
@@ -70,18 +71,18 @@ impl TerminalRules {
         TerminalCommand { opening, heat: heats.then_some(setpoint) }
     }
 
-    /// Returns the least opening in a mode (Vmin*).
+    /// Returns the minimum opening in a mode (Vmin*).
     fn minimum(&self, mode: Mode) -> f64 {
         if mode == Mode::Occupied { self.minimum } else { 0.0 }
     }
 
-    /// Returns the opening in cooling: from the least one to fully open, if the supply air cools.
+    /// Returns the opening in cooling: from the minimum to fully open, if the supply air cools.
     fn cooling(&self, mode: Mode, cooling: f64, cools: bool) -> f64 {
         let minimum = self.minimum(mode);
         if cools { minimum + (1.0 - minimum) * cooling } else { minimum }
     }
 
-    /// Returns the opening in heating by the coil: from the least one to the largest.
+    /// Returns the opening in heating by the coil: from the minimum to the maximum.
     fn reheating(&self, mode: Mode, heating: f64) -> f64 {
         let least = self.minimum(mode).max(LEAST_HEATING);
         let most = self.heating_max.max(least);

@@ -1,22 +1,23 @@
-//! A unit of a single zone (Guideline 36, 5.18.4 for air handlers, 5.22 for fan coils): staging of supply air temperature
-//! and flow.
+//! A unit of a single zone (Guideline 36, 5.18.4 for air handlers, 5.22 for fan coils): staging of supply air
+//! temperature and flow.
 //!
-//! A loop output asks for a share of the unit's capacity. Capacity is staged: the supply air temperature at minimum flow,
-//! then the flow, then the supply air temperature to its limit. The guideline gives every stage a fixed share of the loop;
-//! here the shares follow from the capacities, so that the loop has the same gain everywhere. Its second heating stage is
-//! flow: a heat pump is more efficient with more air of a lower temperature, and supplemental heat starts only when the
-//! supply air must be hotter than the compressor can make it. That last stage, which the guideline does not have, is for
-//! the cold climates that it is not written for. Optimum start is limited to what the compressor gives, or to the stages
-//! before the last, and begins earlier instead: recovery by supplemental heat takes three times the energy.
+//! A loop output asks for a share of the unit's capacity. Capacity is staged: the supply air temperature at minimum
+//! flow, then the flow, then the supply air temperature to its limit. The guideline gives every stage a fixed share of
+//! the loop; here the shares follow from the capacities, so that the loop has the same gain everywhere. Its second
+//! heating stage is flow: a heat pump is more efficient with more air of a lower temperature, and supplemental heat
+//! starts only when the supply air must be hotter than the compressor can make it. That last stage, which the guideline
+//! does not have, is for the cold climates that it is not written for. Optimum start is limited to what the compressor
+//! gives, or to the stages before the last, and begins earlier instead: recovery by supplemental heat takes three times
+//! the energy.
 //!
 //! With an economizer and outdoor air cool enough, cooling raises the flow of outdoor air (MedSpeed) ahead of the coil.
 //!
-//! While people are present, the fan of a unit with outdoor air runs at the flow that brings it in. Between the loops both
-//! coils are off: the setpoint is the temperature that the mixed air has. The loops begin there, so that outdoor air is
-//! heated or cooled only as far as the zone needs it, and a coil never works against its loop. (The guideline holds supply air
-//! of 21 to 24 °C between the loops.) Where outdoor air would make the supply air colder than 10 °C, the fan recirculates
-//! more, up to half of its flow, before the coil tempers it. Without outdoor air or without people, the fan is off between
-//! the loops (DeadbandSpeed 0).
+//! While people are present, the fan of a unit with outdoor air runs at the flow that brings it in. Between the loops
+//! both coils are off: the setpoint is the temperature that the mixed air has. The loops begin there, so that outdoor
+//! air is heated or cooled only as far as the zone needs it, and a coil never works against its loop. (The guideline
+//! holds supply air of 21 to 24 °C between the loops.) Where outdoor air would make the supply air colder than 10 °C,
+//! the fan recirculates more, up to half of its flow, before the coil tempers it. Without outdoor air or without
+//! people, the fan is off between the loops (DeadbandSpeed 0).
 //!
 //! In a room with exhaust fans, the unit supplies what they take while its fan runs in cold weather: the rest would
 //! infiltrate. Whether they run is not known. They draw outdoor air even through a closed damper; it must not be heated
@@ -52,12 +53,12 @@ const COMPRESSOR_SLOPE: f64 = 0.027;
 const LEAST_SUPPLY: f64 = 10.0;
 /// Largest flow of recirculation ahead of tempering, as a share of the design flow.
 const RECIRCULATION: f64 = 0.5;
-/// Outdoor temperatures between which the unit makes up for none and for all of the exhaust, °C. In warm weather, air that
-/// infiltrates takes less energy than a faster fan.
+/// Outdoor temperatures between which the unit makes up for none and for all of the exhaust, °C. In warm weather, air
+/// that infiltrates takes less energy than a faster fan.
 const MAKE_UP: [f64; 2] = [15.0, 10.0];
-/// Least flow of a running fan, as a share of the design flow.
+/// Minimum flow of a running fan, as a share of the design flow.
 const LEAST_FLOW: f64 = 0.05;
-/// Least limit of the heating loop.
+/// Lowest limit of the heating loop.
 const LEAST_LIMIT: f64 = 0.1;
 
 /// Number of the action of the supply air flow.
@@ -65,9 +66,9 @@ const FLOW: usize = 0;
 /// Number of the action of the supply air temperature.
 const SUPPLY_TEMPERATURE: usize = 1;
 
-/// Largest gain of the heating loop for a design flow of 1 kg/s per square meter of floor, kg/(s m² K). The air of a dining
-/// room is replaced in 4 min by the flow of its unit, and follows the supply air within a step: at 0.25/K, heating and cooling
-/// at full capacity alternate.
+/// Largest gain of the heating loop for a design flow of 1 kg/s per square meter of floor, kg/(s m² K). The air of a
+/// dining room is replaced in 4 min by the flow of its unit, and follows the supply air within a step: at 0.25/K,
+/// heating and cooling at full capacity alternate.
 const STABLE_GAIN: f64 = 0.0017;
 /// Largest gain of the cooling loop over the largest of the heating loop: full cooling is less than full heating by
 /// about this factor.
@@ -124,7 +125,7 @@ pub(super) struct SingleZone {
     shifts: UnitShifts,
 }
 
-/// Shifts of what the parameters say ([`Shift`]).
+/// Shifts of the parameters ([`Shift`]).
 #[derive(Clone, Copy, Debug, Default)]
 struct UnitShifts {
     minimum_flow: f64,
@@ -191,12 +192,12 @@ impl SingleZone {
         }
     }
 
-    /// Returns the least flow while a loop is on.
+    /// Returns the minimum flow while a loop is on.
     fn least_flow(&self, mode: Mode, outdoor: f64) -> f64 {
         self.running_flow(self.outdoor_air(mode), outdoor)
     }
 
-    /// Returns the least flow of a running fan with a flow of outdoor air (kg/s), as a share of the design flow.
+    /// Returns the minimum flow of a running fan with a flow of outdoor air (kg/s), as a share of the design flow.
     fn running_flow(&self, outdoor_air: f64, outdoor: f64) -> f64 {
         let Unit { design_flow, exhaust, .. } = self.unit;
         let make_up = exhaust * ((MAKE_UP[0] - outdoor) / (MAKE_UP[0] - MAKE_UP[1])).clamp(0.0, 1.0);
@@ -207,7 +208,7 @@ impl SingleZone {
         untempered.min(RECIRCULATION).max(least)
     }
 
-    /// Returns the least flow without outdoor air, as a share of the design flow.
+    /// Returns the minimum flow without outdoor air, as a share of the design flow.
     fn minimum_flow(&self) -> f64 {
         (self.parameters.min_flow + self.shifts.minimum_flow).clamp(LEAST_FLOW, 1.0)
     }
@@ -217,8 +218,8 @@ impl SingleZone {
         (self.unit.supply[1] - self.zone.setpoints().heating).max(0.0)
     }
 
-    /// Returns the reaches of the loops. During optimum start, heating reaches what the compressor gives, or without one the
-    /// stages before the last.
+    /// Returns the reaches of the loops. During optimum start, heating reaches what the compressor gives, or without
+    /// one the stages before the last.
     fn reaches(&self, mode: Mode, outdoor: f64) -> [Reach; 2] {
         let flow = self.least_flow(mode, outdoor);
         let aims = self.zone.aims_in(mode);
@@ -293,7 +294,7 @@ impl SingleZone {
         )
     }
 
-    /// Returns the flow up to which outdoor air alone cools (MedSpeed): the least without an economizer.
+    /// Returns the flow up to which outdoor air alone cools (MedSpeed): the minimum without an economizer.
     fn medium_flow(&self, least: f64, outdoor: f64) -> f64 {
         let Some(limit) = self.unit.economizer else { return least };
         let temperature = self.zone.need().temperature;
@@ -301,8 +302,8 @@ impl SingleZone {
         least + (1.0 - least) * ((warm - outdoor) / (warm - cold)).clamp(0.0, 1.0)
     }
 
-    /// Returns the temperature of the mixed air behind the fan, °C, but at least [`LEAST_SUPPLY`]: the setpoint with which both
-    /// coils are off.
+    /// Returns the temperature of the mixed air behind the fan, °C, but at least [`LEAST_SUPPLY`]: the setpoint with
+    /// which both coils are off.
     fn neutral(&self, mode: Mode, flow: f64, outdoor: f64) -> f64 {
         self.mixed(self.outdoor_air(mode), flow, outdoor)
     }
@@ -313,7 +314,8 @@ impl SingleZone {
         self.neutral(mode, flow, outdoor).min(self.mixed(drawn, flow, outdoor))
     }
 
-    /// Returns the temperature of air mixed with a flow of outdoor air (kg/s), behind the fan, °C; at least [`LEAST_SUPPLY`].
+    /// Returns the temperature of air mixed with a flow of outdoor air (kg/s), behind the fan, °C; at least
+    /// [`LEAST_SUPPLY`].
     fn mixed(&self, outdoor_air: f64, flow: f64, outdoor: f64) -> f64 {
         let temperature = self.zone.need().temperature;
         let supply = flow * self.unit.design_flow;

@@ -1,7 +1,7 @@
 //! Staging of a unit's capacity: between two stages, either the flow or the temperature difference changes.
 
-/// A stage: flow, as a share of the design flow, and temperature difference between the supply air and the setpoint that the
-/// loop aims at, K. Their product is the capacity, K.
+/// A stage: flow, as a share of the design flow, and temperature difference between the supply air and the setpoint
+/// that the loop aims at, K. Their product is the capacity, K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stage {
     pub(super) flow: f64,
@@ -15,8 +15,8 @@ impl Stage {
     }
 }
 
-/// Returns the flow and the temperature difference for a loop output from 0 to 1. The capacity is linear in the output, from
-/// the first stage's capacity to the last stage's.
+/// Returns the flow and the temperature difference for a loop output from 0 to 1. The capacity is linear in the output,
+/// from the first stage's capacity to the last stage's.
 pub(super) fn staged<const STAGES: usize>(output: f64, stages: [Stage; STAGES]) -> Stage {
     let [first, last] = [stages[0], stages[STAGES - 1]].map(Stage::capacity);
     let capacity = first + output * (last - first);

@@ -176,7 +176,7 @@ fn the_fan_stands_still_in_an_empty_building_in_july_and_nothing_heats() {
     }
 }
 
-/// People and lights keep the rooms within their band; mixed air at the least flow has 4 °C.
+/// People and lights keep the rooms within their band; mixed air at minimum flow is at 4 °C.
 #[test]
 fn the_air_handler_warms_outdoor_air_only_for_rooms_that_need_heat() {
     let mut parameters = Guideline36Parameters::default();

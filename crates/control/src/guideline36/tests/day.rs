@@ -1,4 +1,5 @@
-//! The week of an office: people from 8:00 to 18:00 on the first five days, the band of occupied hours from 7:00 to 19:00.
+//! The week of an office: people from 8:00 to 18:00 on the first five days, the band of occupied hours from 7:00 to
+//! 19:00.
 
 use super::super::points::{NextBand, Setpoints, ZoneInput};
 use super::{DAY, STEP};

@@ -8,7 +8,7 @@ const MASS: f64 = 3e7;
 const INSIDE: f64 = 400.0;
 /// Conductance between air and outdoors, W/K.
 const LOSSES: f64 = 120.0;
-/// Internal steps of a step.
+/// Substeps of a step.
 const SUBSTEPS: u32 = 60;
 /// Specific heat of air, J/(kg K).
 pub(crate) const SPECIFIC_HEAT: f64 = 1006.0;

@@ -110,7 +110,7 @@ fn setback_lets_the_room_cool_and_recovers_before_the_band_changes() {
     assert!(discomfort(&week, 0..5 * DAY) < 1.1, "{} K·h", discomfort(&week, 0..5 * DAY));
 }
 
-/// The same quarter of a kelvin, for an hour and a half of five mornings, is all of it.
+/// The bound is 0.25 K over the first hour and a half of the band on five mornings.
 #[test]
 fn a_room_is_in_its_band_in_july() {
     let week = week(JULY);

@@ -5,7 +5,8 @@ use super::super::setpoints::Setpoints;
 /// Widening of both setpoints by level, K. Levels are not cumulative.
 const OFFSETS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Level of demand limiting, 0 (none) to 3. The designer decides what sets it: a tariff, a demand limit or a utility signal.
+/// Level of demand limiting, 0 (none) to 3. The designer decides what sets it: a tariff, a demand limit or a utility
+/// signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DemandLevel(u8);
 

@@ -1,11 +1,11 @@
-//! Gains that shrink where a loop hunts.
+//! Gains that shrink while a loop hunts.
 //!
 //! How far full heating takes a zone within a step depends on its capacity, its air and its walls, which no model
 //! states. A gain that is too large for it shows: heating or cooling and idling alternate, step by step. An engineer
 //! would turn the gain down until they stop, and so does this, separately in occupied mode and in the others, whose
 //! flows differ.
 
-/// Least change of the temperature within a step that counts, K: a thermometer does not show smaller ones.
+/// Smallest change of the temperature within a step that counts, K: a thermometer does not show smaller ones.
 const CHANGE: f64 = 0.2;
 /// Last steps in which reversals are counted.
 const STEPS: u32 = 12;
@@ -13,7 +13,7 @@ const STEPS: u32 = 12;
 const REVERSALS: u32 = 6;
 /// Factor by which the gains of a loop that hunts shrink.
 const SHRINKING: f64 = 0.7;
-/// Least share of the gains that is left.
+/// Smallest share of the gains that is left.
 const LEAST: f64 = 0.1;
 
 /// The share of its gains that a zone uses.

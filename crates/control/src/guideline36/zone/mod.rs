@@ -1,7 +1,7 @@
 //! A zone: the setpoints in use, its calls for heating and cooling, its loops and its requests.
 //!
-//! Every step has two passes. [`Zone::observe`] derives setpoints and calls from the points of the zone, from which the group
-//! derives its mode; [`Zone::control`] runs the loops that the mode allows.
+//! Every step has two passes. [`Zone::observe`] derives setpoints and calls from the points of the zone, from which the
+//! group derives its mode; [`Zone::control`] runs the loops that the mode allows.
 
 pub mod demand;
 mod hunting;
@@ -17,7 +17,7 @@ use requests::CoolingRequests;
 pub use zone_loops::LoopGains;
 use zone_loops::{Outputs, Reach, ZoneLoops};
 
-/// Least distance between heating and cooling setpoint, K (5.3.2).
+/// Minimum distance between heating and cooling setpoint, K (5.3.2).
 const LEAST_BAND: f64 = 0.5;
 /// Distance inside a relaxed band at which setback and setup end, K (5.4.6).
 const RELAXED_RELEASE: f64 = 1.0;
@@ -31,7 +31,7 @@ const FREEZE_SETPOINT: f64 = 8.0;
 /// Setpoints before the first step, °C.
 const REST: Setpoints = Setpoints { heating: 16.0, cooling: 32.0 };
 
-/// How zones are controlled.
+/// Rules of the control of zones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZoneRules {
     /// Gains of the heating and the cooling loop.
@@ -135,8 +135,8 @@ impl Zone {
         self.rules.margins[side as usize].min((self.setpoints.cooling - self.setpoints.heating) / 4.0)
     }
 
-    /// Returns whether the zone calls: from the setpoint on, until it is inside and its loop has come to 0. Setback and setup
-    /// end 1 K inside in any case.
+    /// Returns whether the zone calls. A call begins halfway between the aim and the setpoint, and ends beyond the aim
+    /// once the loop is at 0; in setback and setup, 1 K inside in any case.
     fn calls(&self, side: Side) -> bool {
         let inside = -side.gap(self.need.temperature, self.setpoints.of(side));
         let aim = self.aim(side);
@@ -193,7 +193,7 @@ impl Zone {
         self.aims
     }
 
-    /// Returns what it reported last.
+    /// Returns the last report to the group.
     pub(super) fn need(&self) -> ZoneNeed {
         self.need
     }

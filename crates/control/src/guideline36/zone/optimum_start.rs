@@ -1,20 +1,21 @@
-//! Optimum start (Guideline 36, 5.4.6; ASHRAE 90.1, 6.4.3.3.3): when recovery from setback must begin so that a zone is at
-//! its next setpoint in time.
+//! Optimum start (Guideline 36, 5.4.6; ASHRAE 90.1, 6.4.3.3.3): when recovery from setback must begin so that a zone is
+//! at its next setpoint in time.
 //!
-//! The rate at which a zone recovers is learned as in the Modelica Buildings Library (`OptimalStart`): the mean rate of the
-//! last three starts, at least 1 K/h, and a start at most 3 h ahead. Unlike there,
+//! The rate at which a zone recovers is learned as in the Modelica Buildings Library (`OptimalStart`): the mean rate of
+//! the last three starts, at least 1 K/h, and a start at most 3 h ahead. Unlike there,
 //!
-//! - the time is estimated at every step from the present temperature rather than once at 3 h, so that the drift of the zone
-//!   until the start counts;
+//! - the time is estimated at every step from the present temperature rather than once at 3 h, so that the drift of the
+//!   zone until the start counts;
 //! - the rate is the rise that was reached rather than the one that was wanted;
-//! - the rate depends on the outdoor temperature, as 90.1 requires: losses take a share of the capacity that grows with the
-//!   distance between outdoors and the setpoint, to all of it at the distance for which equipment is designed.
+//! - the rate depends on the outdoor temperature, as 90.1 requires: losses take a share of the capacity that grows with
+//!   the distance between outdoors and the setpoint, to all of it at the distance for which equipment is designed.
 
 use super::super::points::Side;
 
 /// Starts that are remembered.
 const MEMORY: usize = 3;
-/// Rate before the first start, K/h: 3 K in 2 h, the recovery time of the baseline in BOPTEST's hydronic commercial case.
+/// Rate before the first start, K/h: 3 K in 2 h, the recovery time of the baseline in BOPTEST's hydronic commercial
+/// case.
 const FIRST_RATE: f64 = 1.5;
 /// Lowest rate, K/h.
 const SLOWEST: f64 = 1.0;
@@ -22,10 +23,10 @@ const SLOWEST: f64 = 1.0;
 const SHORTEST: f64 = 120.0 / 3600.0;
 /// Distance between outdoors and the setpoint at which losses take the whole capacity, K.
 const DESIGN_DISTANCE: f64 = 50.0;
-/// Least share of the capacity that is left for recovery.
+/// Minimum share of the capacity that is left for recovery.
 const LEAST_SHARE: f64 = 0.25;
-/// Gap with which a zone is in time, K: the hysteresis of zone loops in the Modelica Buildings Library. The loop throttles near
-/// the setpoint, and closing the rest in advance would begin the start too early.
+/// Gap at which recovery counts as complete, K: the hysteresis of zone loops in the Modelica Buildings Library. The
+/// loop throttles near the setpoint, and closing the rest in advance would begin the start too early.
 const IN_TIME: f64 = 0.25;
 /// Change of the next setpoint that makes it another one, K.
 const OTHER_GOAL: f64 = 0.01;
@@ -115,7 +116,7 @@ impl OptimumStart {
         }
     }
 
-    /// Measures the rate of a start until the zone is in time, or for the longest time.
+    /// Measures the rate of a start until recovery is complete or has taken the longest time.
     fn measure(&mut self, temperature: f64, hours: f64) {
         let Some(mut measured) = self.measured else { return };
         measured.hours += hours;
@@ -145,8 +146,8 @@ mod tests {
         Goal { hours, setpoint, shift: 0.0, earlier: 0.0 }
     }
 
-    /// Runs a night and a morning from 16 °C with a change to 21 °C at 6:00, in a zone that warms by `rate` (K/h) from the
-    /// start on. Returns how long before the change it started, and its temperature at the change.
+    /// Runs a night and a morning from 16 °C with a change to 21 °C at 6:00, in a zone that warms by `rate` (K/h) from
+    /// the start on. Returns how long before the change it started, and its temperature at the change.
     fn night(start: &mut OptimumStart, rate: f64) -> (f64, f64) {
         let (mut temperature, mut ahead, mut at_change) = (16.0, 0.0, 0.0);
         for step in 0..144 {

@@ -1,5 +1,5 @@
-//! Requests of a zone for colder supply air (Guideline 36, 5.6.8.1) and their suppression after a change of its setpoint
-//! (5.1.20).
+//! Requests of a zone for colder supply air (Guideline 36, 5.6.8.1) and their suppression after a change of its
+//! setpoint (5.1.20).
 //!
 //! The guideline's delays of 2 min are shorter than a step of 5 min: a condition counts once it is observed.
 
@@ -11,7 +11,7 @@ const LOOP: [f64; 2] = [0.95, 0.85];
 const SUPPRESSION: f64 = 9.0 / 60.0;
 /// Longest suppression, h: 30 min.
 const LONGEST_SUPPRESSION: f64 = 0.5;
-/// Remaining suppression that is over, h.
+/// Remaining suppression that counts as over, h.
 const NOW: f64 = 1e-6;
 /// Change of the setpoint that suppresses requests, K.
 const CHANGE: f64 = 0.1;
@@ -28,7 +28,8 @@ pub(in super::super) struct CoolingRequests {
 }
 
 impl CoolingRequests {
-    /// Returns the number of requests, 0 to 3, at a temperature and a cooling setpoint (°C) and an output of the cooling loop.
+    /// Returns the number of requests, 0 to 3, at a temperature and a cooling setpoint (°C) and an output of the
+    /// cooling loop.
     pub(in super::super) fn step(&mut self, temperature: f64, setpoint: f64, output: f64, hours: f64) -> f64 {
         let excess = temperature - setpoint;
         self.suppressed -= hours;

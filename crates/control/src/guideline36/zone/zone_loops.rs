@@ -1,17 +1,17 @@
-//! The heating and the cooling loop of a zone (Guideline 36, 5.3.4 and 5.1.9): two proportional-integral loops, of which at
-//! most one is on.
+//! The heating and the cooling loop of a zone (Guideline 36, 5.3.4 and 5.1.9): two proportional-integral loops, of
+//! which at most one is on.
 
 use serde::{Deserialize, Serialize};
 
 use super::super::points::{Setpoints, Side};
 use super::hunting::Hunting;
 
-/// Time within which a zone must be on its way to reach its setpoint for the integral term to wait, h. After a change of the
-/// setpoint by kelvins, an integral term that grew for an hour would overshoot.
+/// The integral term waits while a zone, at its present rate, reaches its setpoint within this time, h. After a change
+/// of the setpoint by several kelvins, an integral term that grew for an hour would overshoot.
 const ARRIVAL: f64 = 0.5;
 
-/// Time in which the integral term of a loop that the mode turned off fades by a factor of e, h: a zone that is empty for
-/// an hour has about the load that it had before.
+/// Time in which the integral term of a loop that the mode turned off fades by a factor of e, h: a zone that is empty
+/// for an hour has about the load that it had before.
 const MEMORY: f64 = 1.0;
 
 /// Gains of the loops.
@@ -43,8 +43,8 @@ impl LoopGains {
 /// The range of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) struct Reach {
-    /// Capacity with idle coils over the full capacity, at most 0: how far outdoor air takes the zone to the other side. An
-    /// output of 0 stands for it, an output of 1 for the full capacity.
+    /// Capacity with idle coils over the full capacity, at most 0: how far outdoor air takes the zone to the other
+    /// side. An output of 0 stands for it, an output of 1 for the full capacity.
     pub(in super::super) idle: f64,
     /// Largest output; at 0 the loop is off.
     pub(in super::super) limit: f64,
@@ -144,8 +144,8 @@ impl ZoneLoops {
         self.heating.stop();
     }
 
-    /// Returns the outputs for a temperature, °C, each within its reach. A loop without a setpoint is off. While both loops
-    /// are on, the one that is leaving gives way.
+    /// Returns the outputs for a temperature, °C, each within its reach. A loop without a setpoint is off. If both
+    /// loops are on, the one whose side the zone has left is stopped.
     pub(in super::super) fn step(
         &mut self,
         temperature: f64,

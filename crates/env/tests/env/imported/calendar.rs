@@ -60,8 +60,8 @@ fn office() -> Value {
     model
 }
 
-/// Returns day of the week, day of the year, holiday, heating setpoint and outdoor temperature at noon of every day, and hours
-/// to the next change of the setpoint as known at the beginning.
+/// Returns day of the week, day of the year, holiday, heating setpoint and outdoor temperature at noon of every day,
+/// and hours to the next change of the setpoint as known at the beginning.
 fn noons(env: &mut Env) -> (Vec<[f64; 5]>, f64) {
     let slots = env.observation_space().slots();
     let slot = |name: &str| slots.iter().position(|slot| slot.name.starts_with(name)).unwrap();

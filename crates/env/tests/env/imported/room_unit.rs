@@ -17,8 +17,8 @@ fn kinds(case: &Case, id: &str) -> usize {
     case.building.systems.iter().filter(|system| system.kind().id == id).count()
 }
 
-/// A room with one unit, driven as a room unit: every command is followed and energy is the meters'. `outdoor_air`, m³/s, is
-/// supplied to the four people whatever the commands are.
+/// A room with one unit, driven as a room unit: every command is followed and energy is the meters'. `outdoor_air`,
+/// m³/s, is supplied to the four people whatever the commands are.
 fn a_unit_follows_its_commands(model: &Value, outdoor_air: Option<f64>) {
     let case = Case::of_user(model, Controls::default());
     assert_eq!(kinds(&case, "room_unit"), 1, "{:?}", case.building.uncontrolled);

@@ -61,8 +61,8 @@ fn env(case: &Case, weather: &Path, period: &str, steps_per_hour: u32) -> b2b_en
     Env::new(case.library.clone(), Arc::clone(&case.building), episode)
 }
 
-/// Runs a day and returns its outdoor temperature at the end of every hour as it was forecast at the beginning and as it was
-/// observed.
+/// Runs a day and returns its outdoor temperature at the end of every hour as it was forecast at the beginning and as
+/// it was observed.
 fn forecast_and_observed(case: &Case, weather: &Path, period: &str, steps_per_hour: u32) -> [Vec<f64>; 2] {
     let mut env = env(case, weather, period, steps_per_hour).unwrap();
     let slots = env.observation_space().slots();

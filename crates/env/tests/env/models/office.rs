@@ -6,7 +6,7 @@ const REHEAT: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 const NO_REHEAT: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 
-/// Returns it with core zones that have terminals without reheat.
+/// Returns the office with terminals without reheat in its core zones.
 pub fn with_bare_terminals() -> Case {
     Case::imported_after("RefBldgMediumOfficeNew2004_Chicago.idf", CHICAGO, |model| {
         for name in model.names(REHEAT).into_iter().filter(|name| name.to_lowercase().contains("core")) {

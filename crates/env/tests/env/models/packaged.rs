@@ -113,7 +113,8 @@ fn mixer() -> Value {
         "return_air_stream_node_name": FROM_ROOM}}})
 }
 
-/// The fields of a unit that takes outdoor air, but for its heating coils. `fan` begins the names of the fields of its fan.
+/// The fields of a unit that takes outdoor air, but for its heating coils. `fan` begins the names of the fields of its
+/// fan.
 fn with_outdoor_air(fan: &str) -> Value {
     let mut unit = without_outdoor_air(fan);
     let mixer =

@@ -1,4 +1,4 @@
-//! A room with ideal loads, whose author only heats it.
+//! A room with ideal loads and a thermostat that only heats.
 
 use serde_json::{Map, Value, json};
 

@@ -13,8 +13,8 @@ use crate::models::room::{autosized, room};
 
 const DAY: &str = "01-09..01-09";
 
-/// Runs half a day in which every actuator of a quantity has this value, and the others call for nothing. Returns the mean zone
-/// temperatures from 8 to 12 h, °C.
+/// Runs half a day in which every actuator of a quantity has this value, and the others call for nothing. Returns the
+/// mean zone temperatures from 8 to 12 h, °C.
 fn held(case: &Case, day: &str, quantity: Quantity, value: f64) -> Vec<f64> {
     let mut env = case.env(day);
     let of = |actuator: &b2b_building::hvac::Actuator| match actuator.quantity {
@@ -89,7 +89,7 @@ fn under_its_own_controls_an_autosized_model_with_an_exhaust_fan_is_simulated_as
     assert!(note.contains("exhaust fans"), "{note}");
 }
 
-/// The file of the user has nothing of ours but the classes that define an episode.
+/// Of the prepared model, the user's file gets only the classes that define an episode.
 fn own_is_the_bare_engine(mut user: Value) {
     let own = Case::of_user(&user, Controls::Own);
     assert_eq!(own.building.notes.changed, [""; 0]);
@@ -124,7 +124,7 @@ fn own_is_the_bare_engine(mut user: Value) {
     let counted = env.metrics().total(Term::Gas);
     assert!(heat > 0.0 && (counted / heat - 1.0).abs() < 1e-9, "{counted} and {heat} Wh/m²");
     let temperature = f64::from_bits(ours[143]);
-    assert!((temperature - 21.0).abs() < 0.05, "its author holds 21 °C, not {temperature} °C");
+    assert!((temperature - 21.0).abs() < 0.05, "the model holds 21 °C, not {temperature} °C");
 }
 
 /// A type under setpoint control: no setpoint fails, and a day at a higher setpoint is warmer.
