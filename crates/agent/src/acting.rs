@@ -21,20 +21,21 @@ pub enum Acting {
         /// Largest correction, as a share of an actuator's range.
         authority: f64,
     },
-    /// Shifts of the targets that the reactive controllers follow. The controllers run the equipment at every step. Their
-    /// integral terms undo corrections, but not shifts.
+    /// Shifts of the targets that the reactive controllers follow. The controllers run the equipment at every step.
+    /// Their integral terms undo corrections, but not shifts.
     Targets {
         /// Time for which a decision is held, min.
         every: u32,
         /// Shift for -1 and 1, K.
         shift: f64,
     },
-    /// Shifts of what the sequences of Guideline 36 choose ([`b2b_control::guideline36::SupervisoryPoint`]): -1 and 1 are the
-    /// limits of a point, 0 is the guideline. The sequences run the equipment at every step.
+    /// Shifts of what the sequences of Guideline 36 choose ([`b2b_control::guideline36::SupervisoryPoint`]): -1 and 1
+    /// are the limits of a point, 0 is the guideline. The sequences run the equipment at every step.
     Supervisory {
         /// Time for which a decision is held, min.
         every: u32,
-        /// Whether all points of a kind have the same shift. A graph network ignores this and shifts the points of each node.
+        /// Whether all points of a kind have the same shift. A graph network ignores this and shifts the points of each
+        /// node.
         #[serde(default = "shared")]
         shared: bool,
     },
@@ -155,7 +156,7 @@ fn check_hold(every: u32, steps_per_hour: u32) -> Result<(), String> {
     match (every * steps_per_hour).is_multiple_of(60) {
         true => Ok(()),
         false => Err(format!(
-            "`acting.every` is {every} min; expected whole steps, of which an hour has {steps_per_hour}"
+            "`acting.every` is {every} min; expected a whole number of steps, {steps_per_hour} per hour"
         )),
     }
 }
@@ -219,7 +220,8 @@ impl Driver {
         }
     }
 
-    /// Returns the reactive controllers' next action, from -1 to 1, if the agent corrects it; otherwise an empty slice.
+    /// Returns the reactive controllers' next action, from -1 to 1, if the agent corrects it; otherwise, an empty
+    /// slice.
     pub fn base(&self) -> &[f32] {
         match self {
             Self::Actuators(own) => &own.base_row,

@@ -53,7 +53,7 @@ impl Agent {
         folder::write(path, info, actor)
     }
 
-    /// The name of its folder.
+    /// Returns the name: of the folder it was read from, or the given one.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -68,12 +68,12 @@ impl Agent {
         &self.info
     }
 
-    /// Its network.
+    /// Returns the network.
     pub fn actor(&self) -> &Arc<Actor> {
         &self.actor
     }
 
-    /// The SHA-256 of its description and weights; empty for an agent without a folder.
+    /// Returns the SHA-256 of its description and weights; empty for an agent without a folder.
     pub fn sha256(&self) -> &str {
         &self.sha256
     }
@@ -84,7 +84,7 @@ impl Agent {
     }
 
     /// Returns a controller for an episode of a building. A graph agent does not observe nodes of types that it was not
-    /// trained with. If it corrects the reactive controllers, they alone control the actuators of such nodes.
+    /// trained with. Such nodes follow its base controller alone, if it has one.
     ///
     /// # Errors
     /// [`Error::OtherBuilding`] when the building's observation or actuators differ from training;
@@ -106,7 +106,7 @@ impl Agent {
         self.pilot_without_model(spaces, plan.as_ref(), &attributes)
     }
 
-    /// Returns the parts of a building's model that it needs: attributes and, for a graph network, the nodes of its
+    /// Returns what the agent needs of a building's model: attributes and, for a graph network, the nodes of its
     /// trained types.
     pub(crate) fn model_parts(&self, spaces: &Spaces) -> Result<(Option<NodePlan>, Vec<f64>)> {
         let Interface { observation, nodes, .. } = self.info.interface;
@@ -200,7 +200,8 @@ impl AgentController {
         Self { row, scratch, pilot, actor, memory: MemorySpan::new(None) }
     }
 
-    /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36 chooses.
+    /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36
+    /// chooses.
     pub fn actions(&self) -> usize {
         self.row.len()
     }

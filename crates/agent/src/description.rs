@@ -63,7 +63,7 @@ impl Agent {
     /// folder.
     ///
     /// # Errors
-    /// The errors of [`Agent::controller`]; [`Error::Io`] without a current folder.
+    /// The errors of [`Agent::controller`]; [`Error::Io`] if the current directory is unknown.
     pub fn description(&self, spaces: &Arc<Spaces>) -> Result<Option<ControllerDescription>> {
         if self.sha256().is_empty() {
             return Ok(None);

@@ -32,7 +32,7 @@ pub enum Error {
     /// A building whose observation or actuators differ from the agent's.
     #[error("the agent {agent} cannot control {building}: {why}; it was trained on {trained_on}")]
     OtherBuilding {
-        /// Name of the agent.
+        /// Folder of the agent.
         agent: String,
         /// Name of the building.
         building: String,
@@ -47,7 +47,7 @@ pub enum Error {
          with a building that has one, or as corrections of the reactive controllers"
     )]
     UnknownNodeType {
-        /// Name of the agent.
+        /// Folder of the agent.
         agent: String,
         /// Name of the building.
         building: String,

@@ -78,15 +78,15 @@ struct SealedInfo<'a> {
     sha256: String,
 }
 
-/// Writes a folder: both files aside first; then moves them into place, the weights before the description that states
+/// Writes both files under temporary names, then moves them into place: the weights before the description that states
 /// their hash.
 pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
     std::fs::create_dir_all(path).map_err(at(path))?;
     let bytes = weights(actor);
     info.weights = sha256(&bytes);
     let text = description(&info);
-    // A description whose hash does not match its weights counts as damaged, so both files are written aside before
-    // either is replaced.
+    // A description whose hash does not match its weights counts as damaged, so both files are complete before either
+    // is replaced.
     let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
     let new_weights = aside::write(&weights, &bytes).map_err(at(&weights))?;
     let new_description = aside::write(&description, &text).map_err(at(&description))?;
@@ -172,7 +172,7 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
         Shape::Recurrent(Recurrent { encoder, head }) => match (&encoder.widths[..], &head.widths[..]) {
             ([inputs, .., gates], [state, .., outputs]) if *gates == GATES * state => (*inputs, *outputs),
-            _ => return Err("its encoder does not have the inputs of the gates of its state"),
+            _ => return Err("the outputs of its encoder are not three times the width of its state"),
         },
         // An agent saved before a node type was added has fewer.
         Shape::Graph(network) if network.types.len() > NodeType::ALL.len() => {

@@ -18,10 +18,10 @@ pub struct AgentInfo {
     pub interface: Interface,
     /// Name of every observation slot of the network; for a graph network, of all node types, trained or not.
     pub slots: Vec<String>,
-    /// Name of every action, of an actuator or a shift; for a graph network, of all node types.
+    /// Name of every action: an actuator or a shift. For a graph network, of all node types.
     pub actuators: Vec<String>,
-    /// Node types that a graph network was trained with. With direct actions, it controls only buildings whose actuators all
-    /// belong to nodes of these types.
+    /// Node types that a graph network was trained with. With direct actions, it controls only buildings whose
+    /// actuators all belong to nodes of these types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub node_types: Vec<String>,
     /// Shape of the network.
@@ -46,7 +46,7 @@ pub struct TrainingInfo {
     pub algorithm: String,
     /// Training buildings, as the user named them.
     pub buildings: String,
-    /// Tasks, separated by commas; empty if the agent's task is the only one.
+    /// Tasks, separated by commas. Empty: the agent's task alone.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub tasks: String,
     /// Benchmark problem on whose training side it was trained; empty if none.
@@ -66,8 +66,8 @@ pub struct TrainingInfo {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the reactive controllers' parameters, for an agent that corrects them; the revision of `guideline36`, for one
-    /// that supervises it.
+    /// For an agent that corrects the reactive controllers or shifts their targets, the hash of their parameters; for
+    /// one that supervises `guideline36`, its revision.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_controllers: Option<String>,
 }

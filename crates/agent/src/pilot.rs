@@ -14,14 +14,14 @@ use crate::plan::NodePlan;
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
 ///
 /// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every step, alternately, and
-/// [`Pilot::reward`] for its reward. Where
-/// decisions are held, the network acts when [`Pilot::is_due`], and its action is repeated in the other steps.
+/// [`Pilot::reward`] for its reward. Where decisions are held, the network acts when [`Pilot::is_due`], and its action
+/// is repeated in the other steps.
 #[derive(Clone, Debug)]
 pub struct Pilot {
     observation: AgentObservation,
     graph: Option<Arc<Graph>>,
     driver: Driver,
-    /// The driver's action of each action of the network.
+    /// Index of the driver's action for each action of the network.
     actions: Vec<usize>,
     /// The last action of the driver, in [-1, 1]; 0 without a network action.
     previous: Vec<f32>,
@@ -32,7 +32,7 @@ pub struct Pilot {
     is_first: bool,
     /// Steps for which a decision is held.
     hold: usize,
-    /// Steps since the last decision began; 0 before it.
+    /// Steps for which the decision has been held; 0 if the next one is due.
     held: usize,
 }
 
@@ -130,7 +130,8 @@ impl Pilot {
         self.held == 0
     }
 
-    /// Takes the action of the network for a step, whose values beyond ±1 are clipped, and returns it in physical units.
+    /// Takes the action of the network for a step, whose values beyond ±1 are clipped, and returns it in physical
+    /// units.
     pub fn act(&mut self, action: &[f32]) -> &[f64] {
         if self.is_due() {
             (self.reward, self.is_first) = (0.0, false);
@@ -142,8 +143,8 @@ impl Pilot {
         self.driver.drive(&self.previous)
     }
 
-    /// Takes the environment's reward of the last step, not scaled, before the next observation. The next decision observes the
-    /// sum over the steps of the last one.
+    /// Takes the environment's unscaled reward of the last step, before the next observation. The next decision
+    /// observes the sum over the steps of the last one.
     pub fn reward(&mut self, reward: f64) {
         self.reward += reward;
     }

@@ -4,7 +4,8 @@ use b2b_control::guideline36::SupervisoryPoint;
 use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_env::Spaces;
 
-/// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline; -1 and 1 are their limits.
+/// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline; -1 and 1 are their
+/// limits.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
     guideline: Guideline36,

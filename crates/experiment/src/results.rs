@@ -44,7 +44,7 @@ struct Episode<'a> {
     trajectory_hash: &'a str,
 }
 
-/// The indicators of an episode of operation, by the names of BOPTEST.
+/// The indicators of an episode of operation, under BOPTEST's names.
 #[derive(Serialize)]
 struct Operation {
     cost_tot: Option<f64>,

@@ -1,12 +1,14 @@
-//! Comfort as a constraint: for every evaluated building and run period a multiplier of the penalty of discomfort, which grows
-//! while the agent, acting without noise, leaves more discomfort than it may, and falls while it leaves less (Tessler et al. 2019).
+//! Comfort as a constraint: for every evaluated building and run period a multiplier of the penalty of discomfort,
+//! which grows while the agent, acting without noise, leaves more discomfort than it may, and falls while it leaves
+//! less (Tessler et al. 2019).
 
 use b2b_building::Period;
 use b2b_env::EpisodeConfig;
 
 use crate::error::Result;
 
-/// Discomfort below which there is nothing to tell apart, K·h per zone and day: half of what a score at comfort grants.
+/// Discomfort added to both sides of a ratio, so that values near 0 count as equal, K·h per zone and day: half the free
+/// allowance of a score at comfort.
 const RESOLVED: f64 = 0.05;
 /// Largest change of a multiplier by one evaluation, as a factor.
 const LARGEST_CHANGE: f64 = 2.0;
@@ -27,8 +29,9 @@ impl ComfortWeights {
         Self { weights: vec![1.0; held.len()], held }
     }
 
-    /// Returns the numbers of the evaluations whose multipliers count in an episode of a building: its own in the run period of
-    /// the episode, or for a building that is not evaluated, all in this period. Without such a period, all count.
+    /// Returns the numbers of the evaluations whose multipliers count in an episode of a building: its own in the run
+    /// period of the episode or, for a building that is not evaluated, all in this period. Empty if no evaluation is in
+    /// this period.
     ///
     /// # Errors
     /// [`Error::Env`](crate::Error::Env) for an unreadable weather file.
@@ -52,7 +55,7 @@ impl ComfortWeights {
         Ok(if own.is_empty() { in_period } else { own })
     }
 
-    /// Returns the geometric mean of the multipliers of some evaluations; of no evaluation, of all.
+    /// Returns the geometric mean of the multipliers of some evaluations; of all if there are none.
     pub fn of(&self, evaluations: &[usize]) -> f32 {
         match evaluations {
             [] => self.mean(),
@@ -70,14 +73,15 @@ impl ComfortWeights {
         &self.weights
     }
 
-    /// Restores the multipliers of a checkpoint; none leave them as they are.
+    /// Restores the multipliers of a checkpoint. Another number of them changes nothing.
     pub fn set(&mut self, weights: &[f32]) {
         if weights.len() == self.weights.len() {
             self.weights.copy_from_slice(weights);
         }
     }
 
-    /// Follows an evaluation, by its number, that left `reached` of an `allowed` discomfort, K·h per zone and day.
+    /// Updates the multiplier of an evaluation, by its number, with the discomfort that it `reached` and what is
+    /// `allowed`, K·h per zone and day.
     pub fn follow(&mut self, evaluation: usize, reached: f64, allowed: f64, rate: f64) {
         let excess = (reached + RESOLVED) / (allowed + RESOLVED);
         let change = excess.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE).powf(rate);
@@ -88,7 +92,7 @@ impl ComfortWeights {
     }
 }
 
-/// Returns the geometric mean; 1 of nothing.
+/// Returns the geometric mean; 1 without values.
 fn geometric_mean(weights: &[f32]) -> f32 {
     match weights {
         [] => 1.0,

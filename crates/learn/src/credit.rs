@@ -72,8 +72,7 @@ impl Credit {
     }
 
     /// Returns the credit of a graph network's building, with a part for every node. The actions of all nodes of a type
-    /// form one kind, and so do their parts.
-    /// `owners` has the owner of every action.
+    /// form one kind, and so do their parts. `owners` has the owner of every action.
     pub(crate) fn by_node(spaces: &Spaces, plan: &NodePlan, graph: &Graph, owners: &[Owner]) -> Self {
         let (nodes, places) = (graph.nodes(), part_places(spaces, Some(plan), graph.nodes()));
         let mut weights = vec![0.0; graph.actions.len() * nodes];
@@ -129,8 +128,8 @@ impl Credit {
     }
 }
 
-/// Returns the weight of each part of a reward (column: controlled zones, then energy) in the advantage of each
-/// action (row), given the owners of the actions. A zone's part counts for its own actions and for the air handler that serves
+/// Returns the weight of each part of a reward (column: controlled zones, then energy) in the advantage of each action
+/// (row), given the owners of the actions. A zone's part counts for its own actions and for the air handler that serves
 /// it, energy for all.
 pub(crate) fn credit(spaces: &Spaces, owners: &[Owner]) -> Vec<Vec<f32>> {
     let zones: Vec<usize> = spaces.controlled_zones().collect();

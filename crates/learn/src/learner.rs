@@ -1,7 +1,7 @@
 //! The traits of a learner.
 //!
-//! A learner is a folder in [`learners`](crate::learners): its options implement [`LearnerOptions`] and make a [`Learner`]. A
-//! training run uses nothing else.
+//! A learner is a folder in [`learners`](crate::learners): its options implement [`LearnerOptions`] and make a
+//! [`Learner`]. A training run uses nothing else.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -52,7 +52,8 @@ pub trait Learner: Send {
     }
 }
 
-/// The options of a kind of learner: a table of a configuration, named as in [`LearnerKind`](crate::learners::Kind).
+/// The options of a kind of learner: a table of a configuration, named as in
+/// [`LearnerKind`](crate::learners::LearnerKind).
 pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Checks the values.
     ///
@@ -73,8 +74,8 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
         Abilities::default()
     }
 
-    /// Returns whether an update learns from the last rollout alone. Environments then start at different hours, so that a rollout
-    /// covers the day.
+    /// Returns whether an update learns from the last rollout alone. Environments then start at different hours, so
+    /// that a rollout covers the day.
     fn is_on_policy(&self) -> bool {
         true
     }
@@ -97,7 +98,8 @@ pub struct Abilities {
     pub credit: bool,
     /// Pairs of environments with opposite exploration noise.
     pub mirrored_noise: bool,
-    /// Initial logarithm of the standard deviation of actions, if a run may set it ([`Learner::set_log_std`]), or why it may not.
+    /// Initial logarithm of the standard deviation of actions, if a run may set it ([`Learner::set_log_std`]), or why
+    /// it may not.
     pub noise: std::result::Result<f32, &'static str>,
 }
 

@@ -1,9 +1,10 @@
 //! Training of agents: learners, and the collection of their rollouts.
 //!
 //! A [`Collector`](collector::Collector) steps environments with an actor and writes the steps to a
-//! [`Rollout`](rollout::Rollout). A [`Learner`](learner::Learner), such as [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout
-//! and improves the actor. Learners compute in single precision on the processor. The same seed, rollouts and machine give the same
-//! bits, whatever the number of threads. [`offline`] learns from recorded episodes instead.
+//! [`Rollout`](rollout::Rollout). A [`Learner`](learner::Learner), such as [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac),
+//! reads the rollout and improves the actor. Learners compute in single precision on the processor. The same seed,
+//! rollouts and machine give the same bits, whatever the number of threads. [`offline`] learns from recorded episodes
+//! instead.
 
 pub mod collector;
 mod comfort_weights;

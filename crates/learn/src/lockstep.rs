@@ -4,8 +4,8 @@
 //! 2. Every worker makes a step with its action.
 //! 3. The owner waits for all of them, and begins the next episode wherever one is over.
 //!
-//! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another. Both give
-//! the same bits.
+//! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another.
+//! Both give the same bits.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -21,11 +21,11 @@ use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, RandomStream};
 use crate::rollout::{End, Rollout, Scene, Widths};
 
-/// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled). A reward
-/// has one part.
+/// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled). A
+/// reward has one part.
 ///
-/// The rollouts equal a [`FragmentCollector`](crate::fragments::FragmentCollector)'s with the same seed and actors, bit for
-/// bit, as long as no episode is lost.
+/// The rollouts equal a [`FragmentCollector`](crate::fragments::FragmentCollector)'s with the same seed and actors, bit
+/// for bit, as long as no episode is lost.
 pub struct LockstepCollector {
     environments: VecEnv,
     interface: Interface,
@@ -159,7 +159,8 @@ impl LockstepCollector {
         self.times.map(|time| time.as_secs_f64())
     }
 
-    /// Observes the first state of an episode. Its building must have the observation and actuators of the first building.
+    /// Observes the first state of an episode. Its building must have the observation and actuators of the first
+    /// building.
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
         let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
@@ -286,8 +287,8 @@ impl EnvProgress {
         self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()))
     }
 
-    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this is not the
-    /// first of them.
+    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this
+    /// is not the first of them.
     fn begin_memory(&mut self, actor: &Actor, memory_episodes: u64) {
         let is_first =
             std::mem::take(&mut self.is_new) && (self.episodes - 1).is_multiple_of(memory_episodes);

@@ -11,19 +11,19 @@ use crate::limits::{check_counts, require};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum PolicyConfig {
-    /// Multilayer perceptrons, for buildings with the same observation and actuators: see [`PpoConfig`](crate::ppo::PpoConfig) and
-    /// [`SacConfig`](crate::sac::SacConfig) for their layers.
+    /// Multilayer perceptrons, for buildings with the same observation and actuators: see
+    /// [`PpoConfig`](crate::ppo::PpoConfig) and [`SacConfig`](crate::sac::SacConfig) for their layers.
     #[default]
     Flat,
-    /// Recurrent networks, which remember the steps of an episode, for buildings as above: PPO's layers come before a gated
-    /// recurrent unit.
+    /// Recurrent networks, which remember earlier steps, for buildings as above: PPO's hidden layers come before a
+    /// gated recurrent unit.
     Recurrent(RecurrentPolicy),
     /// Graph networks, for buildings of any types.
     Graph(GraphPolicy),
 }
 
-/// The recurrent networks of a run: actor and critic each have a gated recurrent unit, between their hidden layers and their
-/// last layer.
+/// The recurrent networks of a run: actor and critic each have a gated recurrent unit, between their hidden layers and
+/// their last layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecurrentPolicy {
@@ -61,8 +61,8 @@ pub struct GraphPolicy {
     pub attributes: bool,
     /// Whether features have mean 0 and deviation 1 over all nodes of a type. Default true.
     pub normalize: bool,
-    /// Width of the state of each node, which a gated recurrent unit between the transformer and the outputs keeps. Default 0: no
-    /// memory.
+    /// Width of the state of each node, which a gated recurrent unit between the transformer and the outputs keeps.
+    /// Default 0: no memory.
     pub memory: usize,
     /// With a memory, like [`RecurrentPolicy::sequence`]. Default 48.
     pub sequence: usize,
@@ -167,7 +167,7 @@ impl GraphPolicy {
         ] {
             require(memory > 0 || value == default, || {
                 format!(
-                    "`policy.{option}` is {value} and `policy.memory` is 0: there is none; set its width, such as 64"
+                    "`policy.{option}` is {value} and `policy.memory` is 0; set the width of the memory, such as 64"
                 )
             })?;
         }

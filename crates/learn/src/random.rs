@@ -8,7 +8,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 pub struct RandomStream(ChaCha8Rng);
 
 impl RandomStream {
-    /// Number of words of [`Random::words`].
+    /// Number of words of [`RandomStream::words`].
     pub const WORDS: usize = 7;
 
     /// Returns the stream of a seed with this number.
@@ -57,7 +57,7 @@ impl RandomStream {
         words
     }
 
-    /// Returns the stream with the state that [`Random::words`] returned.
+    /// Returns the stream with the state that [`RandomStream::words`] returned.
     pub fn from_words(words: [u64; Self::WORDS]) -> Self {
         let mut seed = [0; 32];
         for (bytes, word) in seed.as_chunks_mut::<8>().0.iter_mut().zip(words) {
@@ -72,8 +72,8 @@ impl RandomStream {
 
 /// Standard normal noise of the actions of one environment, correlated from step to step.
 ///
-/// Each number is ρ × the previous one + √(1 - ρ²) × a new one: an autoregressive process of first order with variance 1. A ρ of
-/// 0 is independent noise. Action densities still assume independent noise.
+/// Each number is ρ × the previous one + √(1 - ρ²) × a new one: an autoregressive process of first order with
+/// variance 1. A ρ of 0 is independent noise. Action densities still assume independent noise.
 #[derive(Clone, Debug)]
 pub struct Noise {
     /// Correlation ρ between consecutive steps, from 0 to 1.
@@ -99,7 +99,8 @@ impl Noise {
         Self { sign: -self.sign, ..self }
     }
 
-    /// Draws the numbers of the next step, one per action, as [`Actor::sample`](b2b_agent::network::Actor::sample) takes them.
+    /// Draws the numbers of the next step, one per action, as [`Actor::sample`](b2b_agent::network::Actor::sample)
+    /// takes them.
     pub fn draw(&mut self) -> &[f32] {
         let innovation = self.sign * (1.0 - self.correlation * self.correlation).max(0.0).sqrt();
         for value in &mut self.values {

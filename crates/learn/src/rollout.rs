@@ -28,16 +28,16 @@ pub struct Rollout {
     pub next: Vec<f32>,
     /// Steps that ended an episode, ordered by environment and step.
     pub ends: Vec<End>,
-    /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows of a
-    /// building that is smaller than the widths are padded with zeros.
+    /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows
+    /// of a building that is smaller than the widths are padded with zeros.
     pub scenes: Vec<Scene>,
-    /// States of a recurrent actor before the first step of each environment: environments × width; empty for other actors.
+    /// States of a recurrent actor before the first step of each environment: environments × width; empty for other
+    /// actors.
     pub states: Vec<f32>,
-    /// Steps before which a recurrent network forgets, because they are the first of an episode in another building or with
-    /// a new memory: environment and step, in this order.
+    /// Steps before which a recurrent network forgets, the first of an episode with a new memory: environment and step.
     pub starts: Vec<(usize, usize)>,
-    /// With mirrored noise, for how many first steps the two environments of each pair are at the same step of the same
-    /// episode and have opposite noise.
+    /// With mirrored noise, the number of first steps in which the two environments of each pair are at the same step
+    /// of the same episode and have opposite noise.
     pub pairs: Vec<usize>,
 }
 
@@ -71,7 +71,7 @@ impl Rollout {
         self.environments * self.steps
     }
 
-    /// Resizes the arrays for these environments, steps and widths, and clears the ends.
+    /// Resizes the arrays for these environments, steps and widths, and clears the lists.
     pub(crate) fn resize(&mut self, environments: usize, steps: usize, widths: Widths) {
         (self.environments, self.steps) = (environments, steps);
         let rows = self.rows();
@@ -135,7 +135,8 @@ impl Rollout {
     /// Checks the lengths of the arrays and the order of the ends.
     ///
     /// # Errors
-    /// When an array has another length than its counts and these widths, or an end is outside the rollout or out of order.
+    /// When an array has another length than its counts and these widths, or an end is outside the rollout or out of
+    /// order.
     pub fn check(&self, widths: Widths) -> Result<()> {
         let rows = self.rows();
         let lengths = [

@@ -39,7 +39,8 @@ impl TravelCost {
         self.before.copy_from_slice(&metrics.travel);
     }
 
-    /// Subtracts the cost of the step from the parts of its reward: `cost` for a full stroke, averaged over the actuators.
+    /// Subtracts the cost of the step from the parts of its reward: `cost` for a full stroke, averaged over the
+    /// actuators.
     pub(crate) fn subtract(&self, metrics: &Metrics, cost: f32, rewards: &mut [f32]) {
         let strokes = metrics.travel.iter().zip(&self.before).map(|(after, before)| (after - before) as f32);
         for (strokes, shares) in strokes.zip(self.shares.chunks_exact(rewards.len())) {

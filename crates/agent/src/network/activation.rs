@@ -48,8 +48,8 @@ const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.1
 /// Input from which tanh is 1 in single precision.
 const SATURATED: f32 = 7.905_311;
 
-/// Returns the hyperbolic tangent, within 5e-7, by Eigen's quotient of polynomials: without a call, so that it is
-/// vectorized, and with the same bits on every machine.
+/// Returns the hyperbolic tangent, within 5e-7, by Eigen's rational approximation. It makes no calls, so that loops are
+/// vectorized, and gives the same bits on every machine.
 pub fn tanh(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
     let square = x * x;

@@ -9,8 +9,8 @@ use super::graph::{Batch, Places, Tape};
 use super::recurrent::RecurrentScratch;
 use super::{Graph, Layer, Shape, tanh};
 
-/// Bounds of the logarithm of the standard deviation of a squashed Gaussian. Haarnoja et al. 2018 use -20 and 2; the higher
-/// lower bound keeps densities finite in single precision.
+/// Bounds of the logarithm of the standard deviation of a squashed Gaussian. Haarnoja et al. 2018 use -20 and 2; the
+/// higher lower bound keeps densities finite in single precision.
 pub const LOG_STD: RangeInclusive<f32> = -5.0..=2.0;
 
 /// The distribution of actions, given the outputs of the network.
@@ -22,14 +22,14 @@ pub enum Distribution {
         /// Logarithm of the standard deviation of each action.
         log_std: Vec<f32>,
     },
-    /// A Gaussian whose mean is the first half of the output. The second half is the logarithm of the standard deviation. Samples
-    /// are not bounded.
+    /// A Gaussian whose mean is the first half of the output. The second half is the logarithm of the standard
+    /// deviation. Samples are not bounded.
     GaussianOfState {
         /// Lower bound of the logarithm of the standard deviation; the upper bound is [`LOG_STD`]'s.
         minimum: f32,
     },
-    /// The hyperbolic tangent of a Gaussian with the two halves of the output as mean and logarithm of the standard deviation,
-    /// within [`LOG_STD`] (Haarnoja et al. 2018, appendix C). Samples are between -1 and 1.
+    /// The hyperbolic tangent of a Gaussian with the two halves of the output as mean and logarithm of the standard
+    /// deviation, within [`LOG_STD`] (Haarnoja et al. 2018, appendix C). Samples are between -1 and 1.
     SquashedGaussian,
 }
 
@@ -94,8 +94,8 @@ impl Actor {
         }
     }
 
-    /// Writes the action without exploration: the mean, squashed if the distribution is. A network with a memory goes on to its next
-    /// state, here and in [`Actor::sample`]. Allocates only at the first call.
+    /// Writes the action without exploration: the mean, squashed if the distribution is. Here and in [`Actor::sample`],
+    /// a network with a memory advances to its next state. Allocates only at the first call.
     ///
     /// # Panics
     /// If the length of a slice does not match the shape.
@@ -172,8 +172,7 @@ impl Scratch {
         self.free.len()
     }
 
-    /// Returns the state of a network with a memory after the last step, for a graph network of one node after another; empty
-    /// without a memory.
+    /// Returns the state after the last step: of a graph network, node by node. Empty without a memory.
     pub fn state(&self) -> &[f32] {
         match &self.form {
             Form::Recurrent(own) => &own.state,

@@ -11,8 +11,8 @@ const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 const COEFFICIENTS: [f32; 6] =
     [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 0.166_666_66, 0.5];
 
-/// Returns the exponential, within a relative error of 2e-7, by a polynomial: without a call, so that it is vectorized,
-/// and with the same bits on every machine. Inputs are clamped to -87 and 88.
+/// Returns the exponential, within a relative error of 2e-7, by a polynomial. It makes no calls, so that loops are
+/// vectorized, and gives the same bits on every machine. Inputs are clamped to -87 and 88.
 pub fn exp(x: f32) -> f32 {
     let x = x.clamp(LOWEST, HIGHEST);
     let shifted = x * std::f32::consts::LOG2_E + ROUNDING;

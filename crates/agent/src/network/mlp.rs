@@ -100,7 +100,7 @@ impl Mlp {
     }
 }
 
-/// Inputs and outputs that [`Layer::forward_rows`] computes together, in registers.
+/// Rows and outputs that [`Layer::forward_rows`] computes together, in registers.
 const TILE: (usize, usize) = (4, 8);
 
 impl Layer {

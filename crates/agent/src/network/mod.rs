@@ -1,8 +1,8 @@
 //! Networks: a shape and a slice of parameters.
 //!
 //! Parameters are one flat slice, shared by optimizer, workers and files. It has, layer by layer, the weights (inputs ×
-//! outputs, row-major) and the biases. A [`Shape`] is a multilayer perceptron, a
-//! [recurrent network](recurrent), or a [graph network](graph). An [`Actor`] is a network with the distribution of its actions.
+//! outputs, row-major) and the biases. A [`Shape`] is a multilayer perceptron, a [recurrent network](recurrent), or a
+//! [graph network](graph). An [`Actor`] is a network with the distribution of its actions.
 
 mod activation;
 mod actor;

@@ -95,7 +95,8 @@ impl Recurrent {
         }
     }
 
-    /// Writes the outputs for the next input and updates the state. Allocates nothing, and gives the same bits on every machine.
+    /// Writes the outputs for the next input and updates the state. Allocates nothing, and gives the same bits on every
+    /// machine.
     pub(super) fn forward(
         &self,
         parameters: &[f32],
@@ -111,8 +112,8 @@ impl Recurrent {
     }
 }
 
-/// Replaces a state by the next one, given the inputs of the gates from the encoder and from the state. Overwrites `of_input`
-/// with the values of the update gate, the reset gate and the candidate.
+/// Replaces a state by the next one, given the inputs of the gates from the encoder and from the state. Overwrites
+/// `of_input` with the values of the update gate, the reset gate and the candidate.
 pub fn step(of_input: &mut [f32], of_state: &[f32], state: &mut [f32]) {
     let width = state.len();
     let (gates, candidate) = of_input.split_at_mut(2 * width);
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_step_has_the_equations_of_the_reference() {
-        // PyTorch 2: GRUCell(1, 1) with all weights and biases as below, from the state 0.5 with the input 2.
+        // The equations of PyTorch's `GRUCell(1, 1)` in double precision, from the state 0.5 with the input 2.
         let shape = Recurrent {
             encoder: Mlp::new(1, &[], 3, Activation::Tanh),
             head: Mlp::new(1, &[], 1, Activation::Tanh),

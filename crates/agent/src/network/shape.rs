@@ -64,8 +64,7 @@ impl Shape {
         }
     }
 
-    /// Returns the width of the state that the network keeps from step to step, for a graph network of each node: 0 if it keeps
-    /// none.
+    /// Returns the width of the state kept from step to step, per node in a graph network; 0 without a memory.
     pub fn state(&self) -> usize {
         match self {
             Self::Mlp(_) => 0,

@@ -23,15 +23,15 @@ pub struct AgentObservation {
     memory: Memory,
     /// Outdoor temperatures at the end of each hour of the year, °C; empty without a forecast.
     outdoor: Vec<f64>,
-    /// Bands of a task of operation, and the next change of each zone's setpoints; none if no slot needs them.
+    /// Setpoint bands of a task of operation, and each zone's next change of them; none if no slot needs them.
     bands: Option<Bands>,
     changes: Vec<Option<NextPair>>,
     calendar: [usize; 2],
 }
 
 impl AgentObservation {
-    /// Returns the observation for a building with these [`attributes`](super::attributes). Features include the action of the
-    /// reactive controllers that an agent corrects, or the decisions of the sequences that it supervises.
+    /// Returns the observation for a building with these [`attributes`](super::attributes). Features include the action
+    /// of the reactive controllers that an agent corrects, or the decisions of the sequences that it supervises.
     ///
     /// # Errors
     /// [`Error::Weather`](crate::Error::Weather) for an unreadable weather file.
@@ -59,7 +59,7 @@ impl AgentObservation {
         Ok(Self { outdoor, ..Self::of_features(features, spaces, driver.supervisor().is_some()) })
     }
 
-    /// Creates an observation of these slots, without a forecast; with `previews`, of changes of bands ahead too.
+    /// Creates an observation of these slots, without a forecast. `previews` adds the next changes of the bands.
     pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces, previews: bool) -> Self {
         let bands = Bands::of(spaces).filter(|_| previews);
         Self {

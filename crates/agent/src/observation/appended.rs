@@ -46,8 +46,8 @@ pub(super) fn forecast_features(hours: u32, spaces: &Spaces) -> Vec<Feature> {
     (1..=hours).map(at).collect()
 }
 
-/// Returns the features of feedback: the previous action for the actuators with these names, the previous reward, and whether
-/// the step is the first of an episode.
+/// Returns the features of feedback: the previous action for the actuators with these names, the previous reward, and
+/// whether the step is the first of an episode.
 pub(super) fn feedback_features(actuators: &[String]) -> Vec<Feature> {
     let of_action =
         |(index, name): (usize, &String)| Feature::new(format!("{name} previous"), Source::Previous(index));

@@ -28,7 +28,7 @@ pub(super) enum Source {
     Deviation { slot: usize, center: f64, scale: f64, limit: f64 },
     /// The change of a slot in the last step.
     Change { slot: usize, scale: f64, limit: f64 },
-    /// Temperature less target of a controlled zone, by its index.
+    /// Temperature minus target of a controlled zone, by its index.
     Error { zone: usize, scale: f64, limit: f64 },
     /// The recent mean of that error: see [`Memory`].
     RecentError { zone: usize, scale: f64, limit: f64 },
@@ -44,7 +44,7 @@ pub(super) enum Source {
     Year { slot: usize, cosine: bool },
     /// The outdoor temperature a number of hours ahead, by the slots of the day of the year and the time of day.
     Forecast { day: usize, hour: usize, ahead: f64 },
-    /// One slot less another.
+    /// One slot minus another.
     Difference { slot: usize, less: usize, scale: f64, limit: f64 },
     /// Proximity of the next change of the band of a zone, by its index: 1 now, 0 in 12 hours or more.
     ChangeAhead { zone: usize },
@@ -56,7 +56,7 @@ pub(super) enum Source {
     DecisionIs { decision: usize, value: f64 },
     /// The agent's previous action for an actuator.
     Previous(usize),
-    /// The signed root of the reward of the previous decision.
+    /// The signed square root of the reward of the previous decision.
     PreviousReward,
     /// Whether the step is the first of an episode.
     First,
@@ -151,13 +151,13 @@ impl Feature {
     }
 }
 
-/// Limit of the signed root of a reward, K in tasks of tracking.
+/// Limit of the signed square root of a reward, K in tracking tasks.
 const LARGEST_ROOT: f64 = 5.0;
 
 /// Hours of a week.
 pub(super) const HOURS_OF_WEEK: f64 = 168.0;
 
-/// Hours from which on a change of a band is far away.
+/// Hours ahead from which a change of a band is not observed.
 const HOURS_AHEAD: f64 = 12.0;
 
 fn clipped(value: f64, scale: f64, limit: f64) -> f64 {

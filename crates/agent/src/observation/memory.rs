@@ -41,7 +41,7 @@ impl Memory {
         self.recent.fill(0.0);
     }
 
-    /// Adds an observation. The first of an episode only initializes the state.
+    /// Adds an observation. At the first of an episode, all changes are 0.
     pub(super) fn remember(&mut self, observation: &[f64]) {
         if std::mem::take(&mut self.is_new) {
             self.last.copy_from_slice(observation);
@@ -62,7 +62,7 @@ impl Memory {
         self.change[slot]
     }
 
-    /// Temperature less target of a controlled zone, K.
+    /// Temperature minus target of a controlled zone, K.
     pub(super) fn error(&self, zone: usize) -> f64 {
         self.errors[zone]
     }

@@ -93,8 +93,8 @@ impl NodeSpaces {
 }
 
 impl AgentObservation {
-    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled to [-1, 1] by
-    /// bounds that all buildings share; with `features`, the features of the node's own zone or actuators.
+    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled to [-1, 1]
+    /// by bounds that all buildings share; with `features`, the features of the node's own zone or actuators.
     ///
     /// # Errors
     /// [`Error::Graph`] for a building with an actuator that belongs to no node, or that its node's type does not have.
@@ -275,8 +275,8 @@ fn constants(slots: &[LocalSlot<Attribute>], values: &[f64]) -> impl Iterator<It
     slots.iter().zip(values).map(|(slot, value)| (text(&slot.quantity), Source::Constant(*value)))
 }
 
-/// Returns the observation of a node, scaled to [-1, 1] by bounds that all buildings share. A zone with a constant target
-/// observes that target and counts as occupied.
+/// Returns the observation of a node, scaled to [-1, 1] by bounds that all buildings share. A zone with a constant
+/// target observes that target and counts as occupied.
 fn observed(node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
     let source = |slot: &LocalSlot<Observed>| {
         let LocalSlot { quantity, low, high, .. } = *slot;

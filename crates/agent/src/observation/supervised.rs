@@ -1,5 +1,5 @@
-//! The features of an agent that supervises the sequences of Guideline 36: where the zones are in their bands, how the bands
-//! change, what the sequences decided, weather, calendar, prices and the last decision.
+//! The features of an agent that supervises the sequences of Guideline 36: where the zones are in their bands, how the
+//! bands change, what the sequences decided, weather, calendar, prices and the last decision.
 
 use b2b_building::morphology::{NodeType, Observed, Owner};
 use b2b_control::Controller;
@@ -42,7 +42,8 @@ pub(super) fn supervised(spaces: &Spaces, supervisor: &Supervisor) -> Vec<Featur
     features
 }
 
-/// Returns the features of a controlled zone, given its index among the controlled zones and the slot of its temperature.
+/// Returns the features of a controlled zone, given its index among the controlled zones and the slot of its
+/// temperature.
 fn zone_features(spaces: &Spaces, zone: usize, slot: usize) -> Vec<(&'static str, Source)> {
     let space = &spaces.observation;
     let mut features = vec![("change/0.1K", Source::Change { slot, scale: 0.1, limit: 3.0 })];
@@ -109,7 +110,8 @@ fn preview(spaces: &Spaces) -> impl Iterator<Item = Feature> {
     features.filter_map(|(name, source)| Some(Feature::new(name, source?)))
 }
 
-/// Returns the features of a node's preview, 0 without a preview: prices at the energy node, weather at the weather node.
+/// Returns the features of a node's preview, 0 without a preview: prices at the energy node, weather at the weather
+/// node.
 pub(super) fn node_preview(
     node_type: NodeType,
     node: Option<&SupervisedNode<'_>>,
@@ -124,8 +126,8 @@ pub(super) fn node_preview(
     features.map(|(name, source)| (name, source.unwrap_or(Source::Constant(0.0))))
 }
 
-/// Returns the features of a decision of the sequences: one per mode, or the scaled value. Setpoints in use are left out, because
-/// they follow from the band and the last shifts.
+/// Returns the features of a decision of the sequences: one per mode, or the scaled value. Flow rates are left out, and
+/// so are zone setpoints in use, which follow from the band and the last shifts.
 fn decided(number: usize, slot: &DecisionSlot) -> Vec<Feature> {
     if !slot.states.is_empty() {
         let mode = |(index, state): (usize, &&str)| {
@@ -212,8 +214,8 @@ pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     }
 }
 
-/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type. What a node lacks
-/// is 0. Without a node, all are 0, for their names.
+/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type. What a
+/// node lacks is 0. Without a node, only the names count, and all features are 0.
 pub(super) fn node_features(node_type: NodeType, node: Option<&SupervisedNode<'_>>) -> Vec<(String, Source)> {
     let is_zone = node_type != NodeType::AirLoop;
     let own = node.map_or_else(Vec::new, SupervisedNode::zone_features);

@@ -104,7 +104,7 @@ impl GraphExport<'_> {
             let columns = part * embedding..(part + 1) * embedding;
             let projected = self.linear(&normed, &block.projections, columns);
             let split = self.file.operator("Reshape", &[&projected, &by_head], &[]);
-            // Keys have the nodes last, to be multiplied with.
+            // Keys have the nodes last, so that queries can be multiplied by them.
             let order = if part == 1 { [0, 2, 3, 1] } else { [0, 2, 1, 3] };
             self.file.operator("Transpose", &[&split], &[list("perm", &order)])
         });
@@ -152,7 +152,7 @@ impl GraphExport<'_> {
     /// Adds the memory, and returns the next states: [batch, nodes, width].
     fn remember(&mut self, normed: &str, memory: &MemoryPlaces) -> String {
         let (MemoryPlaces { input, cell }, nodes) = (memory, self.order.len());
-        // The nodes of a batch of buildings are the batch of the unit.
+        // The unit's batch is the nodes of all rows.
         let sequence = self.reshape(normed, &[1, REST, input.inputs]);
         let state = self.reshape("state", &[1, REST, cell.inputs]);
         let parameters = &self.actor.parameters[..];

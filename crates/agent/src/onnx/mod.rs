@@ -16,13 +16,13 @@ use crate::{Error, Result};
 
 impl Agent {
     /// Returns the agent as an ONNX file. The input is the environment's unscaled observation, or the observation by
-    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. With a
-    /// memory, the state is the second input and the next state the second output. A graph network's file is for this building
+    /// roles. The output is the action, where -1 and 1 are the bounds, to be clamped by the environment. With a memory,
+    /// the state is the second input and the next state the second output. A graph network's file is for this building
     /// only.
     ///
     /// # Errors
-    /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
-    /// [`Error::OtherBuilding`] and [`Error::UnknownNodeType`] for an unsuitable building.
+    /// [`Error::NotExportable`] for an agent that observes features, attributes, a forecast or feedback, or has a base
+    /// controller; [`Error::OtherBuilding`] and [`Error::UnknownNodeType`] for an unsuitable building.
     pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
         let pilot = self.pilot(spaces)?;
         let interface = self.info().interface;

@@ -62,8 +62,8 @@ impl FlatExport<'_> {
         })
     }
 
-    /// Adds the layers of a network whose first outputs are the actions. Standard deviations after the means are only for
-    /// training.
+    /// Adds the layers of a network whose first outputs are the actions. Standard deviations after the means are only
+    /// for training.
     fn actions(&mut self, mlp: &Mlp, parameters: &[f32], input: String, actions: usize) {
         let layers: Vec<Layer> = mlp.layers().collect();
         let (output, hidden) = layers.split_last().expect("a network has a layer");
@@ -92,8 +92,8 @@ impl FlatExport<'_> {
     }
 }
 
-/// Adds a gated recurrent unit of a layer from the input and a layer from the state, each with its parameters. Sequence and state
-/// have the shape [1, batch, width]. Returns the next states, of shape [1, 1, batch, width].
+/// Adds a gated recurrent unit of a layer from the input and a layer from the state, each with its parameters. Sequence
+/// and state have the shape [1, batch, width]. Returns the next states, of shape [1, 1, batch, width].
 pub(super) fn gated_unit(
     file: &mut File,
     [sequence, state]: [&str; 2],
@@ -106,7 +106,7 @@ pub(super) fn gated_unit(
     let biases = [&of_gates[gates.biases.clone()], &parameters[cell.biases.clone()]].concat();
     let biases = file.tensor(&[1, 2 * GATES * cell.inputs], &biases);
     let attributes = [whole("hidden_size", cell.inputs), whole("linear_before_reset", 1)];
-    // The fifth input is the length of each sequence, which all have the whole.
+    // The fifth input, the length of each sequence, is left out: all are complete.
     file.operator("GRU", &[sequence, &of_input, &of_state, &biases, "", state], &attributes)
 }
 

@@ -82,7 +82,7 @@ fn a_correction_and_a_shift_of_zero_are_the_reactive_controllers() {
 const TARGETS: Acting = Acting::Targets { every: 60, shift: 1.5 };
 
 #[test]
-fn zones_follow_shifted_targets_and_errors_are_from_the_task_s() {
+fn zones_follow_shifted_targets_and_errors_are_relative_to_the_tasks_targets() {
     for building in ["OfficeSmall-0042", "SingleFamilyHouse-0018"] {
         let mut env = env(building, "constant");
         let spaces = Arc::clone(env.spaces());
@@ -173,7 +173,7 @@ fn an_agent_reads_back_unchanged_and_acts_alike() {
     }
 }
 
-/// A raw observation with direct actions, and what a memory needs.
+/// A raw observation with feedback, and direct actions.
 const REMEMBERING: Interface = Interface {
     observation: ObservationOptions {
         form: ObservationForm::Raw,

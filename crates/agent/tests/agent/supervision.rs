@@ -13,7 +13,8 @@ fn interface(every: u32, shared: bool) -> Interface {
     Interface { observation: ObservationForm::Features.into(), acting, nodes: None }
 }
 
-/// The observations of the agent and the actions of an episode under a supervisor's decisions.
+/// Runs an episode under the decisions of `decide`, which gets their number and the agent's observation. Returns the
+/// return.
 fn episode(env: &mut Env, pilot: &mut Pilot, mut decide: impl FnMut(usize, &[f32], &mut [f32])) -> f64 {
     let mut observation = env.reset().unwrap().to_vec();
     let mut decision = vec![0.0; pilot.widths().1];

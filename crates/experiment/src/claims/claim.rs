@@ -7,9 +7,10 @@ use b2b_evaluate::statistics::score_text;
 use super::interval::Measured;
 
 /// How claims are judged: the subtitle of their table.
-pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings; of fewer than three, the range of all values) is on \
-                        the claimed side of its bound and beyond the margin, does not hold if it is on the other side and beyond \
-                        the margin, and cannot be told otherwise; trainings with fewer steps than the paper's do not count";
+pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings; for fewer than three, the \
+                        range of all values) is on the claimed side of its bound and beyond the margin, does not hold \
+                        if it is on the other side and beyond the margin, and otherwise cannot be told; trainings with \
+                        fewer steps than the paper's do not count";
 
 /// A claim of the paper, judged.
 #[derive(Clone, Debug, PartialEq)]

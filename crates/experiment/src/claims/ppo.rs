@@ -19,7 +19,7 @@ pub(super) const STEPS: u64 = 5_000_000;
 struct Rows {
     text: &'static str,
     building_type: &'static str,
-    /// Selects tasks and periods, by how they end and begin.
+    /// Selects rows by task and period.
     is_own: fn(task: &str, period: &str) -> bool,
     side: Side,
 }
@@ -157,8 +157,8 @@ fn no_degenerate_policy(all: &[&EpisodeResult]) -> Judged {
     claim.judge(measured(&degenerate, mean), &remark)
 }
 
-/// HVAC counts as off below this fraction of the reactive controllers' energy, and saving that way is no achievement
-/// above this RMS deviation, K.
+/// A policy is degenerate if its energy is below this fraction of the reactive controllers', and its RMS deviation
+/// above this, K.
 pub(super) const OFF_ENERGY: f64 = 0.25;
 const OFF_DEVIATION: f64 = 2.0;
 

@@ -1,4 +1,4 @@
-//! The paper's claims about the weight of energy.
+//! The paper's claims about the energy weight.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ fn claim(text: &str, quantity: &'static str, bound: f64, margin: f64) -> Claim {
 }
 
 fn less_energy(text: &str, rows: &[&EpisodeResult]) -> Judged {
-    let claim = claim(text, "energy at weight 5 over that at 0", 1.0, 0.05);
+    let claim = claim(text, "ratio of the energy at weight 5 to weight 0", 1.0, 0.05);
     let (mut fell, mut steps) = (0, 0);
     for values in series(rows, energy).values() {
         steps += values.len() - 1;
@@ -53,7 +53,7 @@ fn less_energy(text: &str, rows: &[&EpisodeResult]) -> Judged {
 fn little_shift(rows: &[&EpisodeResult]) -> Judged {
     let claim = claim(
         "In medium offices the deviation from target does not shift much with the weight",
-        "RMS deviation at weight 5 less that at 0 (K)",
+        "RMS deviation at weight 5 minus at weight 0 (K)",
         0.5,
         0.1,
     );

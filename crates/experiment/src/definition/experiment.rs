@@ -38,7 +38,7 @@ pub struct Experiment {
     /// Benchmark problems, on which agents are entered instead of being evaluated on test buildings of the types.
     #[serde(default)]
     pub problems: Vec<String>,
-    /// Test buildings: the eight of each type in the small test, or the whole test split.
+    /// Whether test buildings are the eight of each type in the small test, instead of the whole test split.
     #[serde(default)]
     pub small_test: bool,
     /// ASHRAE 169 climate zones of the test buildings, such as `1A`, or `1` for 1A to 1C. Empty: all.
@@ -56,7 +56,7 @@ pub struct Experiment {
     /// Controllers that need no training, such as `guideline36`, evaluated on the test buildings of the types.
     #[serde(default)]
     pub controllers: Vec<String>,
-    /// Options of `b2b train` that all agents have, unless they have others.
+    /// Options of `b2b train` for all agents, unless an agent sets its own.
     #[serde(default)]
     pub(super) options: Table,
     /// Agents.
@@ -94,7 +94,7 @@ pub enum ReportKind {
     Adaptation,
     /// Distributions of scores by type.
     Transfer,
-    /// Temperature deviation and energy by the weight of energy.
+    /// Temperature deviation and energy by energy weight.
     Weights,
     /// Cost, energy, discomfort and peak demand of controllers by type and period.
     Operation,

@@ -1,4 +1,4 @@
-//! Comfort and energy by the weight of energy.
+//! Comfort and energy by energy weight.
 
 use b2b_env::{Resource, Task};
 use b2b_evaluate::EpisodeResult;
@@ -80,12 +80,13 @@ fn weights(curves: &[Curve]) -> Vec<f64> {
 fn cell(points: &[Point], weight: f64) -> String {
     points.iter().find(|point| point.weight == weight).map_or_else(String::new, |point| {
         let Point { deviation, energy, relative_energy, .. } = point;
-        // Without line breaks.
+        // Spaces that do not break.
         format!("{deviation:.2}\u{a0}·\u{a0}{energy:.2}\u{a0}·\u{a0}{relative_energy:.2}")
     })
 }
 
-/// Draws comfort against energy, with a slider that marks the points of a weight. Controllers far from all targets are left out.
+/// Draws comfort against energy, with a slider that marks the points of a weight. Controllers far from all targets are
+/// left out.
 fn front(title: String, curves: Vec<Curve>) -> Chart {
     let drawn = curves.into_iter().filter(|curve| !curve.points.is_empty());
     let (far, curves): (Vec<_>, Vec<_>) =
@@ -149,7 +150,8 @@ fn trace(Curve { name, color, points }: &Curve, sizes: &[u32]) -> Value {
     })
 }
 
-/// Draws the deviations from target of all steps by weight, as the paper's figure of temperatures; `None` without kept episodes.
+/// Draws the deviations from target of all steps by weight, like the paper's figure of temperatures; `None` without
+/// kept episodes.
 fn distributions(
     experiment: &Experiment,
     results: &Results,

@@ -44,11 +44,11 @@ enum Checkable {
     Controller(String),
 }
 
-/// Evaluates again the experiment's `controllers` and the agents whose folders are available, and compares their
-/// episodes with the results that `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced
-/// them, otherwise scores within a relative 0.001. With `buildings`, at most that many buildings of each agent are
-/// evaluated, evenly spaced over its results. `done` is called with every check. Entries on benchmark problems are left
-/// out: `b2b benchmark verify` checks them.
+/// Re-evaluates the experiment's `controllers` and the agents whose folders are available, and compares their episodes
+/// with the results that `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced them,
+/// otherwise scores within a relative 0.001. With `buildings`, at most that many buildings of each agent are evaluated,
+/// evenly spaced over its results. `done` is called with every check. Entries on benchmark problems are left out:
+/// `b2b benchmark verify` checks them.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is neither; the errors of [`Runner::run`].

@@ -25,7 +25,7 @@ const STEPS_PER_HOUR: u32 = 12;
 
 /// A program that carries out the actions of jobs.
 pub struct Program {
-    /// Starts it as a worker.
+    /// Starts the program as a worker.
     pub launcher: Launcher,
     /// Returns whether to stop.
     pub interrupted: fn() -> bool,

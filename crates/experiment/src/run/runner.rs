@@ -63,8 +63,8 @@ impl<'a> Clock<'a> {
 }
 
 impl Runner<'_> {
-    /// Runs the unfinished jobs in order. A failed job does not stop the others. `done` is called with every job that ends
-    /// and how it ended.
+    /// Runs the unfinished jobs in order. A failed job does not stop the others. `done` is called with every job that
+    /// ends and how it ended.
     ///
     /// # Errors
     /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::OtherJob`]; [`Error::Io`].
@@ -118,8 +118,8 @@ impl Runner<'_> {
         })
     }
 
-    /// Carries out an order in a folder. Appends the command that does the same and the output to a log; the result goes to
-    /// the log, too, or to a file. Calls `waiting` several times a second until then. Returns why it failed.
+    /// Carries out an order in a folder. Appends the command that does the same and the output to a log; the result
+    /// goes to the log, too, or to a file. Calls `waiting` several times a second until then. Returns why it failed.
     pub(super) fn carry_out(
         &self,
         order: &Order,

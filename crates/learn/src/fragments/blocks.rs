@@ -7,8 +7,8 @@ use crate::rollout::Widths;
 /// Numbers of [`Block::times`].
 const TIMES: usize = 2;
 
-/// The block of an environment: the observations, actions and rewards of consecutive steps, the observation after the last
-/// step, and the state of a recurrent actor before and after a fragment.
+/// The block of an environment: the observations, actions and rewards of consecutive steps, the observation after the
+/// last step, and the state of a recurrent actor before and after a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     place: usize,

@@ -22,7 +22,8 @@ pub(crate) struct GraphBuilding {
 }
 
 impl GraphBuilding {
-    /// Returns a building that has its model; `None` for flat networks. With `by_node`, a reward has a part for every node.
+    /// Returns a building that has its model; `None` for flat networks. With `by_node`, a reward has a part for every
+    /// node.
     pub(crate) fn of(interface: Interface, by_node: bool, spaces: &Arc<Spaces>) -> Result<Option<Self>> {
         let Some(form) = interface.nodes else { return Ok(None) };
         let plan = NodePlan::of(form, spaces)?;

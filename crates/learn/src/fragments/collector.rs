@@ -22,7 +22,8 @@ use crate::rollout::{End, Rollout, Widths};
 /// The scale of a building's rewards.
 pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 
-/// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled).
+/// Collects rollouts in the worker processes of a [`VecEnv`] with
+/// [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled).
 ///
 /// The same seed and actors give the same bits, however fast each environment is.
 pub struct FragmentCollector {
@@ -131,8 +132,8 @@ impl FragmentCollector {
         self
     }
 
-    /// Lets a recurrent actor remember this many consecutive episodes of an environment, by default one. They must be in the same
-    /// building. Called before the first rollout.
+    /// Lets a recurrent actor remember this many consecutive episodes of an environment, by default one. They must be
+    /// in the same building. Called before the first rollout.
     #[must_use]
     pub fn with_memory_episodes(mut self, episodes: u32) -> Self {
         self.memory_episodes = u64::from(episodes.max(1));
@@ -184,7 +185,8 @@ impl FragmentCollector {
         &self.environments
     }
 
-    /// Returns the times that the workers spent on actions and on all steps of the last rollout, s, summed over workers.
+    /// Returns the times that the workers spent on actions and on all steps of the last rollout, s, summed over
+    /// workers.
     pub fn worker_times(&self) -> [f64; 2] {
         [0, 1].map(|index| self.progress.iter().map(|progress| f64::from(progress.times[index])).sum())
     }
@@ -217,7 +219,7 @@ impl FragmentCollector {
         block(place + environment * block(0).numbers())
     }
 
-    /// Runs fragments until every environment has made its steps, of which an episode lost in a replay has none left.
+    /// Runs fragments until every environment has made its steps. One that loses its episode in a replay makes no more.
     pub(super) fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &mut [usize]) -> Result<()> {
         for (environment, steps) in steps.iter().enumerate() {
             self.send(environment, actor, purpose, *steps)?;
@@ -240,7 +242,7 @@ impl FragmentCollector {
     /// Requests the remaining steps of an environment, if it is ready.
     fn send(&mut self, environment: usize, actor: &Actor, purpose: Purpose, steps: usize) -> Result<()> {
         let block = self.block(environment);
-        // Whose noise this one shares.
+        // The environment whose noise this one shares.
         let source = if self.mirrored { environment / 2 * 2 } else { environment };
         let spaces = spaces_of(&self.environments, environment)?;
         let progress = &mut self.progress[environment];
@@ -295,7 +297,7 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Counts the decisions of a fragment, and keeps them.
+    /// Counts the decisions of a fragment, and keeps their actions.
     fn take_steps(&mut self, environment: usize, purpose: Purpose) {
         let block = self.block(environment);
         let steps = self.environments.fragment_steps(environment).div_ceil(self.hold);
@@ -353,7 +355,7 @@ impl FragmentCollector {
         let progress = &mut self.progress[environment];
         count_lost(&mut progress.lost_in_a_row, why)?;
         if progress.phase == FragmentPhase::Starting {
-            // It has been drawn, although it did not begin.
+            // The episode was drawn, although it did not begin.
             progress.episodes += 1;
         }
         progress.actions.clear();

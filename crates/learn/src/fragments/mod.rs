@@ -1,7 +1,8 @@
 //! Collection in the workers: each runs a fragment of its episode with a copy of the actor.
 //!
 //! 1. The owner writes the actor's parameters to shared memory, once for all workers.
-//! 2. Each worker runs its fragment ([`RUNNERS`]) and leaves observations, actions and rewards in its block of that memory.
+//! 2. Each worker runs its fragment ([`RUNNERS`]) and leaves observations, actions and rewards in its block of that
+//!    memory.
 //! 3. When an episode ends within a fragment, the next episode begins in a new worker, which runs the rest of the
 //!    fragment.
 //! 4. The owner copies the blocks to the rollout.
@@ -21,8 +22,8 @@ pub(crate) use order::stream;
 pub use order::{FragmentOrder, Purpose};
 pub use runner::RUNNERS;
 
-/// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called first in
-/// `main`, before a thread is started.
+/// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called
+/// first in `main`, before a thread is started.
 pub fn run_if_worker() {
     b2b_workers::run_if_worker_with(RUNNERS, b2b_workers::Actions::default());
 }

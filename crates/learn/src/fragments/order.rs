@@ -16,9 +16,9 @@ pub enum Purpose {
     Replay,
 }
 
-/// Returns the number of the random stream that a fragment explores with. A fragment is the steps of one environment and
-/// episode in a rollout; fragments are numbered from 0 in each rollout. No two fragments of a run share a stream, unless
-/// their noise is mirrored.
+/// Returns the number of the random stream that a fragment explores with. A fragment is the steps of one environment
+/// and episode in a rollout; fragments are numbered from 0 in each rollout. No two fragments of a run share a stream,
+/// unless their noise is mirrored.
 pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
     (fragment >> 8) << 56 | rollout << 24 | (environment as u64) << 8 | fragment & 0xff
 }

@@ -100,8 +100,8 @@ impl EnvironmentProgress {
         self.begin_scene(environment);
     }
 
-    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this is not the
-    /// first of them.
+    /// Empties the memory of a recurrent actor before the first step of an episode, unless it spans episodes and this
+    /// is not the first of them.
     pub(super) fn begin_memory(&mut self, memory_episodes: u64) {
         if self.forgets(memory_episodes) {
             self.state.fill(0.0);
@@ -135,8 +135,8 @@ impl EnvironmentProgress {
         }
     }
 
-    /// Returns for how many first steps of the rollout this environment and another with the same episodes are certain
-    /// to be at the same step of the same episode.
+    /// Returns the number of first steps of the rollout in which this environment and another with the same episodes
+    /// are certain to be at the same step of the same episode.
     pub(super) fn in_step_with(&self, other: &Self, steps: usize) -> usize {
         let ends = |progress: &Self| -> Vec<usize> { progress.ends.iter().map(|end| end.step + 1).collect() };
         let (own, others) = (ends(self), ends(other));

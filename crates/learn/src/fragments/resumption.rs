@@ -14,8 +14,8 @@ use crate::state::State;
 const REPLAYED: usize = 1024;
 
 impl FragmentCollector {
-    /// Returns the state from which [`FragmentCollector::restore`] continues: each environment's episode number, the actions
-    /// taken in that episode, and the state of a recurrent actor.
+    /// Returns the state from which [`FragmentCollector::restore`] continues: each environment's episode number, the
+    /// actions taken in that episode, and the state of a recurrent actor.
     pub fn state(&self) -> State {
         let mut state = State::default();
         // Between two episodes, an environment has the state of the next one.

@@ -143,8 +143,8 @@ impl FragmentRunner {
         }
     }
 
-    /// Adds the reward of a step: as a whole, or with a part for each controlled zone and one for energy, less the cost of
-    /// travel.
+    /// Adds the reward of a step: as a whole, or with a part for each controlled zone and one for energy, minus the
+    /// cost of travel.
     fn add_reward(&mut self, order: &FragmentOrder, reward: Reward, discount: f32, env: &Env) {
         let weight = f64::from(order.comfort_weight);
         match &mut self.step_rewards[..] {

@@ -73,7 +73,8 @@ pub fn kinds() -> Vec<LearnerKind> {
     BUILT_IN.iter().chain(added.iter()).copied().collect()
 }
 
-/// Adds a kind of learner that configurations can then name. Called once per name, before a configuration with it is read.
+/// Adds a kind of learner that configurations can then name. Called once per name, before a configuration with it is
+/// read.
 pub fn register(kind: LearnerKind) {
     ADDED.write().unwrap_or_else(PoisonError::into_inner).push(kind);
 }

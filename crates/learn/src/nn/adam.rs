@@ -74,8 +74,8 @@ impl Adam {
 /// Number of partial sums of [`clip_norm`], so that it is vectorized.
 const LANES: usize = 16;
 
-/// Scales gradients to a norm of at most `limit` over all slices, as PyTorch's `clip_grad_norm_` does, and returns their norm
-/// before. A non-finite norm leaves them unchanged.
+/// Scales gradients to a norm of at most `limit` over all slices, as PyTorch's `clip_grad_norm_` does, and returns
+/// their norm before. A non-finite norm leaves them unchanged.
 pub fn clip_norm(gradients: &mut [&mut [f32]], limit: f32) -> f32 {
     let norm = gradients.iter().map(|slice| sum_of_squares(slice)).sum::<f64>().sqrt() as f32;
     let scale = limit / (norm + 1e-6);

@@ -16,8 +16,8 @@ use crate::random::RandomStream;
 pub struct Sequences<'a> {
     /// Steps of each.
     pub length: usize,
-    /// State before the first step of each: sequences × width. In a graph network, it has the states of one node after another, and
-    /// padding after the nodes of smaller buildings.
+    /// State before the first step of each: sequences × width. In a graph network, it has the states of one node after
+    /// another, and padding after the nodes of smaller buildings.
     pub states: &'a [f32],
     /// Whether a step begins with a state of zeros instead: sequences × length.
     pub starts: &'a [bool],
@@ -164,15 +164,15 @@ impl CellPass {
         }
     }
 
-    /// Returns the states after the tokens of the last forward pass, and their gradients without later steps, to set them before a
-    /// backward pass.
+    /// Returns the states after the tokens of the last forward pass, and the buffer of their gradients. Before a
+    /// backward pass, it gets the gradients that do not come through later steps.
     pub fn gradients(&mut self, cell: &Layer) -> (&[f32], &mut [f32]) {
         let numbers = self.order.len() * cell.inputs;
         (&self.after[..numbers], sized(&mut self.gradients.after, numbers))
     }
 
-    /// Propagates the [gradients](Self::gradients) of the states back to the first step of each sequence. Adds the gradients of the
-    /// unit's parameters to `sums`, and returns the gradients of the [inputs](Self::inputs).
+    /// Propagates the [gradients](Self::gradients) of the states back to the first step of each sequence. Adds the
+    /// gradients of the unit's parameters to `sums`, and returns the gradients of the [inputs](Self::inputs).
     pub fn backward(&mut self, cell: &Layer, parameters: &[f32], sums: &mut [f32]) -> &[f32] {
         let tokens = self.order.len();
         sized(&mut self.gradients.of_input, tokens * cell.outputs);
@@ -226,8 +226,8 @@ struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Writes the gradients of the inputs of the gates, from the input and from the state, and the gradients of the state before
-    /// that do not pass through the gates.
+    /// Writes the gradients of the inputs of the gates, from the input and from the state, and the gradients of the
+    /// state before that do not pass through the gates.
     fn backward(&self, of_before: &mut [f32], of_input: &mut [f32], of_state: &mut [f32]) {
         let width = of_before.len();
         for unit in 0..width {
@@ -246,8 +246,8 @@ impl Known<'_> {
     }
 }
 
-/// Writes the initial parameters of a unit: orthogonal weights. The update gates remember for 1 to `memory` steps, evenly on a
-/// logarithmic scale, so that some units keep what others forget (after Tallec and Ollivier 2018).
+/// Writes the initial parameters of a unit: orthogonal weights. The update gates remember for 1 to `memory` steps,
+/// evenly on a logarithmic scale, so that some units keep what others forget (after Tallec and Ollivier 2018).
 pub(super) fn initialize(cell: &Layer, memory: usize, random: &mut RandomStream, parameters: &mut [f32]) {
     let width = cell.inputs;
     let gate = Layer { inputs: width, outputs: width, weights: 0..width * width, biases: 0..0 };

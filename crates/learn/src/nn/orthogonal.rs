@@ -35,7 +35,8 @@ pub(super) fn write_weights(layer: &Layer, gain: f32, random: &mut RandomStream,
     }
 }
 
-/// Returns `count` orthonormal vectors of this length, by the modified Gram-Schmidt process on vectors of normal numbers.
+/// Returns `count` orthonormal vectors of this length, by the modified Gram-Schmidt process on vectors of normal
+/// numbers.
 fn orthonormal(count: usize, length: usize, random: &mut RandomStream) -> Vec<Vec<f64>> {
     let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
     while vectors.len() < count {

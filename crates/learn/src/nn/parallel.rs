@@ -1,7 +1,7 @@
 //! Minibatches on several threads, with the same bits on any number of them.
 //!
-//! [`chunk`] splits a minibatch into chunks of whole sequences of rows, whatever the number of threads. Each chunk has its own
-//! buffers and gradients, and gradients are summed in the order of the chunks.
+//! [`chunk`] splits a minibatch into chunks of whole sequences of rows, whatever the number of threads. Each chunk has
+//! its own buffers and gradients, and gradients are summed in the order of the chunks.
 
 use std::ops::Range;
 
@@ -9,12 +9,14 @@ use std::ops::Range;
 const CHUNKS: usize = 4;
 /// Minimum number of rows of a chunk, so that matrix products are worth their overhead.
 const ROWS: usize = 64;
-/// Minimum number of sequences of a chunk: a step of a recurrent layer costs nearly the same for one sequence as for several.
+/// Minimum number of sequences of a chunk: a step of a recurrent layer costs nearly the same for one sequence as for
+/// several.
 const SEQUENCES: usize = 4;
 /// Number of parameters × rows below which starting a thread costs more than it saves.
 const WORK: usize = 1 << 20;
 
-/// Returns the number of chunks of rows in sequences of this length: one per 64 rows and per four sequences, and at most four.
+/// Returns the number of chunks of rows in sequences of this length: one per 64 rows and per four sequences, and at
+/// most four.
 pub fn chunk_count(rows: usize, length: usize) -> usize {
     (rows / ROWS).clamp(1, CHUNKS).min((rows / length / SEQUENCES).max(1))
 }

@@ -53,8 +53,9 @@ impl Pass {
         self.outputs()
     }
 
-    /// Propagates the gradients of the outputs of the last forward pass, rows × outputs. Adds the gradients of the parameters to
-    /// `parameter_gradients`, and writes the gradients of the inputs, rows × inputs, to `input_gradients`.
+    /// Propagates the gradients of the outputs of the last forward pass, rows × outputs. Adds the gradients of the
+    /// parameters to `parameter_gradients`, and writes the gradients of the inputs, rows × inputs, to
+    /// `input_gradients`.
     ///
     /// # Panics
     /// When a slice has another length than the shape, or the number of inputs differs from the forward pass.

@@ -43,9 +43,9 @@ pub fn multiply(a: Matrix<'_>, b: Matrix<'_>, keep: f32, product: &mut [f32]) {
     assert_eq!(a.columns, b.rows, "inner dimensions of a product");
     assert_eq!(product.len(), a.rows * b.columns, "values of a product");
     let stride = |stride: usize| isize::try_from(stride).expect("a stride is below the length of a slice");
-    // SAFETY: `Matrix` has rows × columns values and its strides are (columns, 1) or the reverse of a transposed one, so every
-    // element that sgemm reads is within the slice. `product` has exactly rows × columns elements with strides (columns, 1), and
-    // as a mutable slice it aliases neither `a` nor `b`.
+    // SAFETY: `Matrix` has rows × columns values and its strides are (columns, 1) or the reverse of a transposed one,
+    // so every element that sgemm reads is within the slice. `product` has exactly rows × columns elements with strides
+    // (columns, 1), and as a mutable slice it aliases neither `a` nor `b`.
     unsafe {
         matrixmultiply::sgemm(
             a.rows,

@@ -54,8 +54,8 @@ impl RecurrentPass {
         head.forward(&parameters[places.head.clone()], cell.states(&places.cell), rows)
     }
 
-    /// Propagates the gradients of the outputs of the last forward pass, which must have been of these inputs, back to the first
-    /// step of each sequence. Adds the gradients of the parameters to `sums`.
+    /// Propagates the gradients of the outputs of the last forward pass, which must have been of these inputs, back to
+    /// the first step of each sequence. Adds the gradients of the parameters to `sums`.
     ///
     /// # Panics
     /// When a slice has another length than the shape and the sequences.
@@ -76,8 +76,8 @@ impl RecurrentPass {
     }
 }
 
-/// Returns initial parameters: orthogonal weights, with the gain `last` in the last layer and 1 in the cell, which remembers for up
-/// to `memory` steps.
+/// Returns initial parameters: orthogonal weights, with the gain `last` in the last layer and 1 in the cell, which
+/// remembers for up to `memory` steps.
 pub fn initialize(network: &Recurrent, last: f32, memory: usize, random: &mut RandomStream) -> Vec<f32> {
     let hidden = std::f32::consts::SQRT_2;
     let of =

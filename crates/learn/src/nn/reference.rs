@@ -27,7 +27,8 @@ pub(crate) fn forward(shape: &Mlp, parameters: &[f64], input: &[f64]) -> Vec<f64
     values
 }
 
-/// Replaces the state of a gated recurrent unit by the next one, given the inputs of its gates from the input and from the state.
+/// Replaces the state of a gated recurrent unit by the next one, given the inputs of its gates from the input and from
+/// the state.
 pub(crate) fn next_state(of_input: &[f64], of_state: &[f64], state: &mut [f64]) {
     let (logistic, width) = (|x: f64| 1.0 / (1.0 + (-x).exp()), state.len());
     for (unit, state) in state.iter_mut().enumerate() {

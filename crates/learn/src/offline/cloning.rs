@@ -39,7 +39,7 @@ pub struct CloneConfig {
     pub hidden: Vec<usize>,
     /// Steps of the optimizer.
     pub updates: usize,
-    /// Recorded steps in each of them.
+    /// Recorded steps in each update.
     pub batch_size: usize,
     /// Learning rate, which falls linearly to 0.
     pub learning_rate: f64,
@@ -63,9 +63,8 @@ pub struct Cloned {
 /// is called with the number of updates so far, and returns `false` to stop.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if `progress` returns `false`;
-/// [`Error::Invalid`] for buildings whose observations or actuators differ, and for a dataset without steps; errors
-/// from [`Dataset::read`], [`Pilot::new`] and `spaces`.
+/// [`Error::Interrupted`] if `progress` returns `false`; [`Error::Invalid`] for buildings whose observations or
+/// actuators differ, and for a dataset without steps; errors from [`Dataset::read`], [`Pilot::new`] and `spaces`.
 pub fn clone_policy(
     dataset: &Dataset,
     config: &CloneConfig,
@@ -212,8 +211,8 @@ fn add(
     let width = file.observations.len() / (file.rewards.len() + 1);
     let steps = file.rewards.len();
     pilot.reset();
-    // In a corpus, the expert's actions are learned, whatever was done; the previous action that the agent observes is the
-    // expert's too, as it is its own when it acts.
+    // In a corpus, the agent learns the expert's actions, not the recorded ones. The previous action that it observes
+    // is the expert's too, because it will be its own when it acts.
     let targets = if file.expert.is_empty() { &file.actions } else { &file.expert };
     let rows = file.observations.chunks_exact(width).zip(targets.chunks_exact(outputs));
     for (step, (observation, target)) in rows.enumerate() {

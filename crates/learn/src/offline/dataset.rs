@@ -62,7 +62,7 @@ pub struct EpisodeMetadata {
     pub policy: String,
     /// Return.
     pub episode_return: f64,
-    /// Part of an episode in a corpus, whose episodes differ in it.
+    /// Further metadata of an episode in a corpus.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub corpus: Option<CorpusEpisode>,
 }
@@ -80,9 +80,9 @@ pub struct CorpusEpisode {
     pub expert: String,
     /// File name of its graph.
     pub graph: String,
-    /// Values of an observation, before the zeros behind them.
+    /// Width of an observation without padding.
     pub observation_width: usize,
-    /// Actuators, before the zeros behind them.
+    /// Number of actuators: width of an action without padding.
     pub action_width: usize,
 }
 
@@ -150,7 +150,7 @@ impl Dataset {
     }
 }
 
-/// Cuts the padding behind rows.
+/// Removes the padding of rows.
 fn cut(values: &mut Vec<f32>, from: usize, to: usize) {
     let rows = values.len() / from;
     (0..rows).for_each(|row| values.copy_within(row * from..row * from + to, row * to));
@@ -184,7 +184,8 @@ impl NewDataset {
         Ok(new)
     }
 
-    /// Returns the folder that is moved to the destination. It has the permissions of a new folder; its parent is private.
+    /// Returns the folder that is moved to the destination. It has the permissions of a new folder; its parent is
+    /// private.
     fn whole(&self) -> PathBuf {
         self.staging.path().join("dataset")
     }
@@ -354,7 +355,7 @@ mod tests {
         assert!(Dataset::open(root.path()).is_err());
     }
 
-    /// Changes a bit of every byte of every file but the digests.
+    /// Changes a bit of every byte of a file of each kind, except the digests.
     fn assert_every_flipped_bit_is_an_error(path: &Path) {
         let all =
             || Dataset::open(path).and_then(|dataset| (0..2).try_for_each(|n| dataset.read(n).map(drop)));

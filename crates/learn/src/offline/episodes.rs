@@ -39,7 +39,7 @@ pub(super) fn path(data: &Path, episode: usize) -> PathBuf {
     data.join(episode.to_string()).join("part-0.parquet")
 }
 
-/// Writes the steps of an episode, with zeros behind the actions and rewards.
+/// Writes the steps of an episode. The row of the last observation has zeros for action and reward.
 pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<()> {
     let rows = steps + 1;
     let flags = |last: bool| -> ArrayRef {
@@ -70,7 +70,7 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
     write().map(drop).map_err(|error| damaged(&error))
 }
 
-/// Returns rows of numbers as lists of one length, with zeros in the rows behind.
+/// Returns rows of numbers as lists of one length, with zeros in a missing last row.
 fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
     // There are as many rows, or one fewer.
     let width =

@@ -1,7 +1,7 @@
 //! Datasets of recorded episodes, and learning from them.
 //!
-//! [`collect`] runs policies and writes a dataset in the Parquet format of Minari, which other offline learners read as well;
-//! [`Dataset`] reads one, and [`clone_policy`] trains an agent that imitates the recorded actions.
+//! [`collect`] runs policies and writes a dataset in the Parquet format of Minari, which other offline learners read as
+//! well; [`Dataset`] reads one, and [`clone_policy`] trains an agent that imitates the recorded actions.
 
 mod cloning;
 mod collection;

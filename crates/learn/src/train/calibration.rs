@@ -22,7 +22,8 @@ struct Penalty {
 }
 
 /// Sets the logarithm of the standard deviation of actions, and returns it: the largest whose noise costs no more than
-/// [`NoiseConfig::noise_cost`](super::NoiseConfig::noise_cost) allows, on the first day of every environment. Training then begins with the same day.
+/// [`NoiseConfig::noise_cost`](super::NoiseConfig::noise_cost) allows, on average over the environments' first day.
+/// Training then begins with the same day.
 ///
 /// # Errors
 /// The errors of the collector.
@@ -60,7 +61,7 @@ fn first_day(
     learner: &dyn Learner,
     collector: &mut FragmentCollector,
 ) -> Result<Penalty> {
-    // An episode's memory moves to large pages after a day, which takes longer than the day.
+    // One step less than a day: after a day, an episode's memory moves to large pages, which takes longer than the day.
     let steps = 24 * config.training_set.steps_per_hour as usize / config.hold() - 1;
     let mut rollout = Rollout::default();
     collector.collect(&learner.actor(), steps, &mut rollout)?;

@@ -72,8 +72,8 @@ impl TrainingLoop {
     /// Begins the first episodes of a configuration.
     ///
     /// # Errors
-    /// The errors of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in
-    /// lockstep; errors from environments and from the baselines that scale the rewards.
+    /// The errors of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for options that lockstep does
+    /// not support; errors from environments and from the baselines that scale the rewards.
     pub fn new(
         config: &TrainConfig,
         design: Design,

@@ -7,7 +7,7 @@ pub trait Monitor {
     /// A stage begins, such as `computing baselines`.
     fn stage(&mut self, _what: &str) {}
 
-    /// An evaluation of the agent begins, after so many environment steps.
+    /// An evaluation of the agent begins, after this many environment steps.
     fn evaluating(&mut self, _steps: u64) {}
 
     /// An update was made.

@@ -29,8 +29,7 @@ use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
 use crate::rollout::Rollout;
 
-/// Limit to which the cost of travel grows: at this cost, five strokes a day cost 174 times the reactive controllers'
-/// penalty.
+/// Limit to which the cost of travel grows: at this cost, five strokes a day cost 174 times the baseline's penalty.
 const LARGEST_TRAVEL_COST: f32 = 1e4;
 
 /// Where and how a run is carried out. None of it changes the result.
@@ -52,8 +51,8 @@ pub struct RunOptions<'a> {
 /// Begins a run in a folder, or continues the folder's run from its last checkpoint. Returns its result.
 ///
 /// # Errors
-/// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
-/// kept; [`Error::Interrupted`] after a checkpoint; errors from environments and evaluations.
+/// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with
+/// the last good agent kept; [`Error::Interrupted`] after a checkpoint; errors from environments and evaluations.
 pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<RunSummary> {
     config.check()?;
     let _lock = lock::acquire(&options.out, lock::PATIENCE, options.interrupted)?;
@@ -289,7 +288,8 @@ impl<'a> Run<'a> {
         ProgressRow { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
     }
 
-    /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
+    /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend
+    /// on it.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut ProgressRow) {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
         self.monitor.evaluating(self.steps);
@@ -353,7 +353,8 @@ impl<'a> Run<'a> {
         checkpoint.write(self.out)
     }
 
-    /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
+    /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the
+    /// result.
     fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<RunSummary> {
         if self.config.checkpoints.keep == Keep::Last || self.best == Rating::default() {
             Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;

@@ -220,7 +220,8 @@ fn assert_a_memory_of_two_episodes(interface: Interface) {
     let mut fragments_of_two = fragments(interface, 0.4).with_memory_episodes(2);
     let all = with(&mut fragments_of_two);
     assert!(all == with(&mut lockstep(interface, 0.4).with_memory_episodes(2)));
-    // Episodes of 96 steps end in rollouts of 34 steps after 96, 192 and 288 steps: the memory begins anew after the second.
+    // Episodes of 96 steps end in rollouts of 34 steps after 96, 192 and 288 steps: the memory begins anew after the
+    // second.
     let starts = |rollouts: &[Rollout]| -> Vec<(usize, usize)> {
         let of_first = |(number, each): (usize, &Rollout)| {
             let own = each.starts.iter().filter(|start| start.0 == 0);
@@ -432,7 +433,7 @@ fn a_restored_collection_of_graphs_continues_with_the_same_bits() {
 #[test]
 fn an_episode_that_is_lost_in_a_replay_costs_no_other() {
     let mut whole = fragments(DIRECT, 0.4);
-    // More steps than are replayed at a time would need an episode of several days; the first chunk is enough to be lost in.
+    // An episode of more than one chunk would take several days; a loss in the first chunk is enough.
     rollouts(&mut whole, DIRECT, 1..=1, STEPS);
     let mut state = whole.state();
     let width = whole.widths().action;
@@ -476,7 +477,7 @@ fn signal(process: u32, signal: Signal) {
 
 /// Collects the second rollout while the worker of the second environment is killed.
 fn with_a_kill(collector: &mut dyn Collector, process: u32) -> Rollout {
-    // It does not come to its end before it is killed.
+    // Stopped, so that it does not finish before it is killed.
     signal(process, Signal::STOP);
     let killer = std::thread::spawn(move || {
         std::thread::sleep(Duration::from_millis(100));

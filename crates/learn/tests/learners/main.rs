@@ -1,4 +1,4 @@
-//! Learners on toy environments, a learner from outside of the crate, and rollouts on the real engine.
+//! Learners on toy environments, a learner from outside the crate, and rollouts on the real engine.
 
 mod collectors;
 mod ppo;

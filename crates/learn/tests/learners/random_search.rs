@@ -1,5 +1,5 @@
-//! A learner from outside of the crate: random search over the parameters of an actor. CONTRIBUTING.md refers to it as the example
-//! of a learner.
+//! A learner from outside the crate: random search over the parameters of an actor. CONTRIBUTING.md refers to it as the
+//! example of a learner.
 
 use std::path::Path;
 use std::sync::Arc;

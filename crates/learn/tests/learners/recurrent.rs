@@ -31,7 +31,8 @@ fn config() -> PpoConfig {
     }
 }
 
-/// Returns the mean return without exploration after the updates of a learner of these widths, in a building for graph networks.
+/// Returns the mean return without exploration after the updates of a learner of these widths, in a building for graph
+/// networks.
 fn train<const SEEN: bool>(
     graphs: &[Arc<Graph>],
     seed: u64,
@@ -49,7 +50,7 @@ fn train<const SEEN: bool>(
 
 #[test]
 fn memory_reaches_the_return_of_a_context_in_sight_and_no_memory_does_not() {
-    // Shorter sequences: what they learn of begins in the sequence before.
+    // With sequences of 10 steps, half of an episode depends on what the sequence before showed.
     for (sequence, seeds) in [(20, 0..2), (10, 2..3)] {
         let policy = RecurrentPolicy { width: 16, sequence, ..RecurrentPolicy::default() };
         for seed in seeds {
@@ -62,7 +63,7 @@ fn memory_reaches_the_return_of_a_context_in_sight_and_no_memory_does_not() {
     }
 }
 
-/// Returns a building of a node that acts and of others, which only pay attention.
+/// Returns a building of a node that acts and of others that only take part in attention.
 fn building(others: usize) -> Arc<Graph> {
     let nodes = 1 + others;
     Arc::new(Graph {

@@ -114,8 +114,8 @@ impl Tape {
         self.types.len()
     }
 
-    /// Computes the outputs of all nodes of a batch, and replaces the states of its tokens, tokens × width, by the next ones.
-    /// `linear` computes the linear layers; everything else has the same bits on every machine.
+    /// Computes the outputs of all nodes of a batch, and replaces the states of its tokens, tokens × width, by the next
+    /// ones. `linear` computes the linear layers; everything else has the same bits on every machine.
     ///
     /// # Panics
     /// If the length of the parameters, the rows or the states does not match the shape.

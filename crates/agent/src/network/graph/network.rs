@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::network::Activation;
 
-/// The shape of a graph network. The default is the paper's: an embedding of 64, 4 heads, 2 layers.
+/// The shape of a graph network. The paper's has an embedding of 64, 4 heads and 2 layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphNetwork {
     /// Node types, in the order of [`NodeType::ALL`](b2b_building::morphology::NodeType::ALL).

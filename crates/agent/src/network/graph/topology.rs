@@ -39,8 +39,8 @@ pub struct ActionPlace {
 }
 
 impl Graph {
-    /// Creates the graph of a building from the number of features of each node, the node and output of each action, and the
-    /// number of outputs of each node type.
+    /// Creates the graph of a building from the number of features of each node, the node and output of each action,
+    /// and the number of outputs of each node type.
     pub fn new(
         plan: &NodePlan,
         widths: &[usize],

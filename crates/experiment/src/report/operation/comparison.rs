@@ -25,7 +25,8 @@ struct Pair {
     building: String,
     own: Figures,
     guideline: Figures,
-    /// The period in which the guideline used most energy beyond the building's own controls, with the difference, kWh/m².
+    /// The period in which the guideline used most energy beyond the building's own controls, with the difference,
+    /// kWh/m².
     energy_period: (String, f64),
     /// The same for discomfort, K·h per zone.
     discomfort_period: (String, f64),

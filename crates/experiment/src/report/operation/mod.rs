@@ -1,5 +1,5 @@
-//! Cost, energy, discomfort and peak demand of controllers by type and period, and how the guideline controller compares with the
-//! buildings' own controls.
+//! Cost, energy, discomfort and peak demand of controllers by type and period, and how the guideline controller
+//! compares with the buildings' own controls.
 
 mod comparison;
 mod figures;

@@ -9,10 +9,10 @@ use super::figures::Figures;
 use crate::definition::Experiment;
 use crate::results::Results;
 
-/// The controller that the way leads to.
+/// The controller with the best known costs.
 const BEST: &str = "foresight";
 
-/// An episode under the guideline, under the best known schedule, and under the controller on the way.
+/// An episode under the guideline, under the best known schedule, and under the other controllers that ran it.
 struct Episode {
     period: String,
     guideline: Figures,
@@ -20,7 +20,8 @@ struct Episode {
     others: Vec<Option<Figures>>,
 }
 
-/// Returns the table of savings and of shares of the way, by type and period; `None` without the best known costs.
+/// Returns the table of savings and the share of them that controllers reach, by type and period; `None` without the
+/// best known costs.
 pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value> {
     experiment.kept_controllers().find(|controller| *controller == BEST)?;
     let others: Vec<&str> =

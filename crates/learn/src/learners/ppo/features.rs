@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::rollout::Rollout;
 use crate::state::State;
 
-/// Smallest deviation of a feature: features are of the order of one, and one that has hardly varied so far may vary later.
+/// Smallest deviation of a feature: features are of the order of one, and one that has hardly varied so far may vary
+/// later.
 const SMALLEST: f64 = 0.1;
 
 /// Mean and deviation of the features of the nodes of each type, over all steps so far.

@@ -313,7 +313,8 @@ fn remembering(widths: Widths, config: PpoConfig, seed: u64) -> Ppo {
     Ppo::of_graphs((&network, 5), widths, config, true, seed).unwrap()
 }
 
-/// Returns steps of actors that forget in the first step of the first environment, and where the second changes its building.
+/// Returns random steps of an actor that forgets before the first step of the first environment, and where the second
+/// changes its building.
 fn remembered(widths: Widths, steps: usize, seed: u64) -> Rollout {
     let mut states = vec![0.0; 2 * widths.nodes * MEMORY];
     RandomStream::new(seed, 2).normals(&mut states);

@@ -69,8 +69,8 @@ impl Ppo {
         )
     }
 
-    /// Returns a learner for recurrent networks: actor and critic of the configuration, with a gated recurrent unit before their
-    /// last layer. Minibatches are of whole sequences, as many as have at most the steps of a minibatch, and at least one.
+    /// Returns a learner for recurrent networks: actor and critic of the configuration, with a gated recurrent unit
+    /// before their last layer. A minibatch has as many whole sequences as fit in `batch_size`, at least one.
     ///
     /// # Errors
     /// Same as [`Ppo::new`], and when a sequence does not divide the steps of a rollout.
@@ -81,8 +81,8 @@ impl Ppo {
     }
 
     /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
-    /// same shape. With a memory, they learn from sequences of this number of steps. `widths` are the largest building's. With
-    /// `normalize`, features are scaled to mean 0 and deviation 1 over all nodes of a type.
+    /// same shape. With a memory, they learn from sequences of this number of steps. `widths` are the largest
+    /// building's. With `normalize`, features are scaled to mean 0 and deviation 1 over all nodes of a type.
     ///
     /// # Errors
     /// Same as [`Ppo::new`], and when there is a credit matrix.
@@ -171,7 +171,8 @@ impl Ppo {
         self.updates
     }
 
-    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two cores are idle.
+    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two
+    /// cores are idle.
     pub fn set_threads(&mut self, threads: usize) {
         self.threads = threads.max(1);
     }

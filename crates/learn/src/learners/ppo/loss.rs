@@ -88,7 +88,8 @@ impl PolicyLoss<'_> {
         }
     }
 
-    /// Adds the surrogate of a group to the losses, and returns the derivative of its loss with respect to the log density.
+    /// Adds the surrogate of a group to the losses, and returns the derivative of its loss with respect to the log
+    /// density.
     fn add_surrogate(&self, step: &ActorStep<'_>, group: usize, losses: &mut Losses) -> f32 {
         let (advantage, rows) = (step.advantages[group], self.rows as f64);
         let log_ratio =
@@ -145,7 +146,8 @@ mod tests {
     const ROWS: usize = 40;
     const ACTIONS: usize = 3;
 
-    /// Returns the loss of the policy in double precision; outputs have means, then logarithms of standard deviations, of each row.
+    /// Returns the loss of the policy in double precision; outputs have means, then logarithms of standard deviations,
+    /// of each row.
     fn loss(outputs: &[f64], actions: &[f32], old: &[f32], advantages: &[f32], credit: &Credit) -> f64 {
         let groups = credit.groups();
         let mut sum = 0.0;

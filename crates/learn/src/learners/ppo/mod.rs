@@ -7,10 +7,11 @@
 //!    action is credited with the parts that it affects ([`credit`](crate::credit)).
 //! 3. Epochs of minibatches: losses ([`loss`]) and gradients, clipped, and a step of Adam.
 //!
-//! Networks with a memory learn from whole sequences of steps, from the states that they had before each sequence in the first stage;
-//! gradients end at its first step (truncated backpropagation through time).
+//! Networks with a memory learn from whole sequences of steps, from the states that they had before each sequence in
+//! the first stage; gradients end at its first step (truncated backpropagation through time).
 //!
-//! Actions are of a diagonal Gaussian and are not bounded: environments clip them. Actor and critic are separate networks.
+//! Actions follow a diagonal Gaussian and are not bounded: they are clipped when they are applied. Actor and critic are
+//! separate networks.
 
 pub mod advantage;
 mod as_learner;

@@ -1,7 +1,7 @@
 //! Log densities and values of a rollout under networks with a memory, before the epochs of an update.
 //!
-//! The networks pass through the sequences of all environments at a time, from the states that they had when the rollout began.
-//! The actor's are known from the collection; the critic's are what it had after the previous rollout, before that update.
+//! The networks start from their states at the beginning of the rollout: the actor's come from the collection, the
+//! critic's from the end of the previous rollout, before that update.
 
 use std::ops::Range;
 
@@ -30,7 +30,8 @@ impl Ppo {
         }
     }
 
-    /// Computes the log densities of the actions, and the states before every sequence. Returns the outputs of the critic.
+    /// Computes the log densities of the actions, and the states before every sequence. Returns the outputs of the
+    /// critic.
     pub(super) fn evaluate_sequences(
         &mut self,
         rollout: &Rollout,
@@ -45,7 +46,7 @@ impl Ppo {
             values: vec![0.0; rows * self.widths.parts],
             ends: vec![0.0; rollout.ends.len() * widths[CRITIC]],
         };
-        // Passes through the networks of many buildings are made in parts.
+        // Graph networks take some environments at a time.
         let count = match self.networks.critic {
             Shape::Graph(_) => (BLOCK / length).max(1),
             Shape::Mlp(_) | Shape::Recurrent(_) => rollout.environments,
@@ -66,7 +67,7 @@ impl Ppo {
         }
     }
 
-    /// Evaluates the sequences of this number of some environments.
+    /// Evaluates sequence `number` of some environments.
     fn evaluate_sequence(
         &mut self,
         number: usize,
@@ -126,7 +127,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// Takes the states after the sequences of this number of some environments, which a worker has just passed through.
+    /// Copies the states after sequence `number` of some environments from the worker that evaluated it.
     fn take_states(
         &mut self,
         worker: &Worker,

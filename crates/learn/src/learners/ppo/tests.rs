@@ -151,8 +151,8 @@ fn recurrent(sequence: usize, log_std: LogStd, seed: u64) -> Ppo {
     Ppo::recurrent(&policy, WIDTHS, config, seed).unwrap()
 }
 
-/// Returns random steps after which a recurrent actor forgets where the first environment ends its episode, and before which
-/// in the second.
+/// Returns random steps of two environments. A recurrent actor forgets after the first one's first episode, and before
+/// the second one's first step.
 fn recurrent_rollout(steps: usize, seed: u64) -> Rollout {
     let mut states = vec![0.0; 2 * WIDTH];
     RandomStream::new(seed, 2).normals(&mut states);

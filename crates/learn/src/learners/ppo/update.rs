@@ -64,7 +64,8 @@ impl Ppo {
     /// Learns from the steps of a rollout that the current actor has made.
     ///
     /// # Errors
-    /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
+    /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a
+    /// row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
         rollout.check(self.widths)?;
         self.check_sequences(rollout)?;
@@ -168,8 +169,8 @@ impl Ppo {
         }
     }
 
-    /// Returns the values of the observations of a rollout; for networks with a memory, also computes the log densities of
-    /// its actions.
+    /// Returns the values of the observations of a rollout; for networks with a memory, also computes the log densities
+    /// of its actions.
     pub(super) fn evaluate(&mut self, rollout: &Rollout) -> RolloutValues {
         let after = scenes_after(rollout);
         let mut values = match self.networks.critic.state() {
@@ -237,8 +238,8 @@ impl Ppo {
         update.set_means(&sums);
     }
 
-    /// Learns from a minibatch of these sequences, which are single steps unless networks have a memory, and adds its losses
-    /// to the sums.
+    /// Learns from a minibatch of these sequences, which are single steps unless networks have a memory, and adds its
+    /// losses to the sums.
     fn learn(&mut self, sequences: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
         let length = self.networks.sequence;
         let rows: Vec<usize> =

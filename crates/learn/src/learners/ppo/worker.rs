@@ -106,8 +106,8 @@ impl NetworkPass {
         }
     }
 
-    /// Returns the number of rows per pass, in sequences of this length: the whole chunk, or as many buildings as fit in the
-    /// processor's cache.
+    /// Returns the number of rows per pass, in sequences of this length: the whole chunk, or as many buildings as fit
+    /// in the processor's cache.
     fn rows(&self, length: usize) -> usize {
         match self {
             Self::Flat(_) | Self::Recurrent(_) => usize::MAX,
@@ -284,7 +284,7 @@ impl Worker {
         values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], inputs));
     }
 
-    /// Writes the state of the actor or the critic after a row of its last pass, before padding.
+    /// Writes the state of the actor or the critic after a row of its last pass. Padding behind it stays as it is.
     pub fn write_state(&self, network: usize, row: usize, to: &mut [f32]) {
         let state = [&self.actor, &self.critic][network].state(row);
         to[..state.len()].copy_from_slice(state);

@@ -9,7 +9,8 @@ use crate::limits::{
 };
 use crate::nn::RateSchedule;
 
-/// The configuration of SAC. Defaults follow Stable-Baselines3, but minibatches are larger and fewer.
+/// The configuration of SAC. Defaults follow Stable-Baselines3, but learning starts later, and minibatches are larger
+/// and fewer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SacConfig {

@@ -72,7 +72,8 @@ impl Sac {
         self.updates
     }
 
-    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two cores are idle.
+    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two
+    /// cores are idle.
     pub fn set_threads(&mut self, threads: usize) {
         self.threads = threads.max(1);
     }

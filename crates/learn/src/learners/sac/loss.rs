@@ -29,8 +29,8 @@ impl SacLosses {
 
 /// Writes squashed actions of outputs of the actor, and the log density of each row.
 ///
-/// `outputs` has means, then logarithms of standard deviations: rows × 2 actions. `normals` has rows × actions. Actions go to the
-/// last columns of `inputs`, rows × (observation + actions).
+/// `outputs` has means, then logarithms of standard deviations: rows × 2 actions. `normals` has rows × actions. Actions
+/// go to the last columns of `inputs`, rows × (observation + actions).
 pub fn act(outputs: &[f32], normals: &[f32], actions: usize, inputs: &mut [f32], densities: &mut Vec<f32>) {
     densities.clear();
     let width = inputs.len() / (outputs.len() / (2 * actions)).max(1);
@@ -77,10 +77,11 @@ pub struct Sampled {
     pub of_value: f32,
 }
 
-/// Returns the derivatives of temperature × log density - smaller value with respect to the mean and the logarithm of the standard
-/// deviation of an action, which is reparameterized (Haarnoja et al. 2018b, eq. 10).
+/// Returns the derivatives of temperature × log density - smaller value with respect to the mean and the logarithm of
+/// the standard deviation of an action, which is reparameterized (Haarnoja et al. 2018b, eq. 10).
 ///
-/// With u = mean + σ × normal and action = tanh u, the log density has the term -ln(1 - tanh² u), whose derivative is 2 tanh u.
+/// With u = mean + σ × normal and action = tanh u, the log density has the term -ln(1 - tanh² u), whose derivative is
+/// 2 tanh u.
 pub fn actor_gradients(sampled: &Sampled, temperature: f32) -> (f32, f32) {
     let Sampled { log_std, normal, action, of_value } = *sampled;
     let of_mean = 2.0 * temperature * action - of_value * (1.0 - action * action);
@@ -88,8 +89,8 @@ pub fn actor_gradients(sampled: &Sampled, temperature: f32) -> (f32, f32) {
     (of_mean, if LOG_STD.contains(&log_std) { of_log_std } else { 0.0 })
 }
 
-/// Returns the derivative of the loss of the temperature, -log temperature × (log density + target entropy), with respect to its
-/// logarithm, as Stable-Baselines3 has it.
+/// Returns the derivative of the loss of the temperature, -log temperature × (log density + target entropy), with
+/// respect to its logarithm, as Stable-Baselines3 has it.
 pub fn temperature_gradient(log_density: f64, target_entropy: f64) -> f64 {
     -(log_density + target_entropy)
 }

@@ -1,5 +1,5 @@
-//! Soft actor-critic (Haarnoja et al. 2018a, "Soft actor-critic"; 2018b, "Soft actor-critic algorithms and applications"), with
-//! the details of Stable-Baselines3's `SAC`.
+//! Soft actor-critic (Haarnoja et al. 2018a, "Soft actor-critic"; 2018b, "Soft actor-critic algorithms and
+//! applications"), with the details of Stable-Baselines3's `SAC`.
 //!
 //! An update adds a rollout to the replay buffer ([`replay`]) and learns from minibatches of it. Each has these stages:
 //!

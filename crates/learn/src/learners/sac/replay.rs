@@ -128,8 +128,8 @@ impl ReplayBuffer {
 
     /// Draws steps at random, with returns of up to `steps` steps.
     ///
-    /// A return stops early at the end of an episode, which is a truncation, and at the newest step. It continues with the value
-    /// of the observation there.
+    /// A return stops early at the end of an episode, which is a truncation, and at the newest step. It continues with
+    /// the value of the observation there.
     pub fn sample(
         &self,
         rows: usize,

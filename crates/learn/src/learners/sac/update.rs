@@ -31,8 +31,8 @@ pub struct SacUpdate {
     pub learning_rate: f64,
     /// Minibatches.
     pub steps: usize,
-    /// Minibatches with a non-finite loss or gradient, for which the optimizers make no step, and rollouts with
-    /// non-finite values, which do not enter the replay buffer.
+    /// Minibatches given up at a non-finite loss or gradient, and rollouts with non-finite values, which do not enter
+    /// the replay buffer.
     pub skipped: usize,
 }
 
@@ -50,7 +50,8 @@ impl Sac {
     /// Adds the steps of a rollout to the replay buffer and learns from it.
     ///
     /// # Errors
-    /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
+    /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a
+    /// row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<SacUpdate> {
         self.check(rollout)?;
         let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);

@@ -17,7 +17,7 @@ pub(super) struct Attended<'a> {
 
 /// Propagates the gradients of the mixed values, nodes × embedding. Overwrites the gradients of queries, keys and
 /// values, and adds to the gradients of the edge scores, heads × kinds, if there are any. `columns` has room for the
-/// values of a head and for two numbers a node.
+/// values of a head and for one number per node.
 pub(super) fn backward(
     attended: Attended<'_>,
     gradients: &[f32],

@@ -24,7 +24,7 @@ pub(super) struct Gradients {
     hidden: Vec<f32>,
     /// Gradients of queries, keys and values.
     projections: Vec<f32>,
-    /// Values of a head of one building.
+    /// Values of a head of one building, and gradients of the weights of a node.
     columns: Vec<f32>,
 }
 
@@ -45,7 +45,8 @@ impl Gradients {
         }
     }
 
-    /// Propagates the gradients of the outputs of a forward pass to the parameters. `cell` made the pass through the memory.
+    /// Propagates the gradients of the outputs of a forward pass to the parameters. `cell` made the pass through the
+    /// memory.
     pub fn propagate(&mut self, target: &mut Target<'_>, tape: &Tape, cell: &mut CellPass, batch: Batch<'_>) {
         let (network, places) = (target.network, target.places);
         let length = tape.tokens() * network.embedding;

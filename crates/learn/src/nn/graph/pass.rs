@@ -10,8 +10,8 @@ use crate::nn::sized;
 /// The use of the outputs of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Readout {
-    /// The outputs of the actions of a building in the order of its actuators, padded to `actions`; with `of_state` as many
-    /// logarithms of standard deviations follow.
+    /// The outputs of the actions of a building in the order of its actuators, padded to `actions`; with `of_state` as
+    /// many logarithms of standard deviations follow.
     Actions {
         /// Actions in a row.
         actions: usize,
@@ -27,7 +27,8 @@ pub enum Readout {
     },
 }
 
-/// Buffers of passes through a graph network. They grow to the largest batch and are reused: see [`Pass`](crate::nn::Pass).
+/// Buffers of passes through a graph network. They grow to the largest batch and are reused: see
+/// [`Pass`](crate::nn::Pass).
 #[derive(Clone, Debug)]
 pub struct GraphPass {
     network: GraphNetwork,
@@ -54,7 +55,7 @@ impl GraphPass {
         }
     }
 
-    /// Returns the numbers of a row of outputs.
+    /// Returns the width of a row of outputs.
     pub fn width(&self) -> usize {
         match self.readout {
             Readout::Actions { actions, of_state } => actions * if of_state { 2 } else { 1 },
@@ -75,8 +76,8 @@ impl GraphPass {
         &self.cell.states(cell)[first * cell.inputs..][..nodes * cell.inputs]
     }
 
-    /// Computes and returns the outputs of a batch, whose rows are the steps of sequences for a network with a memory: rows ×
-    /// width. Padding is 0.
+    /// Computes and returns the outputs of a batch, whose rows are the steps of sequences for a network with a memory:
+    /// rows × width. Padding is 0.
     ///
     /// # Panics
     /// When the parameters or the rows have another length than the shape.
@@ -125,7 +126,8 @@ impl GraphPass {
     }
 }
 
-/// Calls a function with every output of a building that is read: node, output of the node, place in the row, and its share there.
+/// Calls a function with every output of a building that is read: node, output of the node, place in the row, and its
+/// share there.
 fn each(
     readout: Readout,
     network: &GraphNetwork,

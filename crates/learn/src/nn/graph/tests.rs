@@ -54,7 +54,8 @@ fn graphs() -> Vec<Arc<Graph>> {
     types.into_iter().zip(1..).map(|(types, seed)| Arc::new(graph(types, seed))).collect()
 }
 
-/// Two sequences of three steps. The first changes its building before the last step; the second forgets before its second step.
+/// Two sequences of three steps. The first changes its building before the last step; the second forgets before its
+/// second step.
 const OF_ROWS: [usize; 6] = [2, 2, 0, 1, 1, 1];
 const STARTS: [bool; 6] = [false, false, true, false, true, false];
 const LENGTH: usize = 3;

@@ -29,7 +29,7 @@ pub(super) struct Graph {
 #[derive(Serialize)]
 struct Place<Q> {
     name: String,
-    /// Number of the node; none for a part that is no node.
+    /// Number of the node; `None` for a part of the building that is not a node.
     node: Option<usize>,
     quantity: Q,
     low: f64,

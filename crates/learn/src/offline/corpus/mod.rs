@@ -1,8 +1,8 @@
 //! A corpus: trajectories of many policies in buildings of all types, as one dataset.
 //!
-//! Vectors are padded with zeros to one width; the graph of each building says what a value is and which node it belongs
-//! to. Every step has the expert's action for its observation. Episodes are written one by one, so that a corpus can be
-//! resumed and divided between machines.
+//! Vectors are padded with zeros to one width; the graph of each building says what a value is and which node it
+//! belongs to. Every step has the expert's action for its observation. Episodes are written one by one, so that a
+//! corpus can be resumed and divided between machines.
 
 mod card;
 mod definition;
@@ -34,7 +34,7 @@ pub struct CorpusPart<'a> {
     pub shard: Shard,
 }
 
-/// What there is of a corpus.
+/// The part of a corpus that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Collected {
     /// Episodes that are written.
@@ -55,8 +55,8 @@ impl Collected {
 /// Runs the remaining episodes of a part, and completes the corpus if no other part has episodes left.
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) for an unknown name, a folder of another corpus, a vector wider than the corpus, and when an episode
-/// is lost; errors from [`Evaluation::record`].
+/// [`Error::Invalid`](crate::Error::Invalid) for an unknown name, a folder of another corpus, a vector wider than the
+/// corpus, and when an episode is lost; errors from [`Evaluation::record`].
 pub fn collect_corpus(
     part: &CorpusPart<'_>,
     destination: &Path,

@@ -161,7 +161,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Returns rows with zeros behind each, to a width. Rows without values become rows of zeros.
+/// Returns rows padded with zeros to a width. Rows without values become rows of zeros.
 fn padded(values: &[f32], width: usize, to: usize, steps: usize) -> Vec<f32> {
     if width == 0 {
         return vec![0.0; to * steps];

@@ -12,14 +12,14 @@ use crate::policy::PolicyConfig;
 #[serde(default)]
 pub struct AgentConfig {
     /// Kind of network: `{ kind = "flat" }`, `{ kind = "recurrent" }` with the options of
-    /// [`RecurrentPolicy`](crate::train::RecurrentPolicy), or `{ kind = "graph" }` with those of
+    /// [`RecurrentPolicy`](crate::train::RecurrentPolicy), or `{ kind = "graph" }` with the options of
     /// [`GraphPolicy`](crate::train::GraphPolicy).
     pub policy: PolicyConfig,
     /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes`, `forecast`
     /// and `feedback`.
     pub observation: ObservationOptions,
-    /// How the agent acts: `{ kind = "direct" }`, `{ kind = "residual", authority = 0.5 }` or
-    /// `{ kind = "supervisory", every = 60 }`.
+    /// How the agent acts: `{ kind = "direct" }`, `{ kind = "residual", authority = 0.5 }`,
+    /// `{ kind = "targets", every = 60, shift = 1.0 }` or `{ kind = "supervisory", every = 60 }`.
     pub acting: Acting,
 }
 

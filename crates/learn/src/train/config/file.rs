@@ -130,7 +130,7 @@ impl TrainConfig {
     fn with_table(&self, mut changes: Table) -> Read<Self> {
         let said = |error: Error| error.to_string();
         let (mut base, problem) = match changes.remove("preset") {
-            // A preset is not for a problem.
+            // A preset has no problem: this configuration's is applied to it.
             Some(Value::String(name)) => {
                 (Self::preset(&name).map_err(said)?, self.training_set.problem.clone())
             }

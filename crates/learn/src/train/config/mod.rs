@@ -1,7 +1,7 @@
 //! The configuration of a training run, as a TOML file or as a preset with changes.
 //!
-//! Each part of it checks its own values. In a file, the options of all parts are side by side, except for two tables: `evaluation`,
-//! and the learner's, named by `algorithm`.
+//! Each part of it checks its own values. In a file, the options of all parts are side by side, except for two tables:
+//! `evaluation`, and the learner's, named by `algorithm`.
 
 mod agent;
 mod budget;

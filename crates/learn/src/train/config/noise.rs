@@ -11,13 +11,13 @@ use crate::limits::require;
 pub struct NoiseConfig {
     /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
     pub noise_correlation: f32,
-    /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of a pair are
-    /// half its differences. Of an odd number of environments, the last one is alone.
+    /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of
+    /// a pair are half its differences. Of an odd number of environments, the last one is alone.
     pub mirrored_noise: bool,
-    /// Ratio of the comfort penalty with exploration noise to the penalty without it, from which the initial noise is
-    /// chosen: the most noise that, in every environment, adds no more than this to the comfort penalty of a day, or no
-    /// more than a tenth to the whole penalty. Without `credit_by_zone`, the whole penalty counts as comfort. 0: the
-    /// learner's own initial noise, such as `ppo.initial_log_std`.
+    /// Largest ratio of the comfort penalty with exploration noise to the penalty without it. The initial noise is the
+    /// most that, on average over the environments' first day, keeps within this ratio, or adds at most a tenth to the
+    /// whole penalty. Without `credit_by_zone`, the whole penalty counts as comfort. 0: the learner's own initial
+    /// noise, such as `ppo.initial_log_std`.
     pub noise_cost: f64,
     /// Exploration noise at the end of the run, as a share of the initial noise. It falls exponentially in between, so
     /// that the agent ends up good without noise. 1: the noise is learned like the other parameters.

@@ -9,21 +9,21 @@ use crate::limits::require;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RewardConfig {
-    /// Whether rewards are divided by the mean penalty of the reactive controllers in the building, so that a mean reward of -1
-    /// is the baseline's.
+    /// Whether rewards are divided by the baseline's mean penalty in the building, so that a mean reward of -1 is the
+    /// baseline's.
     pub scale_rewards: bool,
     /// Cost of a full stroke, averaged over the actuators, in the unit of the training rewards: with `scale_rewards`,
-    /// the reactive controllers' mean penalty per step. 0: travel is free.
+    /// the baseline's mean penalty per step. 0: travel is free.
     pub travel_cost: f32,
-    /// Factor by which `travel_cost` grows after every evaluation in which actuators hunt: their travel is above its limit. 1: it does
-    /// not grow.
+    /// Factor by which `travel_cost` grows after every evaluation in which actuators hunt: their travel is above its
+    /// limit. 1: it does not grow.
     pub travel_cost_growth: f32,
-    /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that it
-    /// affects.
+    /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that
+    /// it affects.
     pub credit_by_zone: bool,
     /// How fast the weight of discomfort follows the evaluations of training, whose agent acts without noise, until the
-    /// discomfort in each evaluated building is the baseline's: the exponent of the ratio of both, 0 to 1. 0: the weight is the
-    /// task's.
+    /// discomfort in each evaluated building is the baseline's: the exponent of the ratio of both, 0 to 1. 0: the
+    /// weight is the task's.
     pub comfort_rate: f64,
 }
 

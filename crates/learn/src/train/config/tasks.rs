@@ -10,9 +10,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The tasks of a training run, at least one.
 ///
-/// In a configuration, they are a text of one or several short forms separated by commas, the path of a JSON file, a table with
-/// the options of a task, or a list of these. A file is read when the configuration is, so that the configuration of a run has
-/// the whole task.
+/// In a configuration, they are a text of one or several short forms separated by commas, the path of a JSON file, a
+/// table with the options of a task, or a list of these. A file is read when the configuration is, so that the
+/// configuration of a run has the whole task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tasks(Vec<Task>);
 
@@ -36,7 +36,7 @@ impl Default for Tasks {
 }
 
 impl FromIterator<Task> for Tasks {
-    /// Collects tasks; no task is the default one.
+    /// Collects tasks; the default task if there are none.
     fn from_iter<I: IntoIterator<Item = Task>>(tasks: I) -> Self {
         let tasks: Vec<Task> = tasks.into_iter().collect();
         if tasks.is_empty() { Self::default() } else { Self(tasks) }

@@ -123,7 +123,7 @@ fn values_that_do_not_go_together_are_errors() {
         ),
         (
             "task = 'operate'\nacting = { kind = 'supervisory', every = 15 }\nsteps_per_hour = 6",
-            "of which an hour has 6",
+            "a whole number of steps, 6 per hour",
         ),
         ("comfort_rate = 0.5", "`comfort_rate` is for tasks of operation"),
         ("task = 'operate'\ncomfort_rate = 2", "`comfort_rate` is 2; expected 0 to 1"),

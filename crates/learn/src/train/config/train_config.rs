@@ -46,8 +46,8 @@ pub struct TrainConfig {
 }
 
 impl TrainConfig {
-    /// Returns the configuration with the learner of this name, and with options that it does not support turned off. A different
-    /// learner than before has its default options.
+    /// Returns the configuration with the learner of this name, and with options that it does not support turned off. A
+    /// different learner than before has its default options.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name.
@@ -65,8 +65,8 @@ impl TrainConfig {
         Ok(self)
     }
 
-    /// Returns the configuration for the training side of a benchmark problem, by name or JSON file: its buildings, tasks, run
-    /// period, steps per hour, training budget and attributes.
+    /// Returns the configuration for the training side of a benchmark problem, by name or JSON file: its buildings,
+    /// tasks, run period, steps per hour, training budget and attributes.
     ///
     /// # Errors
     /// [`Error::Evaluation`](crate::Error::Evaluation) for an unknown problem;
@@ -81,7 +81,8 @@ impl TrainConfig {
     /// Checks every part, and that the parts go together.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) or [`Error::Config`](crate::Error::Config) for the first value that is not allowed.
+    /// [`Error::Invalid`](crate::Error::Invalid) or [`Error::Config`](crate::Error::Config) for the first value that is
+    /// not allowed.
     pub fn check(&self) -> Result<()> {
         let Self { training_set, agent, budget, rewards, noise, evaluation, learner, .. } = self;
         learner.check()?;
@@ -128,8 +129,8 @@ impl TrainConfig {
         require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
     }
 
-    /// Checks how the agent acts, that a supervisor has tasks of operation and a reward in one part, and that only such tasks
-    /// hold comfort.
+    /// Checks how the agent acts, that a supervisor has tasks of operation and a flat one a reward in one part, and
+    /// that `comfort_rate` has such tasks and evaluations.
     fn check_supervision(&self) -> Result<()> {
         let Self { training_set, agent, rewards, evaluation, .. } = self;
         let operates = training_set.task.as_slice().iter().all(Task::is_operation);
@@ -137,7 +138,7 @@ impl TrainConfig {
             "`comfort_rate` is for tasks of operation; choose `task` = operate, or 0".into()
         })?;
         require(evaluation.every > 0 || rewards.comfort_rate == 0.0, || {
-            "`comfort_rate` follows evaluations, and `evaluation.every` is 0: there are none; change one of them".into()
+            "`comfort_rate` requires evaluations, and `evaluation.every` is 0; change one of them".into()
         })?;
         agent.acting.check(training_set.steps_per_hour).map_err(Error::Invalid)?;
         match agent.acting {

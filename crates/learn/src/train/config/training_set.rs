@@ -43,21 +43,23 @@ pub struct TrainingSet {
     pub excluded_climate_zones: Vec<String>,
     /// Number of episodes that an environment spends in a drawn building.
     pub building_episodes: u32,
-    /// Number of seeds of the faults of the task, one of which is drawn with every building. 0: the task's own.
+    /// Number of seeds of the task's faults, one of which is drawn for every `building_episodes` episodes. 0: the
+    /// task's own.
     pub fault_seeds: u64,
-    /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
-    /// steps and attributes, and none of them may go beyond its training side. Empty: none.
+    /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per
+    /// hour, steps and attributes, and none of them may go beyond its training side. Empty: none.
     pub problem: String,
     /// Task, such as `occupancy+energy0.5`, or several, one of which is drawn for every episode. See [`Tasks`].
     pub task: Tasks,
-    /// Run period: `winter`, `summer`, `full_year`, `MM-DD..MM-DD` or two weeks that the weather of a building decides, such as
-    /// `peak-heating`; or several, separated by commas, one of which is drawn for every episode.
+    /// Run period: `winter`, `summer`, `full_year`, `MM-DD..MM-DD` or two weeks that the weather of a building decides,
+    /// such as `peak-heating`; or several, separated by commas, one of which is drawn for every episode.
     pub period: String,
     /// Zone time steps per hour, each one step.
     pub steps_per_hour: u32,
-    /// Days of a training episode, which begins on one of `window_starts` days of the run period. 0: the whole run period.
+    /// Days of a training episode, which begins on one of `window_starts` days of the run period. 0: the whole run
+    /// period.
     pub window_days: u32,
-    /// Number of first days of training episodes.
+    /// Number of days on which training episodes may begin.
     pub window_starts: u32,
 }
 
@@ -127,7 +129,8 @@ impl TrainingSet {
         self.building_type.iter().map(parsed).collect()
     }
 
-    /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones, or some of it.
+    /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones, or some of
+    /// it.
     pub(crate) fn drawn(&self, building_type: BuildingType) -> Vec<BuildingId> {
         let is_excluded =
             |row: &Row| self.excluded_climate_zones.iter().any(|zone| row.is_in_climate_zone(zone));
@@ -208,7 +211,8 @@ impl TrainingSet {
             "expected either `buildings` or `building_type`".into()
         })?;
         require(!is_placed || !self.buildings.is_empty(), || {
-            "`place`, `weather` and `allow_external` are for `buildings`; remove them".into()
+            "`place`, `weather`, `keep_design_days` and `allow_external` are for `buildings`; remove them"
+                .into()
         })?;
         require(self.place.is_empty() || self.weather.as_os_str().is_empty(), || {
             "expected either `place` or `weather`".into()

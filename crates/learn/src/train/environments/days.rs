@@ -6,8 +6,8 @@ use b2b_env::EpisodeConfig;
 use crate::error::Result;
 use crate::train::config::TrainConfig;
 
-/// Returns the days of evaluations during training in a run period: a window in its middle, or all of two weeks that the weather
-/// decides.
+/// Returns the days of evaluations during training in a run period: a window in its middle, or all of two weeks that
+/// the weather decides.
 pub(crate) fn evaluated(config: &TrainConfig, period: Period) -> Period {
     match period {
         Period::Days(days) => window(config, days).into(),
@@ -15,8 +15,8 @@ pub(crate) fn evaluated(config: &TrainConfig, period: Period) -> Period {
     }
 }
 
-/// Returns the parts of a run period for training episodes: before and after the evaluation window, where there is room for an
-/// episode; all of it if the window is not held out or neither part has room.
+/// Returns the parts of a run period for training episodes: before and after the evaluation window, where there is room
+/// for an episode; all of it if the window is not held out or neither part has room.
 pub(crate) fn trained(config: &TrainConfig, period: Period) -> Vec<Period> {
     let Period::Days(days) = period else { return vec![period] };
     let before = first_evaluated(config, days);
@@ -44,8 +44,8 @@ pub(crate) fn are_held_out(config: &TrainConfig) -> Result<bool> {
 /// Returns the run period to which an episode belongs.
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) for an unknown period; [`Error::Env`](crate::Error::Env) for an unreadable weather
-/// file.
+/// [`Error::Invalid`](crate::Error::Invalid) for an unknown period; [`Error::Env`](crate::Error::Env) for an unreadable
+/// weather file.
 pub(crate) fn period_of(config: &TrainConfig, episode: &EpisodeConfig) -> Result<Period> {
     let periods = config.training_set.periods()?;
     for period in &periods[..periods.len() - 1] {

@@ -149,7 +149,7 @@ impl<'a> Environments<'a> {
                     found()
                 )
             })?;
-            // Only their faults may change.
+            // An environment keeps its building; only faults may change.
             if set.fault_seeds == 0 {
                 return Ok(());
             }
@@ -268,7 +268,8 @@ impl<'a> Environments<'a> {
         self.config.training_set.named()?.iter().map(setting).collect()
     }
 
-    /// Returns the evaluations during training: evenly spread training buildings, each with every task in every run period.
+    /// Returns the evaluations during training: evenly spread training buildings, each with every task in every run
+    /// period.
     pub(crate) fn evaluated(&self) -> Result<Vec<Evaluated>> {
         let all: Vec<BuildingName> = match &self.config.training_set.building_types()?[..] {
             [] => self.config.training_set.named()?,

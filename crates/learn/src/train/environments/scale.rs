@@ -20,10 +20,10 @@ use crate::train::config::TrainConfig;
 const SMALLEST_PENALTY: f64 = 4e-4;
 
 impl Environments<'_> {
-    /// Returns the factors of rewards: 1 over the baseline's mean penalty per step in the building under the task in the
-    /// run period. A building drawn from many gets the median factor of the evaluated buildings, because its own baseline
-    /// would have to be run first. Graph networks, whose buildings differ more, use the building's own factor: see
-    /// [`DrawnScale`].
+    /// Returns the factors of rewards: 1 over the baseline's mean penalty per step in the building under the task in
+    /// the run period. A building drawn from many gets the median factor of the evaluated buildings, because its own
+    /// baseline would have to be run first. Graph networks, whose buildings differ more, use the building's own factor:
+    /// see [`DrawnScale`].
     pub(crate) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
         if !self.config.rewards.scale_rewards {
             return Ok(Box::new(|_: &Spaces| Ok(1.0)));
@@ -88,7 +88,8 @@ impl Environments<'_> {
 }
 
 /// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the baseline in the building, over
-/// the days of an evaluation in the episode's run period. The baseline runs when a building is first drawn, and is then cached.
+/// the days of an evaluation in the episode's run period. The baseline runs when a building is first drawn, and is then
+/// cached.
 struct DrawnScale {
     config: TrainConfig,
     catalog: Arc<Catalog>,

@@ -1,7 +1,7 @@
 //! Event files that TensorBoard reads: scalars by step.
 //!
 //! A file is a sequence of records: length, its checksum, an `Event` message and its checksum. Messages are protocol
-//! buffers with three fields in use (TensorFlow's `event.proto` and `summary.proto`).
+//! buffers (TensorFlow's `event.proto` and `summary.proto`).
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};

@@ -5,9 +5,9 @@ use b2b_learn::rollout::Widths;
 
 use super::Toy;
 
-/// A hidden sign, the same in all steps of an episode. Reward: sign × action. Observation: whether the step is the first; the
-/// reward of the first step, in the second step and no other; the sign, if `SEEN`. With the sign in sight a return is up to 20,
-/// with a memory of the first reward 19 on average, without one 1.
+/// A hidden sign, the same in all steps of an episode. Reward: sign × action. Observation: whether the step is the
+/// first; the reward of the first step, in the second step and no other; the sign, if `SEEN`. With the sign in sight,
+/// returns reach 20; with a memory of the first reward, 19 on average; without one, 1.
 pub struct Hidden<const SEEN: bool> {
     sign: f32,
     step: usize,

@@ -14,7 +14,7 @@ use super::Toy;
 /// Environments in this process.
 pub struct Local<T> {
     environments: Vec<Running<T>>,
-    /// Buildings for graph networks, in which environments are in turn.
+    /// Buildings for graph networks, assigned to the environments in turn.
     graphs: Vec<Arc<Graph>>,
 }
 

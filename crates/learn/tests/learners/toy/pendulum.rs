@@ -7,8 +7,8 @@ use b2b_learn::rollout::Widths;
 
 use super::Toy;
 
-/// A pendulum. Observation: cosine and sine of the angle from upright, and speed over 8 rad/s. Action: torque over 2 N m. Reward:
-/// -(angle² + 0.1 speed² + 0.001 torque²). Returns are about -1200 at random and -150 for a good policy.
+/// A pendulum. Observation: cosine and sine of the angle from upright, and speed over 8 rad/s. Action: torque over
+/// 2 N m. Reward: -(angle² + 0.1 speed² + 0.001 torque²). Returns are about -1200 at random and -150 for a good policy.
 pub struct Pendulum {
     angle: f32,
     speed: f32,

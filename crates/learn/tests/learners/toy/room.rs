@@ -7,9 +7,9 @@ use b2b_learn::rollout::Widths;
 
 use super::Toy;
 
-/// Two rooms on a day of 96 steps of 15 minutes. Observation: each temperature minus its target now and in an hour, over 5 K;
-/// outdoor temperature over 10 °C; cosine and sine of the hour. Action: heating power of each room, from none at -1 to full at
-/// 1. Reward of each room: -|temperature - target| - 0.1 × share of full power.
+/// Two rooms on a day of 96 steps of 15 minutes. Observation: each temperature minus its target now and in an hour,
+/// over 5 K; outdoor temperature over 10 °C; cosine and sine of the hour. Action: heating power of each room, from none
+/// at -1 to full at 1. Reward of each room: -|temperature - target| - 0.1 × share of full power.
 pub struct Room {
     step: usize,
     /// °C.
