@@ -75,8 +75,8 @@ impl EnvBuilder {
         })
     }
 
-    /// Controls every zone through the heating and the cooling setpoint of its thermostat, which the building's equipment
-    /// follows.
+    /// Controls every zone through the heating and the cooling setpoint of its thermostat, which the building's
+    /// equipment follows.
     #[must_use]
     pub fn setpoints(mut self) -> Self {
         self.placement.control = Control::Setpoints;
@@ -169,7 +169,7 @@ impl EnvBuilder {
     }
 }
 
-/// The engine and the prototypes, once in a process.
+/// The engine and the prototypes, opened once per process.
 type Shared = Mutex<Option<Arc<Catalog>>>;
 
 /// Returns the catalog for models in this process.

@@ -1,7 +1,7 @@
 //! Thousands of EnergyPlus buildings as reinforcement-learning environments.
 //!
-//! [`make`] names a building and returns an [`EnvBuilder`], which takes the task, the days and the weather and builds an
-//! [`Env`] or a batch of environments. A [`Controller`] acts in it, and [`rollout`] runs a whole episode:
+//! [`make`] names a building and returns an [`EnvBuilder`], which takes the task, the days and the weather and builds
+//! an [`Env`] or a batch of environments. A [`Controller`] acts in it, and [`rollout`] runs a whole episode:
 //!
 //! ```no_run
 //! use building2building::{Reactive, make, rollout};
@@ -23,7 +23,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`mod@env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
-//! | [`control`] | reactive controllers, their tuning, and a planner |
+//! | [`control`] | controllers that do not learn (reactive, Guideline 36, MPC, planner) and their tuning |
 //! | [`agent`] | trained agents: what they observe, how they act, their folders |
 //! | [`learn`] | training of agents: PPO and SAC |
 //! | [`workers`] | environments in worker processes |

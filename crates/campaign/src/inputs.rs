@@ -33,7 +33,7 @@ use crate::mutation::mutate;
 
 /// Limit of CPU time for reading a file.
 const LIMIT: Duration = Duration::from_secs(20);
-/// Limit of time for reading a file, on a machine that others use, too.
+/// Wall-clock limit for reading a file, generous for a shared machine.
 const WAIT: Duration = Duration::from_secs(180);
 /// Duration of a reader process.
 const SLICE: Duration = Duration::from_secs(20);
@@ -172,7 +172,7 @@ fn of_folder(
 ) -> Result<Reader> {
     let folder = work.join(name);
     copy(source, &folder)?;
-    // Without digests, by which damage would be found before anything is read.
+    // Digests would reveal the damage before anything is parsed.
     let _ = std::fs::remove_file(folder.join(b2b_base::digest_list::DIGESTS));
     let file = folder.join(file);
     let valid = std::fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
@@ -180,7 +180,8 @@ fn of_folder(
     Ok(Reader { name, file, valid, read: Box::new(move || read(&folder)) })
 }
 
-/// Returns the description of an agent in the earlier format, which does not state its own digest; other files unchanged.
+/// Returns the description of an agent in the earlier format, which does not state its own digest; other files
+/// unchanged.
 fn without_seal(content: Vec<u8>) -> Vec<u8> {
     match String::from_utf8(content) {
         Ok(text) => text.replacen("\"format\": 2,", "\"format\": 1,", 1).into_bytes(),

@@ -57,7 +57,7 @@ enum Part {
     Runs,
     /// Signals and resource limits, at random times of the commands
     Faults,
-    /// Prepared folders and files, and commands that begin at once
+    /// Prepared folders and files, and commands started at the same time
     Tricks,
 }
 

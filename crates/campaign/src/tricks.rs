@@ -77,7 +77,7 @@ impl Trick<'_> {
         Ok((ended, mark.exists().then(|| "code of the current folder ran".to_owned())))
     }
 
-    /// Links to somebody else's file in places where a command writes.
+    /// Symbolic links to another user's file where a command writes.
     fn links_in_the_way(&mut self) -> Result<Tried> {
         let theirs = self.folder.join("theirs");
         std::fs::write(&theirs, "theirs")?;
@@ -102,7 +102,7 @@ impl Trick<'_> {
         Ok((ended, changed.then(|| "a link was followed to another file".to_owned())))
     }
 
-    /// A policy that never ends, and a signal.
+    /// A policy that never returns an action, and an interrupt.
     fn endless_network(&mut self) -> Result<Tried> {
         std::fs::write(self.folder.join("p.onnx"), endless_network())?;
         let arguments = words("evaluate SingleFamilyHouse --policy p.onnx --period 01-01..01-01 --out out");
@@ -150,7 +150,8 @@ impl Trick<'_> {
         Ok(only_one(first.end(LIMIT)?, &second.end(LIMIT)?))
     }
 
-    /// Two different runs in one new folder. The first is paused while it writes to the folder, until the second has ended.
+    /// Two different runs in one new folder. The first is paused while it writes to the folder, until the second has
+    /// ended.
     fn two_runs(&mut self) -> Result<Tried> {
         let out = self.folder.join("out");
         let run = |controller: &str| {

@@ -1,4 +1,4 @@
-//! The actions that this program carries out in processes of their own: the functions of its commands, with their
+//! The actions that this program carries out in separate processes: the functions of its commands, with their
 //! arguments as JSON.
 
 use anyhow::{Error, Result};

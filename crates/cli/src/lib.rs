@@ -82,8 +82,8 @@ enum Command {
 
 /// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is also started for workers and for actions, such as the jobs of experiments, so it must call this function. Must be called
-/// before any thread is started. Does not return if this process was started as a worker.
+/// `program` is also started for workers and for actions, such as the jobs of experiments, so it must call this
+/// function. Must be called before any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     program.set();
     b2b_workers::run_if_worker_with(b2b_learn::fragments::RUNNERS, actions::ACTIONS);

@@ -44,8 +44,8 @@ impl OutputFolder {
         Self::staged_in(parent, destination, created, None)
     }
 
-    /// As [`OutputFolder::stage`], and locks the destination until the folder is dropped. Errors if another process writes
-    /// to it.
+    /// As [`OutputFolder::stage`], and locks the destination until the folder is dropped. Errors if another process
+    /// writes to it.
     pub fn claim(destination: &Path) -> Result<Self> {
         let path = check(destination)?;
         let created = NewFolders::create(&path).with_context(|| cannot_write(destination))?;
@@ -111,7 +111,7 @@ impl OutputFolder {
     }
 }
 
-/// Returns the absolute path of a destination. Errors if it cannot be a folder that results name.
+/// Returns the absolute path of a destination. Errors if it is a file or not valid UTF-8.
 fn check(destination: &Path) -> Result<PathBuf> {
     let shown = destination.display();
     if destination.to_str().is_none() {

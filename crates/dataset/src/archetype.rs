@@ -28,8 +28,8 @@ pub fn base_model(
 /// engine, or an empty model for the house, which is generated from its parameters alone.
 ///
 /// # Errors
-/// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Building`] when the engine cannot
-/// convert the file.
+/// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Building`] when the engine
+/// cannot convert the file.
 pub fn prototype(building_type: BuildingType, engine: &Engine, library: &Library) -> Result<Model> {
     let Some(prototype) = &building_type.data().prototype else { return Ok(Model::default()) };
     let missing = || Error::NoStockModels { file: prototype.file.to_owned() };

@@ -16,7 +16,7 @@ use crate::house::{self, HouseSample};
 pub enum Building {
     /// One of the five commercial types.
     Commercial {
-        /// Returns its type.
+        /// Its type.
         building_type: BuildingType,
         /// Its location.
         location: Location,
@@ -74,8 +74,8 @@ impl Building {
         Ok(self.location().weather(cache, progress)?)
     }
 
-    /// Generates its model, before sizing. `prototype` is [`crate::archetype::prototype`] of the type, and `site` is read from the
-    /// weather file.
+    /// Generates its model, before sizing. `prototype` is [`crate::archetype::prototype`] of the type, and `site` is
+    /// read from the weather file.
     ///
     /// The same arguments give the same bytes.
     ///

@@ -109,8 +109,8 @@ impl Catalog {
     /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`], [`Error::NoWeather`] and [`Error::HasDesignDays`] when the placement does not fit the name; errors
-    /// of the weather file and the model.
+    /// [`Error::HasPlace`], [`Error::NoWeather`] and [`Error::HasDesignDays`] when the placement does not fit the name;
+    /// errors of the weather file and the model.
     pub fn find(
         &self,
         name: &BuildingName,
@@ -243,8 +243,8 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
-    /// Leaves the building to its own controls, if a controller wants them. One that acts finds the interface of the
-    /// placement.
+    /// Leaves the building to its own controls if the controller commands no actuators. Any other controller gets the
+    /// placement's control interface.
     #[must_use]
     pub fn under(self, wanted: Controls) -> Self {
         match wanted {
@@ -277,8 +277,8 @@ impl From<Found> for Preparation {
 }
 
 impl Placement {
-    /// Returns whether a building is an unmodified prototype that ships with the engine: a base model at its default place or with a
-    /// weather file. Houses are generated, and other types are adapted to the code at other places.
+    /// Returns whether a building is an unmodified prototype that ships with the engine: a base model at its default
+    /// place or with a weather file. Houses are generated, and other types are adapted to the code at other places.
     pub fn is_prototype(&self, name: &BuildingName) -> bool {
         match name {
             BuildingName::Type(BuildingType::SingleFamilyHouse) => false,

@@ -1,4 +1,4 @@
-//! What an agent sets in a building: its interface.
+//! The control interface of a building: what an agent sets.
 
 use std::str::FromStr;
 
@@ -40,7 +40,7 @@ impl Control {
         }
     }
 
-    /// Returns what distinguishes names with this interface.
+    /// Returns the suffix of the names of buildings with this interface.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Actuators => "",

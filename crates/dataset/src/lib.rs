@@ -3,9 +3,10 @@
 //! 1. [`sample()`] draws buildings of a type by Latin hypercube sampling over places and parameters, some of which a
 //!    [`Setting`] may fix or narrow; [`rows`] returns the 1,000 buildings of a type in the dataset.
 //! 2. A [`Row`] assigns a [`Building`] to a split: 10 % of the buildings of each location (for houses, of each region)
-//!    form the test split. Eight of them per type form a small test, one per climate zone from 1 to 8.
-//! 3. [`Building::model`] generates the model. Parameters are rounded before use, so that [`manifest()`] has their exact
-//!    values.
+//!    form the test split. Eight of them per type form a small test: one per climate zone from 1 to 8, or for houses
+//!    spread over the regions.
+//! 3. [`Building::model`] generates the model. Parameters are rounded before use, so that [`manifest()`] has their
+//!    exact values.
 //!
 //! [`Catalog`] finds the model and the weather of a building by its name: a type, an id or a user's model file.
 //!

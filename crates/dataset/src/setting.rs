@@ -140,8 +140,8 @@ pub(super) fn of<'a>(settings: &'a [Setting], name: &str) -> Option<&'a Setting>
 pub(super) const FOUNDATIONS: [(&str, Foundation); 3] =
     [("basement", Foundation::Basement), ("slab", Foundation::Slab), ("crawlspace", Foundation::Crawlspace)];
 
-/// Rounds to a number of decimals. The result is the number that its decimal text parses to, because integers and powers of
-/// ten are exact and division rounds correctly.
+/// Rounds to a number of decimals. The result is the number that its decimal text parses to, because integers and
+/// powers of ten are exact and division rounds correctly.
 pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = power_of_ten(decimals);
     (value * scale).round() / scale

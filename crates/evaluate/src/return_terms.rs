@@ -32,8 +32,8 @@ impl ReturnTerms {
         self.used[place]
     }
 
-    /// Returns the return under a task's weight and scale; see [`task_for`](crate::task_for) for the scale. NaN if the sum
-    /// of the task's resource is unknown.
+    /// Returns the return under a task's weight and scale; see [`task_for`](crate::task_for) for the scale. NaN if the
+    /// sum of the task's resource is unknown.
     pub fn episode_return(&self, task: &Task) -> f64 {
         let used = self.used(task.resource).unwrap_or(f64::NAN);
         -self.temperature_penalty - task.energy_weight / task.energy_scale.unwrap_or(1.0) * used

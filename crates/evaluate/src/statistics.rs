@@ -1,5 +1,5 @@
-//! Aggregates of scores with confidence intervals, after the recommendations of Agarwal, Schwarzer, Castro, Courville and
-//! Bellemare, "Deep Reinforcement Learning at the Edge of the Statistical Precipice", NeurIPS 2021 (rliable): the
+//! Aggregates of scores with confidence intervals, after the recommendations of Agarwal, Schwarzer, Castro, Courville
+//! and Bellemare, "Deep Reinforcement Learning at the Edge of the Statistical Precipice", NeurIPS 2021 (rliable): the
 //! interquartile mean in addition to median and mean, and percentile intervals of a stratified bootstrap.
 //!
 //! A stratum here is a building type: buildings are resampled within their type, which preserves the mix of types.

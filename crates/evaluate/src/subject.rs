@@ -109,8 +109,8 @@ impl Subject {
     }
 }
 
-/// Raised when a change to import, conversion or sizing changes the episodes of users' models, so that results and baselines
-/// from before are not reused.
+/// Incremented when a change to import, conversion or sizing changes the episodes of users' models, so that older
+/// results and baselines are not reused.
 const IMPORT_REVISION: u32 = 7;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.

@@ -1,4 +1,4 @@
-//! The owner's side of actions: work of the crates above this one, each in a process of its own.
+//! The owner's side of actions: work defined by the crates above this one, each in its own process.
 
 use std::io;
 use std::path::PathBuf;
@@ -35,8 +35,8 @@ pub enum ActionEnd {
 }
 
 impl ActionProcess {
-    /// Starts a program that carries out an action with this order. `set_up` sets the standard streams and the folder of the
-    /// process.
+    /// Starts a program that carries out an action with this order. `set_up` sets the standard streams and the folder
+    /// of the process.
     ///
     /// # Errors
     /// Errors of the operating system.
@@ -60,8 +60,8 @@ impl ActionProcess {
         &mut self.process.child
     }
 
-    /// Waits for the end and asks several times a second whether it was interrupted. An interrupt is passed on once, and the
-    /// process may take its time to end.
+    /// Waits for the end, checking for an interrupt several times a second. An interrupt is passed on once; the process
+    /// then has no time limit.
     ///
     /// # Errors
     /// Errors of the operating system.

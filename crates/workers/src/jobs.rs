@@ -16,15 +16,16 @@ use super::process::{Process, describe};
 use super::time_limit::TimeLimit;
 use super::workers::worker_options::WorkerOptions;
 
-/// Number of lines of the engine's error file that are repeated after a crash.
+/// Number of lines of the engine's error file that are quoted after a crash.
 const LAST_LINES: usize = 5;
 /// Number of bytes at the end of a file in which to look for them.
 const LAST_BYTES: u64 = 4000;
 
 /// Jobs for EnergyPlus, each in its own worker process: conversions, whole runs and response checks.
 ///
-/// A crash, or a job beyond the [time limit of preparations](WorkerOptions::preparation_time_limit), is an error that names the
-/// model. As the [`Host`] of a catalog's library, jobs keep users' models out of this process. Several threads may use them.
+/// A crash, or a job beyond the [time limit of preparations](WorkerOptions::preparation_time_limit), is an error that
+/// names the model. As the [`Host`] of a catalog's library, jobs keep users' models out of this process. Several
+/// threads may use them.
 #[derive(Clone, Debug)]
 pub struct Jobs(WorkerOptions);
 

@@ -51,7 +51,7 @@ impl Source {
         Self::Model { name, class, prototype: false, own: false, controls, model, weather }
     }
 
-    /// Returns it with what an agent sets, unless it is prepared.
+    /// Sets what an agent controls, unless the building is already prepared.
     #[must_use]
     pub fn under(mut self, control: Control) -> Self {
         if let Self::Model { controls, .. } = &mut self {

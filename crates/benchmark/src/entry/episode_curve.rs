@@ -12,8 +12,8 @@ use b2b_evaluate::{EpisodeInfo, EpisodeResult};
 pub struct EpisodeCurve {
     /// The episodes, in order.
     pub points: Vec<EpisodePoint>,
-    /// Resolved score of the first episode minus the last episode's, interquartile mean over buildings and tasks; above 0, the
-    /// last is better.
+    /// Resolved score of the first episode minus the last episode's, interquartile mean over buildings and tasks; above
+    /// 0, the last is better.
     pub improvement: Interval,
 }
 
@@ -32,9 +32,9 @@ pub struct EpisodePoint {
 /// above 0, the reference is better.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeDifference {
-    /// Of the mean over the episodes in a building, without seeds that miss one.
+    /// Difference of the mean over a building's episodes; seeds that lack an episode are left out.
     pub all: Interval,
-    /// Of each episode, in order.
+    /// Difference in each episode, in order.
     pub points: Vec<Interval>,
 }
 

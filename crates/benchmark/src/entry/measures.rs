@@ -64,8 +64,8 @@ fn bounds() -> Vec<f64> {
 }
 
 impl Measures {
-    /// Returns the measures over the rows of every stage; `None` if the test stage has no score. `consecutive` are the run
-    /// periods of [`Protocol::consecutive`](crate::problem::Protocol::consecutive).
+    /// Returns the measures over the rows of every stage; `None` if the test stage has no score. `consecutive` are the
+    /// run periods of [`Protocol::consecutive`](crate::problem::Protocol::consecutive).
     pub fn of(stages: &[(Stage, Vec<EpisodeResult>)], consecutive: &[Period]) -> Option<Self> {
         let rows_of = |wanted: Stage| {
             stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())

@@ -3,7 +3,7 @@
 //! 1. An [`Entry`] is a policy entered for a problem; its stages are lists of episodes.
 //! 2. [`Entry::run`] evaluates them stage by stage and keeps each episode under `unfinished/` as it ends, so that an
 //!    interrupted run resumes.
-//! 3. A [`RunResult`] remains: `result.json`, `episodes.parquet`, and the ONNX files in `policy/`. Two runs leave the
+//! 3. A [`RunResult`] remains: `result.json`, `episodes.parquet`, and the policies in `policy/`. Two runs leave the
 //!    same bytes on machines that round alike.
 //! 4. [`verify`] checks that a folder contains what it claims.
 

@@ -23,11 +23,11 @@ use b2b_evaluate::{EpisodeResult, read_stages, write_stages};
 const RESULT: &str = "result.json";
 /// The table of episodes.
 const EPISODES: &str = "episodes.parquet";
-/// The folder of ONNX files.
+/// The folder of the policies' files.
 pub(super) const POLICY: &str = "policy";
 /// The folder of stages that have not all ended.
 pub(super) const UNFINISHED: &str = "unfinished";
-/// Raised when the format of a result changes.
+/// Version of the format of a result.
 const FORMAT: u32 = 3;
 
 /// The result of a run: `result.json`.

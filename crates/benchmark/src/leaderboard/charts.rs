@@ -95,7 +95,7 @@ fn beyond(name: &str, score: f64, color: &str) -> Value {
     })
 }
 
-/// Says how many values are beyond the end of the axis.
+/// Returns the note, with the number of values beyond the end of the axis if there are any.
 fn and_beyond(note: &str, values: &[f64]) -> String {
     match values.iter().filter(|value| **value > HIGHEST).count() {
         0 => note.to_owned(),

@@ -117,8 +117,8 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
-/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is the author's
-/// own program, so that nobody else can rerun its episodes.
+/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is an unverified
+/// program.
 fn remark(result: &RunResult) -> String {
     if result.external().is_some() {
         return " (own program, unverified)".to_owned();

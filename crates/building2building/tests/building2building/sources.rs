@@ -1,4 +1,4 @@
-//! Statements of docs/trust.md about the sources, and actions of the workflows that run on every change.
+//! What docs/trust.md states about the sources, and the pinned actions of the workflows.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

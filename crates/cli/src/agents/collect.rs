@@ -40,8 +40,8 @@ pub struct Arguments {
     task: Task,
     #[command(flatten)]
     jobs: Jobs,
-    /// Collect a corpus instead: many policies in buildings of all six types. `quick` has 2 million steps in 144 buildings,
-    /// `full` has 100 million in 1,008; a TOML file defines another. The same command resumes it
+    /// Collect a corpus instead: many policies in buildings of all six types. `quick` has 2 million steps in 144
+    /// buildings, `full` has 100 million in 1,008; a TOML file defines another. The same command resumes it
     #[arg(long, value_name = "CORPUS", conflicts_with_all = ["names", "split", "types", "zones", "place", "weather", "control", "periods", "seeds", "steps_per_hour", "policies", "task", "allow_external", "keep_design_days", "transition"])]
     corpus: Option<String>,
     /// Collect only part I of N of a corpus, with I from 0 to N - 1; the parts share the output folder

@@ -72,7 +72,7 @@ impl FromStr for Choice {
 }
 
 impl ControllerArguments {
-    /// Returns the task of an episode, if none is given: an agent's own; otherwise the other commands' default.
+    /// Returns the task of an episode: the given one, else an agent's training task, else the default of all commands.
     ///
     /// # Errors
     /// The reason why the agent cannot be read.
@@ -154,7 +154,7 @@ fn plan(
     Ok(plan.map(|plan| plan as Box<dyn Controller>))
 }
 
-/// Parameters of the reactive controllers.
+/// Parameters of a controller.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameters {
     /// Default parameters, equal for all buildings.
@@ -196,7 +196,7 @@ impl Parameters {
     }
 }
 
-/// Returns the controller of the agent in a folder, and says what of the building it leaves to others.
+/// Returns the controller of the agent in a folder. Prints a note if it leaves a part of the building to others.
 fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
     let agent = Agent::read(folder)?;
     let controller = agent.controller(spaces)?;

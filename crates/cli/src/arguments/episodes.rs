@@ -15,8 +15,8 @@ pub struct Episodes {
     buildings: Buildings,
     #[command(flatten)]
     location: Location,
-    /// Run periods: winter, summer, full_year or MM-DD..MM-DD; peak-heating, typical-heating, peak-cooling, typical-cooling
-    /// or mixed: two weeks that the weather of each building decides
+    /// Run periods: winter, summer, full_year or MM-DD..MM-DD; peak-heating, typical-heating, peak-cooling,
+    /// typical-cooling or mixed: two weeks chosen from the weather of each building
     #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [Period::WINTER])]
     periods: Vec<Period>,
     /// Random seeds of the policy, one episode each

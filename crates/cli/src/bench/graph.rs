@@ -33,7 +33,7 @@ Columns:
   nodes, features, actions   of the building, for the graph network
   step                       CPU time of a step of the environment, µs
   forward                    CPU time of an action of the graph network, µs, and of the flat one
-  update                     CPU time of an update per environment step, µs, and of the flat one; as many epochs for both
+  update                     CPU time of an update per environment step, µs, and of the flat one; same number of epochs
 
 Examples:
   b2b bench graph

@@ -63,8 +63,8 @@ pub struct Arguments {
     /// Train graph networks instead of flat ones; without Stable-Baselines3, which has none
     #[arg(long)]
     graph: bool,
-    /// Give actor and critic a gated recurrent unit of this width before their last layer, in a graph network for each node; without
-    /// Stable-Baselines3, which has none
+    /// Give actor and critic a gated recurrent unit of this width before their last layer, in a graph network for each
+    /// node; without Stable-Baselines3, which has none
     #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(u16).range(1..))]
     recurrent: Option<u16>,
     /// Python interpreter with building2building and stable-baselines3, or none to skip Stable-Baselines3

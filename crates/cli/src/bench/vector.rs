@@ -298,8 +298,8 @@ impl Single {
     }
 }
 
-/// Carries out the order of a single environment: reports when it is ready, then runs a round for each line of standard input
-/// and reports its CPU time.
+/// Carries out the order of a single environment: reports when it is ready, then runs a round for each line of standard
+/// input and reports its CPU time.
 pub(crate) fn serve_single(order: &SingleOrder) -> Result<String> {
     let prepared = Prepared::new(&order.building.parse()?, &Location::default(), true)?;
     let mut env = prepared.env(period(order.days), STEPS_PER_HOUR, Task::default())?;

@@ -12,8 +12,8 @@ use crate::terminal::exit_code::ExitCode;
 
 /// Run policies on the benchmark problems, and verify and compare results
 ///
-/// A problem defines what a policy may be trained on, what it is tested on, and the rules for both. A result is a folder
-/// with result.json, episodes.parquet and the ONNX files of the policy; a second run reproduces the same bytes.
+/// A problem defines what a policy may be trained on, what it is tested on, and the rules for both. A result is a
+/// folder with result.json, episodes.parquet and the files of the policy; a second run reproduces the same bytes.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {

@@ -23,9 +23,10 @@ use crate::terminal::table::Table;
 /// Run a policy on a benchmark problem
 ///
 /// Runs the policy in the test environments of a problem and in a sample of its training environments, and writes a
-/// result folder: result.json, episodes.parquet, and the ONNX files of the policy. Finished episodes are kept: the same
-/// command resumes an interrupted run and produces the same bytes. In problems whose policies keep their memory (`adapt-…`),
-/// one controller runs all episodes of a building, task and seed in order. Exits with code 1 if an episode fails.
+/// result folder: result.json, episodes.parquet, and the files of the policy. Finished episodes are kept: the same
+/// command resumes an interrupted run and produces the same bytes. In problems whose policies keep their memory
+/// (`adapt-…`), one controller runs all episodes of a building, task and seed in order. Exits with code 1 if an episode
+/// fails.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -37,7 +38,7 @@ pub struct Arguments {
     /// Policy after STEPS of training in each test environment
     #[arg(long, value_name = "STEPS=POLICY", num_args = 1.., value_parser = adapted)]
     adapted: Vec<(u64, String)>,
-    /// Specialists, each trained in one test environment: an upper bound that is reported and not ranked
+    /// Specialists, each trained in one test environment: an upper bound that is reported but not ranked
     #[arg(long, value_name = "POLICY")]
     upper_bound: Option<String>,
     /// Number of training steps of the policy

@@ -13,7 +13,7 @@ use crate::terminal::table::Table;
 
 /// Change the envelope, the shape or the internal gains of a model
 ///
-/// Makes the changes that the generator makes to its prototypes to a model of your own, and writes the result as an
+/// Applies the changes that the generator makes to its prototypes to your own model, and writes the result as an
 /// epJSON file, which `b2b import` and `b2b run` accept. The model itself is not changed. At least one change is
 /// required.
 ///

@@ -144,7 +144,7 @@ impl Recorded {
         self.outdoor.len()
     }
 
-    /// Returns a line that names the episode of a number of runs.
+    /// Returns the title of a comparison: the episode and the number of runs.
     pub fn title(&self, runs: usize) -> String {
         let Described { building, place, period, task, steps_per_hour, .. } = &self.described;
         let minutes = 60 / steps_per_hour;

@@ -3,7 +3,7 @@ const SPLITS = ["train", "test", "test, in the small test"];
 const PAGE = 25, MARGIN = { left: 54, right: 10, top: 10, bottom: 38 };
 const byId = id => document.getElementById(id);
 
-/* A building is its type and its place in the columns of the type. */
+/* A building is its type and its row in the columns of the type. */
 const buildings = data.types.flatMap((type, number) => type.columns.split.map((split, row) => ({
   type: number, row, split, id: `${type.name}-${String(row + 1).padStart(4, "0")}`,
 })));
@@ -65,7 +65,7 @@ data.types.forEach((type, k) => {
   type.number = make("span", button);
   type.button = button;
   button.onclick = () => {
-    // From all types, a click chooses one; the last one gives all again.
+    // From all types, a click selects one; deselecting the last selects all.
     if (filter.types.size === data.types.length) filter.types.clear();
     if (!filter.types.delete(k)) filter.types.add(k);
     if (!filter.types.size) data.types.forEach((_, each) => filter.types.add(each));

@@ -16,7 +16,7 @@ const SCRIPT: &str = include_str!("explore.js");
 /// A parameter on the page: its column, name and unit.
 type Parameter = (&'static str, &'static str, &'static str);
 
-/// The parameters that are not on every building's row, in the order of the page.
+/// The parameters of buildings, in the order of the page.
 const PARAMETERS: [Parameter; 32] = [
     ("floor_area", "floor area", "m²"),
     ("year", "year of construction", ""),

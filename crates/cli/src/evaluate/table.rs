@@ -75,7 +75,7 @@ fn percent(share: Option<f64>) -> String {
     share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share))
 }
 
-/// Returns the table of a task of operation: cost at comfort first, and a mark where episodes are less comfortable.
+/// Returns the table of a task of operation: score at comfort first, and a mark where episodes are less comfortable.
 fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
     let mut table = Table::new([
         "type",

@@ -10,9 +10,9 @@ use crate::terminal::stdout;
 
 /// Print the speed of training runs in folders of results, by building type and preset
 ///
-/// Prints the table behind the estimates of `show` and `run` (crates/experiment/data/rates.csv): the 75th percentile of the
-/// steps per second of training runs, without evaluations, where their job folders are available, otherwise of whole
-/// jobs; and the speed of environments, from results of the experiment `speed`.
+/// Prints the table behind the estimates of `show` and `run` (crates/experiment/data/rates.csv): the 75th percentile of
+/// the steps per second of training runs, without evaluations, where their job folders are available, otherwise of
+/// whole jobs; and the speed of environments, from results of the experiment `speed`.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

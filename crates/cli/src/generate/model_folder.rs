@@ -13,9 +13,9 @@ use crate::output_folder;
 /// Name of the manifest in the folder.
 pub const MANIFEST: &str = "manifest.csv";
 
-/// A folder of models that one process at a time writes. Each file is staged and moved into place, so that files are always
-/// complete. A file whose row in the manifest has changed is removed before the manifest is updated, so that an interrupted
-/// generation can resume.
+/// A folder of models, written by one process at a time. Each file is staged and moved into place, so it is always
+/// complete. A file whose row in the manifest has changed is removed before the manifest is updated, so that an
+/// interrupted generation can resume.
 pub struct ModelFolder {
     root: PathBuf,
     _lock: FolderLock,

@@ -20,7 +20,8 @@ pub struct Report {
     pub zones: Vec<Zone>,
     /// The systems that the agent controls.
     pub systems: Vec<System>,
-    /// The components that follow the setpoints of their zones, with the reason why they have no actuators of their own.
+    /// The components that follow the setpoints of their zones, with the reason why they have no actuators of their
+    /// own.
     pub follows_setpoints: Vec<Uncontrolled>,
     /// The components that it does not control, with the reason.
     pub not_controlled: Vec<Uncontrolled>,

@@ -39,7 +39,7 @@ pub struct Arguments {
     #[command(flatten)]
     location: Location,
     /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included; may pass New Year); peak-heating,
-    /// typical-heating, peak-cooling, typical-cooling or mixed: two weeks that the weather decides
+    /// typical-heating, peak-cooling, typical-cooling or mixed: two weeks chosen from the weather
     #[arg(long, default_value_t = Period::WINTER, value_name = "PERIOD")]
     period: Period,
     /// Run only the first N hours of the run period (a multiple of 24)

@@ -1,8 +1,8 @@
 /* What a task with comfort bands shows. */
-/* Zones that have a panel of their own from the beginning: those with the most discomfort. */
+/* Number of zones that have a panel at first: the ones with the most discomfort. */
 const ZONE_PANELS = 6;
 const zonePanels = [];
-/* At least two digits: what a building uses on a mild day is not 0. */
+/* At least two digits, so that the small energy of a mild day is not shown as 0. */
 const twoDigits = (v, d) => fixed(v, v ? Math.min(6, Math.max(d, 1 - Math.floor(Math.log10(Math.abs(v))))) : d);
 const cost = (v, d) => [twoDigits(v, d), data.operation.currency].filter(Boolean).join(" ");
 

@@ -130,7 +130,7 @@ impl View<'_> {
     }
 }
 
-/// Shifts what observations ask for to the step that follows, which it applies to. The first step's value is not
+/// Shifts the setpoints in observations to the following step, to which they apply. The first step's setpoint is not
 /// recorded, so the second step's is used.
 pub fn asked(mut observed: Vec<f64>) -> Vec<f64> {
     observed.rotate_right(1);

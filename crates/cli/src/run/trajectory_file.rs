@@ -28,8 +28,8 @@ const CALENDAR: usize = 5;
 /// Columns after the actions.
 const PENALTIES: [&str; 3] = ["temperature penalty", "energy penalty", "reward"];
 
-/// Writes a trajectory, and the controller's decisions behind its columns. Columns are named after the slots of the spaces;
-/// units are in the field metadata.
+/// Writes a trajectory, and the controller's decisions behind its columns. Columns are named after the slots of the
+/// spaces; units are in the field metadata.
 pub fn write(
     file: &mut (impl Write + Send),
     spaces: &Spaces,

@@ -6,7 +6,7 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
 use crate::Cli;
 
-/// Adds what to do to an error about the arguments.
+/// Adds a tip to an error about the arguments.
 pub fn add(usage: Error) -> Error {
     match usage.kind() {
         ErrorKind::InvalidSubcommand => add_command(usage),
@@ -15,7 +15,7 @@ pub fn add(usage: Error) -> Error {
     }
 }
 
-/// The standard library's messages on text that is not of a type, and what is expected.
+/// The standard library's messages on text that cannot be parsed, and what is expected instead.
 const TYPES: [(&str, &str); 5] = [
     ("invalid float literal", "expected a number"),
     ("cannot parse float from empty string", "expected a number"),
@@ -24,12 +24,12 @@ const TYPES: [(&str, &str); 5] = [
     ("invalid IP address syntax", "expected an IP address, such as 127.0.0.1"),
 ];
 
-/// Returns a message that says what is expected where text is not of its type.
+/// Returns a message in which the standard library's parse errors are replaced by what is expected.
 pub fn in_words(message: &str) -> String {
     TYPES.iter().fold(message.to_owned(), |text, (said, expected)| text.replace(said, expected))
 }
 
-/// Adds how to compare controllers if the name of another controller is taken for a building, as in `--policy hold off`.
+/// Adds a tip on comparing controllers if a controller's name is parsed as a building, as in `--policy hold off`.
 fn add_comparison(mut usage: Error) -> Error {
     let given =
         [ContextKind::InvalidValue, ContextKind::InvalidArg].into_iter().find_map(|kind| usage.get(kind));
@@ -63,8 +63,8 @@ fn add_command(mut usage: Error) -> Error {
     usage
 }
 
-/// Returns `did you mean NAME?; ` with the most similar of the known names, to begin the list of what is expected; empty if
-/// none is similar.
+/// Returns `did you mean NAME?; ` with the most similar of the known names, to begin the list of what is expected;
+/// empty if none is similar.
 pub fn near<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> String {
     nearest(given, known).map_or_else(String::new, |name| format!("did you mean {name}?; "))
 }

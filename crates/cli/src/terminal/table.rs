@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::terminal::wrap;
 
-/// Returns how many decimals show at least two digits of a value, between `least` and 6: what a building uses on a mild
-/// day is not 0.
+/// Returns how many decimals show at least two digits of a value, between `least` and 6, so that the small energy of a
+/// mild day is not shown as 0.
 pub fn decimals(value: f64, least: usize) -> usize {
     let needed = if value == 0.0 { 0.0 } else { 1.0 - value.abs().log10().floor() };
     // The conversion saturates, and NaN is 0.

@@ -19,8 +19,8 @@ pub fn width() -> Option<usize> {
     terminal.map(|(terminal_size::Width(columns), _)| columns.into()).or_else(columns)
 }
 
-/// Returns a message for standard error, wrapped at the width of the terminal if there is one, because a terminal cuts
-/// words.
+/// Returns a message for standard error, wrapped at the width of the terminal if there is one, because a terminal
+/// breaks lines within words.
 pub fn message(text: &str) -> String {
     let terminal = || terminal_size::terminal_size_of(std::io::stderr()).map(|(width, _)| width.0.into());
     let columns = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);

@@ -1,8 +1,8 @@
 //! Time series on pages: their encoding and the script that draws them.
 //!
-//! A series has at most [`MAX_POINTS`] points, each the mean of a span of steps, and the minimum and maximum of each day.
-//! Values are quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest
-//! building below 2 MB.
+//! A series has at most [`MAX_POINTS`] points, each the mean of a span of steps, and the minimum and maximum of each
+//! day. Values are quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the
+//! largest building below 2 MB.
 
 use b2b_building::RunPeriod;
 use base64::Engine;

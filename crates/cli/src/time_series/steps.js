@@ -31,7 +31,7 @@ function drawSteps(g, series, box, y) {
   g.stroke();
 }
 
-/* A comfort band, and below it when people are present. */
+/* A comfort band, and below it the presence of people. */
 function drawComfort(g, { heating, cooling, presence }, box, y) {
   g.fillStyle = style("--band"); g.strokeStyle = style("--edge"); g.lineWidth = 1.2;
   if (cooling) stretches(box, [heating, cooling], (from, to, k) => {

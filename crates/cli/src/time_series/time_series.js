@@ -294,7 +294,7 @@ function listen(canvas) {
   }, { passive: false });
 }
 
-/* Adds a panel. `choice` has options, each a name and what `choose(panel, option)` makes of the panel. */
+/* Adds a panel. `choice` has the names of options, and `choose(panel, index)`, which shows an option in the panel. */
 function addPanel(parent, panel) {
   const section = document.createElement("section");
   section.innerHTML = `<div class="head"><h2></h2></div><div class="row"><div class="plot"><canvas></canvas></div><ul class="legend"></ul></div>`;

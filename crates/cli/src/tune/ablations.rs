@@ -19,10 +19,10 @@ use crate::terminal::table::Table;
 
 /// Measure what the sequences of the guideline controller save
 ///
-/// Runs `guideline36` and four ablations of it over the five two-week periods: a fixed supply air temperature, a minimum
-/// flow of 30 % of the design flow at every terminal, no optimum start, and no setback. For every building and period,
-/// prints the change of HVAC energy, the change of its cost, and the discomfort. Every episode is kept: the same command resumes an interrupted
-/// run.
+/// Runs `guideline36` and four ablations of it over the five two-week periods: a fixed supply air temperature, a
+/// minimum flow of 30 % of the design flow at every terminal, no optimum start, and no setback. For every building and
+/// period, prints the change of HVAC energy, the change of its cost, and the discomfort. Every episode is kept: the
+/// same command resumes an interrupted run.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

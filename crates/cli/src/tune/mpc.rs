@@ -20,9 +20,9 @@ use crate::terminal::table::Table;
 
 /// Identify the model of the controller mpc
 ///
-/// Runs the two weeks before an episode under Guideline 36 while supply air temperatures, least flows and the economizer limit
-/// move at random, and fits what they do to cost and discomfort. `b2b run --controller mpc --parameters FILE.json` uses the
-/// model; without a file, mpc identifies its own.
+/// Runs the two weeks before an episode under Guideline 36 while supply air temperatures, minimum flows and the
+/// economizer limit move at random, and fits their effects on cost and discomfort.
+/// `b2b run --controller mpc --parameters FILE.json` uses the model; without a file, mpc identifies its own.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -78,7 +78,7 @@ fn text(model: &Model, arguments: &Arguments) -> String {
         table.row([shift.clone(), format!("{value:+}"), percent(cost), percent(discomfort)]);
     }
     format!(
-        "{} in {}: effects in cold, mild and warm hours, or in the ones in which the point acts\n\n{}\n\n  {}",
+        "{} in {}: effects in cold, mild and warm hours, or in the hours in which the point acts\n\n{}\n\n  {}",
         model.building,
         model.identified,
         table.text(),

@@ -24,9 +24,9 @@ use crate::terminal::table::Table;
 /// Measure the scales of the rewards of operation, and rank controllers under several weights of discomfort
 ///
 /// Runs the guideline controller in training buildings of each type and climate zone over the five two-week periods, at
-/// constant prices. Its mean cost of an hour is the cost scale of the class, and the weight of discomfort is balanced if
-/// discomfort is a tenth of its penalty. Other controllers run in one building of each type. Every episode is kept: the same
-/// command resumes an interrupted run.
+/// constant prices. Its mean cost of an hour is the cost scale of the class, and the weight of discomfort is balanced
+/// if discomfort is a tenth of its penalty. Other controllers run in one building of each type. Every episode is kept:
+/// the same command resumes an interrupted run.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

@@ -26,14 +26,14 @@ use crate::terminal::{interrupt, stdout};
 
 /// Search the rules of the controller linear-supervisor
 ///
-/// Runs two weeks in many buildings of the training split under Guideline 36 with shifts that are linear in the weather and in
-/// what zones need, and finds the weights with the lowest cost at the guideline's discomfort. Finished rounds are kept: the same
-/// command resumes an interrupted search. linear_supervisor.json has the rule of every type, TYPE.json one rule, which `b2b run
-/// --controller linear-supervisor --parameters TYPE.json` carries out.
+/// Runs two weeks in many buildings of the training split under Guideline 36 with shifts that are linear in the weather
+/// and in what zones need, and finds the weights with the lowest cost at the guideline's discomfort. Finished rounds
+/// are kept: the same command resumes an interrupted search. linear_supervisor.json has the rule of every type,
+/// TYPE.json one rule, which `b2b run --controller linear-supervisor --parameters TYPE.json` carries out.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
-    /// Building types, each with a rule of its own
+    /// Building types, each with its own rule
     #[arg(long = "type", value_name = "TYPE", num_args = 1.., required = true)]
     types: Vec<BuildingType>,
     /// Number of training buildings of a type, evenly spread over the training split
@@ -185,7 +185,7 @@ impl Arguments {
         }
         let file = self.out.join(ALL);
         format!(
-            "change from guideline36 as the response surfaces have it:\n\n{}\n\n{}\n\n  {}",
+            "change from guideline36 according to the response surfaces:\n\n{}\n\n{}\n\n  {}",
             rounds.text(),
             weights.text(),
             file.display()

@@ -11,7 +11,7 @@ use b2b_evaluate::{Baselines, EpisodePlan, EpisodeResult, Evaluation, Folder, Po
 
 use crate::scoring::evaluation::{Bars, fetch_weather};
 
-/// Returns the episodes of a policy in dataset buildings at constant prices, a building after the other. Finished ones are
+/// Returns the episodes of a policy in dataset buildings at constant prices, building by building. Finished ones are
 /// read from the folder.
 pub fn two_weeks(
     evaluation: &Evaluation<'_>,

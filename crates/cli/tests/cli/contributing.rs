@@ -1,17 +1,18 @@
-//! CONTRIBUTING.md names the files that an extension takes, and no more than it should. That the examples compile is tested
-//! where they are: documentation of `building2building`, `example_system.rs`, `random_search.rs` and `terms/docs.rs`.
+//! CONTRIBUTING.md names the files that an extension takes, within a maximum number. That the examples compile is
+//! tested where they are: documentation of `building2building`, `example_system.rs`, `random_search.rs` and
+//! `terms/docs.rs`.
 
 use std::fs::{read_dir, read_to_string};
 use std::path::{Path, PathBuf};
 
-/// An extension and one that is part of the repository.
+/// A kind of extension, with an example from the repository.
 struct Extension {
     section: &'static str,
-    /// Most files that one may take.
+    /// Maximum number of files.
     most: usize,
     /// Its files, as the guide spells their folders and names.
     files: &'static [[&'static str; 2]],
-    /// What stands for `NAME` in those.
+    /// The value of `NAME` for the example.
     name: &'static str,
 }
 

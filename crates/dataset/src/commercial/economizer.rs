@@ -9,8 +9,8 @@ struct Economizer {
     limit: Option<f64>,
 }
 
-/// ASHRAE 90.1-2019, table 6.5.1-1 (where) and 6.5.1.1.3 (high limits): none in very hot zones; a fixed dry bulb of 65 °F
-/// in humid zones 2 to 4; differential dry bulb elsewhere.
+/// ASHRAE 90.1-2019, table 6.5.1-1 (where) and 6.5.1.1.3 (high limits): none in very hot zones; a fixed dry bulb of
+/// 65 °F in humid zones 2 to 4; differential dry bulb elsewhere.
 fn of_zone(ashrae_zone: &str) -> Economizer {
     match ashrae_zone {
         "1" | "1A" | "1B" => Economizer { control: "NoEconomizer", limit: None },

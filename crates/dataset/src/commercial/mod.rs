@@ -1,13 +1,13 @@
 //! The five commercial types as functions of nine parameters and a place.
 //!
-//! [`generate`] modifies the ASHRAE 90.1-2019 prototype for Denver to the building of [`CommercialParameters`] at another
-//! place:
+//! [`generate`] modifies the ASHRAE 90.1-2019 prototype for Denver to the building of [`CommercialParameters`] at
+//! another place:
 //!
 //! 1. `relocate`: site, design days, ground and mains water of the weather file.
 //! 2. [`edit::geometry`] and [`edit::loads`]: the building is stretched, and loads given per zone are scaled with the
 //!    floor area.
-//! 3. [`edit::opaque`], [`edit::glazing`], [`edit::windows`] and [`edit::infiltration`]: the envelope, whose bounds follow
-//!    the code's requirements in the climate zone (`prescriptive`).
+//! 3. [`edit::opaque`], [`edit::glazing`], [`edit::windows`] and [`edit::infiltration`]: the envelope, whose bounds
+//!    follow the code's requirements in the climate zone (`prescriptive`).
 //! 4. `economizer`, `recovery`, `capacity` and `kitchen`: equipment that the code and the climate require.
 //!
 //! The model is autosized: [`b2b_building::PreparedBuilding`] sizes it for its design days.
@@ -20,8 +20,8 @@
 //!   metal buildings and semi-heated storage follow the same two values.
 //!
 //! # Reproducibility
-//! The bytes are the same on every machine: only arithmetic and square roots, which IEEE 754 rounds exactly; other functions
-//! are from the `libm` crate.
+//! The bytes are the same on every machine: only arithmetic and square roots, which IEEE 754 rounds exactly; other
+//! functions are from the `libm` crate.
 
 mod capacity;
 mod economizer;
@@ -40,14 +40,15 @@ use b2b_climate::{Place, Site};
 
 use crate::Result;
 
-/// Generates the autosized model of a commercial building at a place. `base` is the prototype of the type, and `site` is
-/// read from the weather file of `place`.
+/// Generates the autosized model of a commercial building at a place. `base` is the prototype of the type, and `site`
+/// is read from the weather file of `place`.
 ///
 /// The same arguments give the same bytes.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] naming the parameter that is out of [`bounds`]; [`crate::Error::NotCommercial`] for a
-/// house; [`b2b_building::Error::MissingObject`] and [`b2b_building::Error::Unsupported`] when `base` is not a prototype.
+/// house; [`b2b_building::Error::MissingObject`] and [`b2b_building::Error::Unsupported`] when `base` is not a
+/// prototype.
 pub fn generate(
     base: &Model,
     building_type: BuildingType,
@@ -88,8 +89,8 @@ pub fn code_compliant(
     build(base, building_type, place.ashrae_zone, site, &parameters)
 }
 
-/// Moves the prototype to a site whose climate zone is unknown: the envelope is kept, and the equipment is sized for the
-/// design days of the site.
+/// Moves the prototype to a site whose climate zone is unknown: the envelope is kept, and the equipment is sized for
+/// the design days of the site.
 ///
 /// # Errors
 /// Same as [`generate`], when `base` is not a prototype.

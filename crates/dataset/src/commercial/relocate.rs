@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use crate::ground_temperatures;
 
-/// Moves the model to the site of a weather file. The engine reads latitude, longitude and elevation from the weather file;
-/// the model has the same values for its readers.
+/// Moves the model to the site of a weather file. The engine reads latitude, longitude and elevation from the weather
+/// file; the model has the same values for its readers.
 pub(super) fn relocate(model: &mut Model, site: &Site) {
     replace(
         model,
@@ -46,8 +46,8 @@ fn ground(model: &mut Model, site: &Site) {
     }
 }
 
-/// Mains water follows the annual mean and amplitude of the air (the engine's correlation of Christensen and Burch), or of
-/// the ground if the file has no hours.
+/// Mains water follows the annual mean and amplitude of the air (the engine's correlation of Christensen and Burch), or
+/// of the ground if the file has no hours.
 fn mains_water(site: &Site) -> Value {
     let months = site.monthly_dry_bulbs.unwrap_or(site.ground_temperatures);
     let (low, high) =

@@ -15,7 +15,7 @@ const LIGHTING: f64 = 2.6 / 160.0;
 /// conditions; the split is engineering judgment).
 const APPLIANCES: [f64; 2] = [7.0, 3.0];
 /// Share of appliance energy that leaves with dryer and range exhaust, and that becomes vapor (engineering
-/// judgement).
+/// judgment).
 const APPLIANCES_LOST: f64 = 0.2;
 const APPLIANCES_LATENT: f64 = 0.1;
 

@@ -17,13 +17,13 @@
 //! The flow is exact; the supply temperature is exact within the capacity of the coils (measured).
 //!
 //! # Engine messages
-//! Below half of the design flow, the engine warns that the heating coil's air flow per capacity is out of range: its range
-//! for heat pumps is narrower than that of a variable flow. The supply temperature stays exact. At or below 0.1 of the
-//! design flow, the engine's psychrometric functions leave their range, so flows must be 0, or 0.2 and more.
+//! Below half of the design flow, the engine warns that the heating coil's air flow per capacity is out of range: its
+//! range for heat pumps is narrower than that of a variable flow. The supply temperature stays exact. At or below 0.1
+//! of the design flow, the engine's psychrometric functions leave their range, so flows must be 0, or 0.2 and more.
 //!
 //! # Scope
-//! Québec's detached houses with ducts, about a quarter of all. Half of all detached houses heat with baseboards and have no
-//! air system to control.
+//! Québec's detached houses with ducts, about a quarter of all. Half of all detached houses heat with baseboards and
+//! have no air system to control.
 
 mod gains;
 mod geometry;

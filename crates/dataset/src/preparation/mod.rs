@@ -32,7 +32,7 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Returns the preparation of a model of no class, under its actuators.
+    /// Returns the preparation of a model without a class, controlled through its actuators.
     pub fn new(name: &str, model: Model) -> Self {
         Self {
             name: name.to_owned(),

@@ -27,7 +27,7 @@ pub(crate) fn permutation(name: &str, seed: u64, count: usize) -> Vec<usize> {
 /// The stream of a permutation, distinct from the axes' streams.
 const PERMUTATION: u64 = 1000;
 
-/// Fisher-Yates shuffle, implemented here because the one of `rand` may change between versions.
+/// Fisher-Yates shuffle, implemented here because `rand`'s may change between versions.
 fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {

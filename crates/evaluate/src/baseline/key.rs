@@ -12,8 +12,8 @@ use crate::policy::BuiltIn;
 use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
 
-/// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
-/// baselines cached before are not reused. Baselines of tasks of operation depend on the revision of `guideline36` too.
+/// Incremented when a change to preparation, environments or controllers changes the reactive controllers' returns, so
+/// that older cached baselines are not reused. Baselines of tasks of operation also depend on `guideline36`'s revision.
 pub(super) const REVISION: u32 = 4;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
@@ -78,8 +78,8 @@ impl Key {
     }
 }
 
-/// Returns the hash of the guideline controller's parameters and of the data that a task takes by name, so that a baseline does
-/// not outlive a corrected tariff.
+/// Returns the hash of the guideline controller's parameters and of the data that a task takes by name, so that a
+/// baseline does not outlive a corrected tariff.
 fn guideline36_hash(task: &Task) -> String {
     let data = [&task.tariff, &task.emission_profile].into_iter().flatten().filter_map(DataFile::text);
     data.fold(kind_hash(BuiltIn::guideline36().kind()), |hash, text| sha256(hash + text))

@@ -21,9 +21,9 @@ pub struct Lost {
     pub reason: String,
 }
 
-/// An episode that ran to its end: its file in the folder of an evaluation. A type of its own beside
-/// [`EpisodeResult`](super::EpisodeResult), because distributions and hourly values, which only reports read, would fill
-/// the memory of an evaluation.
+/// An episode that ran to its end: its file in the folder of an evaluation. Separate from
+/// [`EpisodeResult`](super::EpisodeResult), because distributions and hourly values, which only reports read, would
+/// fill the memory of an evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
     /// The episode and its metrics.

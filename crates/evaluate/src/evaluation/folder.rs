@@ -46,8 +46,8 @@ impl Folder {
     /// evaluation in which no episode finished is taken over.
     ///
     /// # Errors
-    /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];
-    /// [`Error::Io`].
+    /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`];
+    /// [`Error::NoEpisode`]; [`Error::Io`].
     pub fn open(path: &Path, policy: &dyn Policy, episodes: &[EpisodePlan]) -> Result<Self> {
         if episodes.is_empty() {
             return Err(Error::NoEpisode);
@@ -58,7 +58,7 @@ impl Folder {
         if path.exists() && !path.is_dir() {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
-        // Episodes would be written to somebody else's folder.
+        // Episodes would be written to the link's target.
         if [DEFINITION, EPISODES].iter().any(|name| path.join(name).is_symlink()) {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
@@ -125,12 +125,12 @@ impl Folder {
         done
     }
 
-    /// Takes the definition back if nothing has finished, so that an evaluation that is refused leaves nothing behind.
+    /// Removes the definition if nothing has finished, so that an evaluation that is refused leaves nothing behind.
     fn withdraw(self) {
         if !matches!(self.is_empty(), Ok(true)) {
             return;
         }
-        // What cannot be removed is in nobody's way: the next evaluation replaces it.
+        // What cannot be removed is harmless: the next evaluation replaces it.
         let _ = std::fs::remove_file(self.path.join(DEFINITION));
         let _ = std::fs::remove_dir(self.path.join(EPISODES));
         if self.is_new {

@@ -9,8 +9,8 @@ use super::episode::EpisodePlan;
 use crate::SiteInfo;
 use crate::policy::Policy;
 
-/// The description of an episode in results: building, task, run period, policy and seed. A type of its own beside
-/// [`EpisodePlan`], because it contains only text and numbers: results are read where the files of a user's model are not.
+/// The description of an episode in results: building, task, run period, policy and seed. Unlike [`EpisodePlan`], it
+/// contains only text and numbers, because results are also read where a user's model files are missing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
     /// Name of the building.

@@ -15,8 +15,8 @@ use super::recording::{Recorded, Recording};
 use crate::policy::{self, EpisodeContext, PolicyInterface};
 use crate::{Error, Result};
 
-/// The controller of a sequence, which keeps its memory from one episode to the next; `None` before the first, and for a
-/// policy that does not keep its memory.
+/// The controller of a sequence, which keeps its memory from one episode to the next; `None` before the first, and for
+/// a policy that does not keep its memory.
 pub(super) type SequenceController = Option<Box<dyn Controller>>;
 
 /// Runs an episode.

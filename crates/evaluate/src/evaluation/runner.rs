@@ -20,9 +20,9 @@ use crate::{Error, Result};
 pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync + 'a;
 
 impl Evaluation<'_> {
-    /// Runs episodes and passes each with its number to `keep` as it ends. An episode that cannot be run or whose process
-    /// dies is [`Lost`]. Episodes of one building should be adjacent in the list. A policy that keeps its memory runs the
-    /// [sequences](super::sequences) of the list.
+    /// Runs episodes and passes each with its number to `keep` as it ends. An episode that cannot be run or whose
+    /// process dies is [`Lost`]. Episodes of one building should be adjacent in the list. A policy that keeps its
+    /// memory runs the [sequences](super::sequences) of the list.
     ///
     /// # Errors
     /// [`Error::ObservationShape`], [`Error::ActionShape`] and [`Error::InvalidPolicy`] for an incompatible policy;
@@ -61,8 +61,7 @@ impl Evaluation<'_> {
 
     fn run_all(&self, work: &Work<'_>) -> Result<()> {
         let groups = BuildingGroup::of(work.episodes, work.policy);
-        // Every building once; then all of them again, for as many threads as run out of buildings and share the work on the
-        // remaining ones.
+        // Every building once, then again for each thread: a thread that runs out of new buildings joins the others.
         let shares: Vec<_> = groups.iter().cycle().take(groups.len() * (self.jobs + 1)).collect();
         parallel::map_until(&work.halt, self.jobs, &shares, |group| self.work_on(group, work)).map(drop)
     }

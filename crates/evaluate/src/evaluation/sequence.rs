@@ -3,9 +3,10 @@
 use super::episode::EpisodePlan;
 use crate::policy::Policy;
 
-/// Returns the sequences of a list of episodes, each as positions in the list: the episodes with the same building, task and
-/// seed for a policy that [keeps its memory](Policy::keeps_memory), otherwise every episode alone. A sequence is the unit of
-/// work: if one of its episodes has not ended, all of them are run. Episodes of one building should be adjacent in the list.
+/// Returns the sequences of a list of episodes, each as positions in the list: the episodes with the same building,
+/// task and seed for a policy that [keeps its memory](Policy::keeps_memory), otherwise every episode alone. A sequence
+/// is the unit of work: if one of its episodes has not ended, all of them are run. Episodes of one building should be
+/// adjacent in the list.
 pub fn sequences<'a>(
     episodes: impl IntoIterator<Item = &'a EpisodePlan>,
     policy: &dyn Policy,

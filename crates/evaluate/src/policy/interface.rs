@@ -51,8 +51,8 @@ pub trait Policy: Sync {
         false
     }
 
-    /// Returns whether one controller runs all episodes with the same building, task and seed, one after another, and keeps
-    /// its memory from one to the next, as the protocol of a benchmark problem may say.
+    /// Returns whether one controller runs all episodes with the same building, task and seed, one after another, and
+    /// keeps its memory from one to the next, as the protocol of a benchmark problem may say.
     fn keeps_memory(&self) -> bool {
         false
     }
@@ -66,8 +66,8 @@ pub trait Policy: Sync {
         Ok(None)
     }
 
-    /// Makes a controller for one episode, or for a sequence of a policy that keeps its memory. The controller keeps the
-    /// state it needs.
+    /// Makes a controller for one episode, or for a sequence of a policy that keeps its memory. The controller keeps
+    /// the state it needs.
     ///
     /// # Errors
     /// [`Error::ObservationShape`](crate::Error::ObservationShape) and

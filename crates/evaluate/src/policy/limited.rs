@@ -1,4 +1,4 @@
-//! Function calls with a time limit, because a network in a stranger's file may run forever.
+//! Function calls with a time limit, because a network in a third-party file may run forever.
 
 use std::io::Result;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// Time limit of a call. Policy networks need a thousandth of it. Shorter than the time in which a command must stop.
 pub(super) const LIMIT: Duration = Duration::from_secs(5);
-/// Maximum time counted at once, because a stopped process does not work.
+/// Maximum time counted per wait, so that time in which the process is stopped does not count.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Stack of a thread, bytes. The ONNX library recurses along every chain of nodes.

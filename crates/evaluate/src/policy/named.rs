@@ -14,7 +14,8 @@ impl dyn Policy {
     ///
     /// # Errors
     /// [`Error::UnknownPolicy`](crate::Error::UnknownPolicy); [`Error::NoiseLevel`](crate::Error::NoiseLevel);
-    /// [`Error::NoiseWithoutActuators`](crate::Error::NoiseWithoutActuators); errors from [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::NoiseWithoutActuators`](crate::Error::NoiseWithoutActuators); errors from [`OnnxPolicy::read`] and
+    /// [`Agent::read`].
     pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
         let path = Path::new(name);
         if is_onnx(path) {

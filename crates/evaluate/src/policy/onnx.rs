@@ -21,10 +21,10 @@ use crate::error::at;
 use crate::panics::catch_panic;
 use crate::{Error, Result};
 
-/// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1, observation];
-/// its first output the action, float32 [1, action]. Every further input is a state, which the output of the
-/// same number replaces at every step. The states are its memory. If a problem has several episodes in a building, it
-/// keeps them for the number of episodes `memory_episodes` in the file's metadata; for all without it.
+/// A policy in an ONNX file. Its first input is the environment's observation without scaling, float32 [1,
+/// observation]; its first output the action, float32 [1, action]. Every further input is a state, which the output of
+/// the same number replaces at every step. The states are its memory. If a problem has several episodes in a building,
+/// they are kept for `memory_episodes` episodes, a number in the file's metadata; for all without it.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
@@ -40,8 +40,8 @@ impl OnnxPolicy {
     /// Reads an ONNX file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] without an input or an output, or for a state without
-    /// an output or of unknown shape, or for metadata that is not a number of episodes.
+    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] without an input or an output, for a state
+    /// without an output or of unknown shape, or for metadata that is not a number of episodes.
     pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(at(path))?;
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();

@@ -75,7 +75,7 @@ pub enum Subset {
     Train,
     /// The test split: 10 % of the buildings of each location.
     Test,
-    /// Eight test buildings per type, one for each climate zone.
+    /// Eight test buildings per type, one for each climate zone (houses: spread over the regions).
     TestSmall,
 }
 

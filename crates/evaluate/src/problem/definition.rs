@@ -18,7 +18,7 @@ use crate::{Error, Result};
 pub struct Problem {
     /// Name.
     pub name: String,
-    /// Raised whenever anything but the wording of the question changes.
+    /// Incremented whenever anything but the wording of the question changes.
     pub version: u32,
     /// What differs between training and test.
     pub family: Family,
@@ -73,7 +73,7 @@ impl Problem {
         side.episodes(&buildings, windows, seeds, *steps_per_hour)
     }
 
-    /// Returns [`Error::Problem`] with what is wrong with the problem, or violates its protocol.
+    /// Returns an [`Error::Problem`] for this problem with the fault.
     pub fn error(&self, why: String) -> Error {
         Error::Problem { name: self.name.clone(), why }
     }

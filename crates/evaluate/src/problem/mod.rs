@@ -2,7 +2,8 @@
 //!
 //! 1. A [`Problem`] has two [`Side`]s, training and test, each with buildings, tasks and actuators, and a [`Protocol`].
 //!    The named ones are JSON files under `data/problems`; a user's own file has the same format.
-//! 2. [`Problem::check`] rejects a problem that cannot measure generalization, such as one that trains on test buildings.
+//! 2. [`Problem::check`] rejects a problem that cannot measure generalization, such as one that trains on test
+//!    buildings.
 //! 3. [`Changes`] derive another problem, for example with other run periods; its [`Problem::hash`] differs.
 
 mod as_text;

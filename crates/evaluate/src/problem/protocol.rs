@@ -39,8 +39,8 @@ pub struct Protocol {
     pub observation_width: Option<usize>,
 }
 
-/// Whether the common attributes of a building's morphology (floor area, climate, envelope), scaled to [-1, 1], follow the
-/// observation.
+/// Whether the common attributes of a building's morphology (floor area, climate, envelope), scaled to [-1, 1], follow
+/// the observation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Attributes {
@@ -58,8 +58,8 @@ pub enum Memory {
     /// For an episode.
     #[default]
     Episode,
-    /// In each building, task and seed over all run periods of the test, which are then consecutive episodes of one controller. No
-    /// weights change, and a policy without memory sees no difference.
+    /// In each building, task and seed over all run periods of the test, which are then consecutive episodes of one
+    /// controller. No weights change, and a policy without memory sees no difference.
     Building,
 }
 
@@ -112,7 +112,8 @@ impl FromStr for Attributes {
 }
 
 impl Protocol {
-    /// Returns the run periods over which policies keep their memory, one episode after another; none without such memory.
+    /// Returns the run periods over which policies keep their memory, one episode after another; none without such
+    /// memory.
     pub fn consecutive(&self) -> &[Period] {
         match self.memory {
             Memory::Building => &self.windows,

@@ -84,7 +84,8 @@ impl RestrictedAction {
         }
     }
 
-    /// Completes an action of the remaining actuators to all actuators. Called once per step, with the observation before it.
+    /// Completes an action of the remaining actuators to all actuators. Called once per step, with the observation
+    /// before it.
     pub fn complete(&mut self, observation: &[f64], chosen: &[f64], action: &mut [f64]) {
         for (number, value) in self.kept.iter().zip(chosen) {
             action[*number] = *value;

@@ -135,7 +135,7 @@ const COLUMNS: [&str; 8] = [
     "actuator travel (strokes/day)",
 ];
 
-/// The columns of operation: cost at comfort first.
+/// The columns of operation: score at comfort first.
 const OPERATION_COLUMNS: [&str; 10] = [
     "policy",
     "score at comfort",

@@ -136,7 +136,7 @@ const COLUMNS: [&str; 20] = [
     "actuator travel (strokes/day)",
 ];
 
-/// The columns of a group of episodes of operation: cost at comfort first.
+/// The columns of a group of episodes of operation: score at comfort first.
 const OPERATION_COLUMNS: [&str; 17] = [
     "building type",
     "episodes",

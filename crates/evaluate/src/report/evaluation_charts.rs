@@ -176,7 +176,7 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     }
 }
 
-/// Returns what is used against comfort, a series for each type.
+/// Draws resource use against comfort, with a series for each type.
 fn by_type(results: &Results, types: &[String]) -> Vec<Chart> {
     let episodes = |name: &String| {
         let own = results.rows.iter().filter(|row| row.info.building_type == *name);

@@ -1,4 +1,4 @@
-//! The charts of what policies use against comfort, relative to the baseline where it is known.
+//! Charts of resource use against comfort, relative to the baseline where it is known.
 
 use serde_json::{Value, json};
 
@@ -61,7 +61,7 @@ const OPERATION_RELATIVE: Form = Form {
 };
 
 /// Returns a chart for episodes of tracking and one for episodes of operation, as far as there are any, one point per
-/// episode. Without a known baseline, a chart has units.
+/// episode. Without a known baseline, a chart has absolute units.
 pub fn trade_offs(series: &[Series<'_>], height: u32, wide: bool) -> Vec<Chart> {
     let chart = |relative: &Form, absolute: &Form, operated: bool| {
         let own: Vec<Series<'_>> = series

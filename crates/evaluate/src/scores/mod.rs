@@ -19,8 +19,8 @@ pub use at_comfort::{DISCOMFORT_COST, FREE_DISCOMFORT, Operated, excess_discomfo
 /// | 0 | positive | -∞ |
 /// | positive | any | none: a ratio would reverse the order of returns |
 ///
-/// A baseline of 0 requires a comfort deadband that the reactive controllers never leave, and no weight on energy. There
-/// is no score if either return is not a number.
+/// A baseline of 0 requires a comfort deadband that the reactive controllers never leave, and no weight on energy.
+/// There is no score if either return is not a number.
 pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
     if baseline.is_nan() || baseline > 0.0 || episode_return.is_nan() {
         return None;

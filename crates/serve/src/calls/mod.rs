@@ -1,4 +1,4 @@
-//! The calls of the interface: what a client asks, its arguments, and the answer or the refusal.
+//! The calls of the interface, with their arguments, answers and refusals.
 
 mod answer;
 mod arguments;

@@ -82,7 +82,7 @@ impl Sessions {
         }
     }
 
-    /// Passes a request to a test and waits for its answer. Without an id, passes it to the test that always exists.
+    /// Passes a request to a test and waits for its answer. Without an id, passes it to the classic test.
     pub(super) async fn ask(&self, id: Option<&str>, call: Call, arguments: Arguments) -> Answer {
         let id = id.unwrap_or(CLASSIC);
         let (reply, answer) = oneshot::channel();

@@ -102,7 +102,8 @@ impl Indicators {
         }));
     }
 
-    /// Returns the indicators in a price scenario. `time_ratio`: computing time of the client for each second of a step.
+    /// Returns the indicators in a price scenario. `time_ratio`: computing time of the client for each second of a
+    /// step.
     pub fn payload(&self, scenario: PriceScenario, time_ratio: Option<f64>) -> Value {
         json!({
             "tdis_tot": self.kpis.discomfort(self.zones.len()),

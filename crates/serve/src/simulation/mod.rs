@@ -53,8 +53,8 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
-    /// Returns a test before its first run. One that was selected begins at the start of the year, as in BOPTEST, unless a
-    /// client initializes it.
+    /// Returns a test before its first run. One that was selected begins at the start of the year, as in BOPTEST,
+    /// unless a client initializes it.
     ///
     /// # Errors
     /// The errors of [`Workers::new`].

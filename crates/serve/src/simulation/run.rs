@@ -26,7 +26,7 @@ pub(super) enum Error {
     Control(#[from] b2b_control::Error),
 }
 
-/// The control steps of a year.
+/// Converts between times and control steps of the year.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clock {
     per_hour: u32,
@@ -74,8 +74,8 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// Begins a run: the engine starts at midnight before the warm-up, and the baseline controls the building until the start
-    /// of the test.
+    /// Begins a run: the engine starts at midnight before the warm-up, and the baseline controls the building until the
+    /// start of the test.
     ///
     /// # Errors
     /// The errors of the episode and of the controller.

@@ -105,8 +105,8 @@ impl Forecasts {
         self.points.iter().map(|point| point.name.as_str())
     }
 
-    /// Returns the values of a point at some times, s of the year, the first of which is now; `None` if there is no such
-    /// point. The end of the year is followed by its beginning.
+    /// Returns the values of a point at some times, s of the year, the first of which is now; `None` if there is no
+    /// such point. The end of the year is followed by its beginning.
     pub fn values(
         &self,
         name: &str,
@@ -153,7 +153,7 @@ impl Forecasts {
     }
 }
 
-/// The forecast points of a building, with the names of BOPTEST.
+/// Returns the forecast points of a building, with BOPTEST's names.
 fn points(spaces: &Spaces) -> Vec<Point> {
     let point = |name: &str, quantity, unit, description: &str| Point {
         name: name.to_owned(),
@@ -190,26 +190,21 @@ fn points(spaces: &Spaces) -> Vec<Point> {
         if zone.conditioning == b2b_building::Conditioning::HeatingAndCooling {
             give("UpperSetp", Quantity::Upper(index), "K", "Cooling setpoint");
         }
-        give(
-            "Occupancy",
-            Quantity::Presence(index),
-            "1",
-            "Whether people are in the zone, by the schedules,",
-        );
+        give("Occupancy", Quantity::Presence(index), "1", "Scheduled occupancy (1 or 0)");
     }
     points
 }
 
-/// The moment of a time, s of the year, to the second.
+/// Returns the moment of a time, s of the year, rounded to the second.
 fn moment(time: f64) -> Moment {
     let seconds = time.round();
     let day = (seconds / 86_400.0) as u32;
     Moment { day: day % DAYS + 1, hour: (seconds - 86_400.0 * f64::from(day)) / 3600.0 }
 }
 
-/// Hourly values from the hour of a forecast on, each at the end of its hour.
+/// Hourly values from the hour before a forecast on, each at the end of its hour.
 struct HourlySeries {
-    /// Hour of the year before the first value.
+    /// Time of the first value, hours of the year.
     first: f64,
     values: Vec<f64>,
 }
@@ -222,7 +217,7 @@ impl HourlySeries {
         let count = (last.ceil() - first) as usize + 2;
         let at = |index: usize| (first as i64 + index as i64 - 1).rem_euclid(HOURS as i64) as usize;
         let mut values: Vec<f64> = (0..count).map(|index| year[at(index)]).collect();
-        // The first value is of an hour ago.
+        // The first value lies before the forecast.
         disturb(now.floor() as u64, &mut values[1..]);
         Self { first, values }
     }

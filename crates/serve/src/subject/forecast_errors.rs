@@ -20,8 +20,8 @@ pub(crate) enum Uncertainty {
     High,
 }
 
-/// An autoregressive error: the first has a mean and a spread; every other is a share of the last one plus a mean, with
-/// a spread.
+/// An autoregressive error: the first has a mean and a spread; each later one is a share of the previous plus a mean,
+/// with a spread.
 #[derive(Clone, Copy)]
 struct Model {
     first: [f64; 2],
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn errors_of_the_temperature_grow_to_the_deviation_of_the_model() {
         assert!((deviation(Uncertainty::Low, 0) - 0.6).abs() < 0.03);
-        // K / sqrt(1 - F²) is 1.02 K.
+        // spread / sqrt(1 - share²) is 1.02 K.
         assert!((deviation(Uncertainty::Low, 40) - 1.02).abs() < 0.05);
         assert!(deviation(Uncertainty::High, 40) > 1.8);
     }

@@ -44,7 +44,7 @@ pub struct SubjectOptions {
 pub struct Subject {
     options: SubjectOptions,
     source: Arc<Source>,
-    /// First day of the year of each two weeks, from 1.
+    /// First day of each two-week period; 1 is 1 January.
     two_weeks: Vec<(TwoWeeks, u32)>,
     /// Building, task and spaces; the period is the year.
     pub(crate) spaces: Spaces,
@@ -57,8 +57,8 @@ impl Subject {
     /// Returns the subject with its points, prices and forecasts.
     ///
     /// # Errors
-    /// [`Error::NoBands`], [`Error::TaskPart`], [`Error::Plans`] and [`Error::LeapDay`] for tasks, controllers and years that
-    /// BOPTEST's interface cannot express; the errors of the weather file.
+    /// [`Error::NoBands`], [`Error::TaskPart`], [`Error::Plans`] and [`Error::LeapDay`] for tasks, controllers and
+    /// years that BOPTEST's interface cannot express; the errors of the weather file.
     pub fn new(options: SubjectOptions) -> Result<Self> {
         check(&options)?;
         let SubjectOptions { building, weather, task, steps_per_hour, .. } = options.clone();
@@ -84,7 +84,7 @@ impl Subject {
         &self.options.building.name
     }
 
-    /// Returns the first day of the year of two weeks, from 1.
+    /// Returns the first day of a two-week period; 1 is 1 January.
     pub(crate) fn first_day(&self, weeks: TwoWeeks) -> Option<u32> {
         self.two_weeks.iter().find(|(each, _)| *each == weeks).map(|(_, day)| *day)
     }

@@ -15,7 +15,8 @@ pub(crate) struct Unit {
 pub(crate) const ZERO_CELSIUS: f64 = 273.15;
 
 impl Unit {
-    /// Returns the unit for values in a unit of this project. Energies of a step, Wh/m², become the building's mean power.
+    /// Returns the unit for values in a unit of this project. Energies of a step, Wh/m², become the building's mean
+    /// power.
     pub fn of(unit: &'static str, spaces: &Spaces) -> Self {
         let steps_per_hour = f64::from(spaces.episode.steps_per_hour);
         let (name, scale, offset) = match unit {

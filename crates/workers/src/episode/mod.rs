@@ -22,7 +22,7 @@ use super::time_limit::TimeLimit;
 use super::workers::Workers;
 use b2b_env::{Amounts, Error, Metrics, Result, Reward, Spaces, Step, from_numbers};
 
-/// Failed copies of a template after which the episode is lost.
+/// Number of failed copies of a template that are replaced before the episode is lost.
 const FAILED_STARTS: u32 = 3;
 
 /// An environment in a worker process, which it owns: dropping it ends the process.

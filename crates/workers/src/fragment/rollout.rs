@@ -22,7 +22,8 @@ use b2b_env::{StepNumbers, from_numbers};
 /// The kind of the runner of rollouts, which makes a [`ControllerRunner`].
 pub const ROLLOUT: &str = "rollout";
 
-/// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one of a controller.
+/// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one of a
+/// controller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RolloutOrder<C = Value> {
     /// Description of the controller, in a form that the program defines.

@@ -30,7 +30,7 @@ use super::time_limit::TimeLimit;
 use super::workers::worker_options::WorkerOptions;
 use b2b_env::{Error, Result};
 
-/// Number of templates that may die or hang while an episode waits to begin, until it is lost.
+/// Number of templates that die or hang while an episode waits to begin, after which it is lost.
 const FAILURES: u32 = 3;
 /// Interval at which background preparations are checked.
 const BACKGROUND: Duration = Duration::from_millis(5);

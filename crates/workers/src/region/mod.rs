@@ -308,25 +308,25 @@ impl Region {
         unsafe { slice::from_raw_parts_mut(self.at(slot, offset).cast(), count) }
     }
 
-    /// The action of a slot that this side holds.
+    /// Writes the action of a slot that this side holds.
     pub(super) fn write_action(&self, slot: u32, action: &[f64]) {
         // SAFETY: the caller holds the slot, and the borrow ends here.
         unsafe { self.numbers(slot, 0, action.len()) }.copy_from_slice(action);
     }
 
-    /// The action of a slot that this side holds.
+    /// Reads the action of a slot that this side holds.
     pub(super) fn read_action(&self, slot: u32, action: &mut [f64]) {
         // SAFETY: as for `write_action`.
         action.copy_from_slice(unsafe { self.numbers(slot, 0, action.len()) });
     }
 
-    /// The observation of a slot that this side holds.
+    /// Writes the observation of a slot that this side holds.
     pub(super) fn write_observation(&self, slot: u32, observation: &[f64]) {
         // SAFETY: as for `write_action`.
         unsafe { self.numbers(slot, WIDTH, observation.len()) }.copy_from_slice(observation);
     }
 
-    /// The observation of a slot that this side holds.
+    /// Reads the observation of a slot that this side holds.
     pub(super) fn read_observation(&self, slot: u32, observation: &mut [f64]) {
         // SAFETY: as for `write_action`.
         observation.copy_from_slice(unsafe { self.numbers(slot, WIDTH, observation.len()) });

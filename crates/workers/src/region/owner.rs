@@ -54,7 +54,7 @@ impl Region {
         entry.copies.store(copies.len() as u32, Ordering::Relaxed);
     }
 
-    /// Whether the owner holds a slot.
+    /// Returns whether the owner holds a slot.
     pub(crate) fn is_ready(&self, slot: u32) -> bool {
         is_back(&self.slot(slot).state)
     }

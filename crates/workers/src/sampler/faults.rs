@@ -1,4 +1,4 @@
-//! Draws with other faults of sensors and equipment.
+//! Draws with varying faults of sensors and equipment.
 
 use b2b_env::Result;
 use rand::RngExt;
@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{Draw, Sampler};
 
-/// The draws of another sampler with faults of other seeds than the task's, so that a learner meets more faults than there
-/// are buildings. An environment keeps a seed for some episodes, like [`Kept`](super::Kept) its building.
+/// The draws of another sampler with varying fault seeds, so that a learner sees more faults than there are buildings.
+/// An environment keeps a seed for several episodes, as with the buildings of [`Kept`](super::Kept).
 #[derive(Clone, Debug)]
 pub struct WithFaults<S> {
     of: S,
@@ -18,7 +18,8 @@ pub struct WithFaults<S> {
 }
 
 impl<S> WithFaults<S> {
-    /// Draws one of `seeds` seeds for every `episodes` episodes; the seeds follow the task's own. 0 `episodes` count as 1.
+    /// Draws one of `seeds` seeds for every `episodes` episodes; the seeds follow the task's own. 0 `episodes`
+    /// count as 1.
     pub fn new(of: S, seeds: u64, episodes: u32) -> Self {
         Self { of, seeds, episodes: episodes.max(1), current: Vec::new() }
     }

@@ -20,8 +20,8 @@ pub fn run_if_worker() {
     run_if_worker_with(Runners::default(), Actions::default());
 }
 
-/// Like [`run_if_worker`], for a program whose workers can also run fragments (see [`Runner`](crate::Runner)) and carry out
-/// actions (see [`ActionProcess`](crate::ActionProcess)).
+/// Like [`run_if_worker`], for a program whose workers can also run fragments (see [`Runner`](crate::Runner)) and carry
+/// out actions (see [`ActionProcess`](crate::ActionProcess)).
 pub fn run_if_worker_with(runners: Runners, actions: Actions) {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {

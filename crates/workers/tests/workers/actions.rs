@@ -1,4 +1,4 @@
-//! Actions: work of a program in a process of its own.
+//! Actions: work of a program in its own process.
 
 use std::process::Stdio;
 

@@ -70,7 +70,7 @@ pub(super) fn different_metric(
     found.or_else(|| (accuracy == Accuracy::Bits).then(other).flatten())
 }
 
-/// Returns a metric with its values if they differ. A result may be from before a metric.
+/// Returns a metric with its values if they differ. A result may be older than a metric.
 fn different(
     name: &'static str,
     there: Option<f64>,
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(different(&travels, Accuracy::Bits), Some(("daily_travel", 0.0, 1.0)));
         let mut younger = EpisodeMetrics { occupied_too_cold: Some(0.5), ..there.clone() };
         younger.terms.set(Term::Heating, 2.0);
-        assert_eq!(different(&younger, Accuracy::Bits), None, "the result is from before these metrics");
+        assert_eq!(different(&younger, Accuracy::Bits), None, "the result is older than these metrics");
         assert_eq!(different_metric(&younger, &there, Accuracy::Bits).unwrap().0, "heating_wh_m2");
     }
 }

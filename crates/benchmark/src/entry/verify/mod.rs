@@ -24,8 +24,8 @@ use b2b_evaluate::{EpisodePlan, EpisodeResult, Evaluation, Outcome, Progress, se
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
-/// Relative tolerance of returns and energies on a machine whose libm rounds differently. Without fused multiply-add, returns
-/// of a season differ by 4e-9.
+/// Relative tolerance of returns and energies on a machine whose libm rounds differently. Without fused multiply-add,
+/// returns of a season differ by 4e-9.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The outcome of one check.
@@ -53,9 +53,9 @@ impl Check {
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
-/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a machine
-/// that rounds like the one that produced the result ([`fingerprint`](b2b_base::machine::fingerprint)), and within
-/// [`TOLERANCE`] on another.
+/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a
+/// machine that rounds like the one that produced the result ([`fingerprint`](b2b_base::machine::fingerprint)), and
+/// within [`TOLERANCE`] on another.
 ///
 /// # Errors
 /// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
@@ -80,7 +80,8 @@ pub fn verify(
 /// scores, known baselines, measures.
 ///
 /// # Errors
-/// [`Error::Install`](b2b_evaluate::Error::Install) if the home folder is unknown; faults of the folder are in a [`Check`].
+/// [`Error::Install`](b2b_evaluate::Error::Install) if the home folder is unknown; faults of the folder are in a
+/// [`Check`].
 pub fn check(folder: &Path) -> Result<Vec<Check>> {
     Ok(read_and_check(folder)?.0)
 }
@@ -251,7 +252,8 @@ fn wrapped<'a>(policy: &'a EntryPolicy, result: &'a RunResult, stage: Stage) -> 
     WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(stage))
 }
 
-/// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its memory.
+/// What a sample is drawn from: the episodes of every stage, by number, or whole sequences of a policy that keeps its
+/// memory.
 fn units(
     result: &RunResult,
     stages: &[(Stage, Vec<EpisodeResult>)],

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// A random sample of episodes to run again.
 ///
-/// The author of a forged result must not know the sample: its seed comes from the operating system unless a verification is
-/// repeated.
+/// The author of a forged result must not know the sample: its seed comes from the operating system unless a
+/// verification is repeated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Number of episodes; by default enough to include a forged episode with probability [`Sample::PROBABILITY`] if

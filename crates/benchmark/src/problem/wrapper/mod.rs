@@ -77,8 +77,8 @@ impl<'a> WrappedPolicy<'a> {
         Ok(Access { restricted, attributes, previous, form, action })
     }
 
-    /// Returns the form of the observations of a building, to which `attributes` values and the previous step are appended; this
-    /// is empty for a policy that does not keep its memory, or whose width is a form's own.
+    /// Returns the form of a building's observations, and the previous step that follows them and the `attributes`
+    /// values. It is empty for a policy that does not keep its memory or whose width leaves no room for it.
     fn form(
         &self,
         spaces: &Spaces,
@@ -203,7 +203,7 @@ struct WrappedController {
 }
 
 impl WrappedController {
-    /// Begins an episode of what the inner controller observes and does not control.
+    /// Resets the previous step and the control of the withheld actuators.
     fn begin(&mut self) {
         self.previous.reset();
         if let Some(restricted) = &mut self.restricted {

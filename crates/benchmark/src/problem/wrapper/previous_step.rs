@@ -1,4 +1,4 @@
-//! The previous step, which a policy observes that keeps its memory over the episodes in a building.
+//! The previous step, observed by a policy that keeps its memory over the episodes in a building.
 
 use b2b_env::{ActionSpace, unscale};
 

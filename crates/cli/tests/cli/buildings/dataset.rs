@@ -324,7 +324,7 @@ fn show_describes_the_building_of_the_id() {
     assert!((area("RestaurantFastFood-0042") / expected - 1.0).abs() < 1e-3);
 }
 
-/// Cold outside asks for more air at the same supply temperature.
+/// Design flows are larger in Miami than in Denver, where the type is by default.
 #[test]
 fn the_equipment_of_a_type_is_sized_for_the_place() {
     let folder = tempfile::tempdir().unwrap();

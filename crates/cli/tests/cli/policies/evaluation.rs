@@ -87,7 +87,7 @@ fn table(results: &Results) -> Vec<u8> {
     bytes
 }
 
-/// Counts episodes that were run, baselines apart.
+/// Counts episodes that were run, without baselines.
 #[derive(Default)]
 struct Count {
     episodes: AtomicUsize,

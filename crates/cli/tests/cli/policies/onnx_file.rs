@@ -22,8 +22,8 @@ pub fn linear_policy(observation: usize, action: usize, bias: f32) -> Vec<u8> {
     model(&graph)
 }
 
-/// Returns a policy with memory: its state adds up a small part of every observation, and its actions, in [-1, 1], follow the
-/// state.
+/// Returns a policy with memory: its state adds up a small part of every observation, and its actions, in [-1, 1],
+/// follow the state.
 pub fn summing_policy(observation: usize, action: usize) -> Vec<u8> {
     let node = |inputs: &[&str], output: &str, operator: &str| {
         let inputs = inputs.iter().flat_map(|name| text(1, name)).collect();

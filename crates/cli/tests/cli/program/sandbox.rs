@@ -45,7 +45,8 @@ impl Sandbox {
         entries(self.work.path()).chain(entries(self.temporary.path())).collect()
     }
 
-    /// Asserts that a command fails with the code of its message, prints `words` on standard error and leaves nothing behind.
+    /// Asserts that a command fails with the code of its message, prints `words` on standard error and leaves nothing
+    /// behind.
     pub fn assert_refused(&self, command: &mut Command, words: &[&str]) {
         let before = self.left_behind();
         let output = command.output().unwrap();

@@ -95,8 +95,8 @@ fn members(people: u32, random: &mut ChaCha8Rng) -> Vec<Person> {
 /// Share of the third and further members who go to school or college.
 const STUDENTS: f64 = 0.85;
 
-/// Share of households whose adults are all retired. In Québec 21 % of the people are 65 or older (census of 2021), and most
-/// of them live alone or as couples; the shares by size are engineering judgment.
+/// Share of households whose adults are all retired. In Québec 21 % of the people are 65 or older (census of 2021), and
+/// most of them live alone or as couples; the shares by size are engineering judgment.
 fn share_retired(people: u32) -> f64 {
     match people {
         0 | 1 => 0.35,

@@ -18,8 +18,8 @@ pub(super) enum Occupation {
     AtHome,
 }
 
-/// Shares of adults under retirement: in Québec 79 % of the 25 to 64-year-olds were employed in 2021 (census), a sixth of
-/// them part time; the rest are at home.
+/// Shares of adults under retirement: in Québec 79 % of the 25 to 64-year-olds were employed in 2021 (census), a sixth
+/// of them part time; the rest are at home.
 const ADULTS: [(Occupation, f64); 2] = [(Occupation::FullTime, 0.68), (Occupation::PartTime, 0.14)];
 
 impl Occupation {
@@ -46,8 +46,8 @@ pub(super) struct Person {
     away: f64,
 }
 
-/// Normal distributions of the hour of leaving and of the hours away: mean and standard deviation. ATUS 2012: 8.0 hours of
-/// work on a weekday; the rest is travel and lunch. The others are engineering judgment.
+/// Normal distributions of the hour of leaving and of the hours away: mean and standard deviation. ATUS 2012: 8.0 hours
+/// of work on a weekday; the rest is travel and lunch. The others are engineering judgment.
 const FULL_TIME: [[f64; 2]; 2] = [[7.5, 1.0], [9.6, 1.1]];
 const PART_TIME: [[f64; 2]; 2] = [[9.0, 1.6], [6.0, 1.2]];
 const STUDENT: [[f64; 2]; 2] = [[7.8, 0.4], [8.5, 1.1]];

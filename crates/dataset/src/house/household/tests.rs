@@ -1,7 +1,7 @@
 use super::*;
 
-/// Shares of homes with everyone out, by hour: McKenna, Krawczynski and Thomson 2015 (UK Time Use Survey 2000), for one to five
-/// residents, from the starting states and transition probabilities of the four-state model.
+/// Shares of homes with everyone out, by hour: McKenna, Krawczynski and Thomson 2015 (UK Time Use Survey 2000), for one
+/// to five residents, from the starting states and transition probabilities of the four-state model.
 const WEEKDAY: [[f64; 24]; 5] = [
     [
         0.08, 0.07, 0.06, 0.06, 0.06, 0.06, 0.09, 0.16, 0.30, 0.45, 0.55, 0.58, 0.56, 0.55, 0.59, 0.57, 0.48,

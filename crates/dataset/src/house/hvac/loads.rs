@@ -31,8 +31,8 @@ const SUPPLY_RISE: f64 = 24.0;
 const FLOW_PER_CAPACITY: f64 = 5.37e-5;
 
 impl Capacities {
-    /// Sizes equipment to hold 21 °C on the cold design day with furnace or backup only and 24 °C on the hot one, with the
-    /// oversizing of the house.
+    /// Sizes equipment to hold 21 °C on the cold design day with furnace or backup only and 24 °C on the hot one, with
+    /// the oversizing of the house.
     ///
     /// The flow carries the backup's heat at 45 °C; a heat pump of 400 cfm per ton goes with it.
     pub fn for_design_days(house: &House, site: &Site) -> Self {
@@ -55,7 +55,8 @@ pub(crate) fn heat_loss(house: &House, site: &Site) -> f64 {
     loss.max(0.0)
 }
 
-/// Heat gain on the hot design day, W; the ground is left out. The latent heat of people and appliances is counted like sensible heat.
+/// Heat gain on the hot design day, W; the ground is left out. The latent heat of people and appliances is counted like
+/// sensible heat.
 pub(crate) fn heat_gain(house: &House, site: &Site) -> f64 {
     let geometry = Geometry::new(house);
     let difference = site.cooling.dry_bulb - INDOOR[1];

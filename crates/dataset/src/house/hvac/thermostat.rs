@@ -13,7 +13,8 @@ use crate::house::zones::LIVING;
 /// Days of a year.
 const DAYS: u32 = 365;
 
-/// Puts the unit of a house under a thermostat with its people's setpoints, given the years of the zones in model order.
+/// Puts the unit of a house under a thermostat with its people's setpoints, given the years of the zones in model
+/// order.
 pub fn add_thermostat(model: &mut Model, years: &[ZoneYear]) {
     let zones = model.names("Zone");
     let zones = zones.iter().zip(years);

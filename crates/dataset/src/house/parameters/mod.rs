@@ -110,7 +110,7 @@ pub enum Heater {
     Electric,
     /// A gas or oil burner and its efficiency; the fuel is metered as gas.
     Fuel {
-        /// Heat delivered over fuel burnt, higher heating value.
+        /// Heat delivered over fuel burned, higher heating value.
         efficiency: f64,
     },
 }

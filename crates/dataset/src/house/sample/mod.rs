@@ -107,7 +107,7 @@ impl Vintage {
         }
     }
 
-    /// First and last year of all.
+    /// First and last year of construction.
     pub const YEARS: [u32; 2] = [1900, 2023];
 
     /// The vintage of a year.
@@ -151,8 +151,8 @@ pub struct FixedProperties {
 }
 
 impl HouseSample {
-    /// Returns the house at a point of the unit cube. Coordinates, in order: region, vintage, floor area, storeys, aspect,
-    /// foundation, garage, insulation, airtightness, window-to-wall ratio, window type, orientation, occupants,
+    /// Returns the house at a point of the unit cube. Coordinates, in order: region, vintage, floor area, storeys,
+    /// aspect, foundation, garage, insulation, airtightness, window-to-wall ratio, window type, orientation, occupants,
     /// appliances, ventilation, system, heating oversizing, cooling oversizing.
     ///
     /// # Errors

@@ -34,8 +34,8 @@ pub struct Scored {
     pub inputs: Inputs,
     /// SHA-256 of every observation, action and penalty.
     pub trajectory_hash: String,
-    /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a task of
-    /// operation.
+    /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a
+    /// task of operation.
     pub baseline_return: Option<f64>,
     /// HVAC energy of the baseline in the same episode, Wh/m², if known.
     pub baseline_energy: Option<f64>,
@@ -48,8 +48,8 @@ pub struct Scored {
     /// Discomfort of the baseline in a task of operation, K·h per zone, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline_discomfort: Option<f64>,
-    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score). In a task
-    /// of operation: see [`score_at_comfort`](crate::score_at_comfort).
+    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
+    /// In a task of operation: see [`score_at_comfort`](crate::score_at_comfort).
     pub score: Option<f64>,
     /// See [`resolved_score`](crate::resolved_score); in a task of operation the same as `score`.
     pub resolved_score: Option<f64>,
@@ -138,8 +138,8 @@ impl Scored {
     }
 
     /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
-    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the resource,
-    /// to which penalties are proportional.
+    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the
+    /// resource, to which penalties are proportional.
     pub fn relative_comfort(&self) -> Option<f64> {
         let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
         let energy_penalty_of_baseline = match energy_penalty {
