@@ -2,11 +2,11 @@
 # The first entries of the leaderboard, each a folder that `b2b benchmark verify` checks, and the board itself.
 #
 #   examples/benchmark_entries.sh FOLDER            the problem as it is: 100 test houses, a winter, nine seeds
-#   examples/benchmark_entries.sh FOLDER --small    a try: eight test houses, a week
+#   examples/benchmark_entries.sh FOLDER --small    a trial: eight test houses, a week, two seeds
 #
-# Finished entries are kept: run it again to resume after an interrupt. The planner runs on a small setting alone,
-# because a simulated day costs it minutes. PPO comes where Stable-Baselines3 and the package are installed for `python3`
-# (or $PYTHON); STEPS is its budget.
+# Finished entries are kept: run it again to resume after an interrupt. The planner, which takes minutes per simulated
+# day, runs only one day in two houses. PPO is included if `python3` (or $PYTHON) has Stable-Baselines3 and the package;
+# STEPS is its training budget.
 set -euo pipefail
 
 out=${1:?give a folder}

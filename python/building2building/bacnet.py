@@ -130,7 +130,7 @@ class Plant:
         """Shows the state after a step."""
         for point, value in zip(self._inputs, self.env.observation):
             point.presentValue = float(value)
-        # Once for every observation: the controllers integrate.
+        # Only once per observation, because the controllers integrate.
         self._own = self._controller.physical(self.env.observation)
         for output, value in zip(self._outputs, self._own):
             output.relinquishDefault = float(value)
@@ -181,7 +181,7 @@ def _output(number: int, slot: Any) -> Any:
     from bacpypes3.errors import PropertyError
     from bacpypes3.local.analog import AnalogOutputObject
 
-    # In f32, as clients read them.
+    # In f32, as clients read the bounds.
     low, high = float(np.float32(slot.low)), float(np.float32(slot.high))
 
     def check(value: Any) -> None:
@@ -265,7 +265,7 @@ def _requests(plant: Plant) -> tuple[Any, Any]:
 
 
 def _application() -> Any:
-    """Returns the class of an application in which every write is carried out once, however often a client sends it.
+    """Returns the class of an application that carries out every write once, however often a client sends it.
 
     A client sends a request again, under the same invoke id, if the answer does not come in time. Until the request is
     answered, bacpypes3 drops such copies. A copy that crosses the answer repeats the client's last request; it is

@@ -82,7 +82,7 @@ def single(building_type: str, days: int, turns: int) -> dict[str, float]:
     """Returns the times of a step, µs.
 
     ``rust``: CPU time of ``Env::step`` in this process, called from Rust; ``python``: what a step from Python adds to
-    it; ``main``, ``worker`` and ``wall``: CPU times and wall time of an environment in its own process, the default.
+    it; ``main``, ``worker`` and ``wall``: CPU times and wall time with an environment in its own process, the default.
     """
     period = f"01-01..01-{days:02d}"
     env = b2b.make_env(building_type, run_period=period, task="constant")
@@ -148,12 +148,12 @@ def _memory(processes: list[int]) -> float:
 
 
 def resampling(problem: str, count: int, days: int, changes: int) -> Iterator[dict[str, float]]:
-    """Trains on all buildings of a problem and on one of them in turn, a round of ``days`` each, until ``count``
+    """Steps all training buildings of a problem and one of them in turn, a round of ``days`` each, until ``count``
     environments have changed their building ``changes`` times. Yields the measurements after each round.
 
     ``first_step``: time from the call of ``make_train_vec`` to the end of the first step, s; ``many``, ``one``: steps
-    per second; ``memory``: of this process and all workers of the many, MB; ``waits`` and ``waited``: episodes that
-    waited for a building, and how long in all, s.
+    per second; ``memory``: of this process and the workers of ``many``, MB; ``waits`` and ``waited``: number of waits
+    for a building, and their total time, s.
     """
     made = b2b.benchmarks.Problem(problem)
     period: dict[str, Any] = {"run_period": f"01-01..{datetime.date(2023, 1, 1) + datetime.timedelta(days - 1):%m-%d}"}
@@ -330,7 +330,7 @@ def main() -> None:
         "--count", "--environments", type=int, default=14, help="environments in the vector environment"
     )
     parser.add_argument(
-        "--resample", metavar="PROBLEM", help="compare training on all buildings of a problem with training on one"
+        "--resample", metavar="PROBLEM", help="compare stepping all training buildings of a problem with stepping one"
     )
     parser.add_argument("--changes", type=int, default=200, help="building changes after which --resample ends")
     parser.add_argument(

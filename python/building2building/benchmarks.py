@@ -233,7 +233,7 @@ class Problem:
         """Makes ``n`` training environments as one vector environment.
 
         Every episode draws a training building and a training task; with ``resample=k``, every ``k`` episodes;
-        ``weights={type: weight}`` weighs the building types. With ``resample=False``, the environments are the ones
+        ``weights={type: weight}`` weights the building types. With ``resample=False``, the environments are the ones
         from :meth:`make_train_envs`, repeated. Observations are the same as in the test: padded, with the building's
         attributes if the problem gives them. Actions are in [-1, 1], so that all buildings share one action space, and
         actuators that the problem withholds are not among them. Further arguments go to :func:`make_vec`.
@@ -287,7 +287,7 @@ class Problem:
                 "Problem.run, which runs consecutive episodes"
             )
         tests = self._tests()[:n]
-        # Other arguments make other episodes, whose baselines are not kept.
+        # Baselines are kept only for the problem's own episodes, without other arguments.
         baselines = None if arguments else self._core.baselines(tests, len(os.sched_getaffinity(0)))
         agent = _AgentWithMemory(policy) if isinstance(policy, Agent) and self._keeps_memory() else None
         episodes = []

@@ -73,8 +73,8 @@ def collect(
 
 
 def _selection(building: Building) -> dict[str, Any]:
-    """Returns the arguments of :func:`make_env` that select a building, as plain values where possible, which a spec in
-    a dataset can hold."""
+    """Returns the arguments of :func:`make_env` that select a building, as plain values where possible, so that the
+    spec in a dataset can hold them."""
     origin = building.origin
     if isinstance(origin, Found):
         control = {} if origin.control == "actuators" else {"control": origin.control}

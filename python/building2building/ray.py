@@ -263,8 +263,8 @@ def _carry_out(order: dict[str, Any], action: str, before: Files) -> tuple[Files
 def _carry_out_all(
     action: str, orders: list[dict[str, Any]], folder: Path, kept: str, resources: Resources
 ) -> list[Files]:
-    """Carries out orders of an action, which resumes from what a subfolder contains and adds to it; returns the files
-    that each leaves."""
+    """Carries out orders of an action. Each resumes from the files in the subfolder ``kept``, to which new ones are
+    added. Returns the files that each order leaves."""
     before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
     results: list[Files] = [{} for _ in orders]
     errors = []

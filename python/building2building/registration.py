@@ -42,20 +42,21 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     - ``task``: ``operate`` (comfort bands and costs) by default; the paper's ``constant``, ``occupancy+energy0.5``,
       ``random:7+cost2``...; a JSON file, or a dictionary;
-    - ``run_period``: ``winter``, ``summer``, ``full_year``, days such as ``01-01..01-07``, or two weeks that the
-      weather decides: ``peak-heating``, ``typical-heating``, ``peak-cooling``, ``typical-cooling`` or ``mixed``;
+    - ``run_period``: ``winter``, ``summer``, ``full_year``, days such as ``01-01..01-07``, or two weeks chosen by the
+      weather: ``peak-heating``, ``typical-heating``, ``peak-cooling``, ``typical-cooling`` or ``mixed``;
     - ``timesteps_per_hour``: 12 by default;
     - ``rescale_action``: actions in [-1, 1] instead of physical units; the default of ``gymnasium.make``;
     - ``window_days`` and ``window_starts``: episodes of ``window_days`` days that begin on one of ``window_starts``
       days of the run period, drawn at random;
-    - ``weather_years``: EPW files, such as measured years at the site; every episode draws one. The building
-      keeps the sizes for its own weather;
+    - ``weather_years``: EPW files, such as measured years at the site; every episode draws one. Equipment stays sized
+      for the building's own weather;
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;
     - ``acting``: how actions, in [-1, 1], drive the building, as for ``b2b train``: ``residual:0.5`` corrects the
       reactive controllers, ``targets:60`` shifts their targets by at most 1 K, and ``supervisory:60`` shifts what
       ``guideline36`` chooses; both hold each decision for an hour, which is a step
-      (:class:`~building2building.learning.acting.ActingEnv`). ``observation`` is ``features`` then, or ``raw``;
+      (:class:`~building2building.learning.acting.ActingEnv`). ``observation`` is then ``features``, ``roles`` or
+      ``raw``;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
     - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,

@@ -125,8 +125,8 @@ def make_sb3_vec(
 
     Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as from
     :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`, and no other arguments but
-    ``normalize``. ``normalize=False`` leaves observations in physical units. With ``acting``, they have their own
-    scales, and ``normalize`` is an error.
+    ``normalize``. ``normalize=False`` leaves observations in physical units. With ``acting``, observations have their
+    own scales, and ``normalize`` is an error.
     """
     acts = isinstance(building_type, ActingVectorEnv) or arguments.get("acting") is not None
     if acts and normalize is not None:

@@ -11,14 +11,14 @@ import argparse
 import os
 import time
 
-# Compiling takes minutes, longer than these networks are worth.
+# Compilation takes minutes, more than it saves with such small networks.
 os.environ.setdefault("TORCHDYNAMO_DISABLE", "1")
 
 import gymnasium
 import numpy as np
 from building2building.benchmarks import Problem
 
-# Before version 1.0, a wrapper had the attributes of what it wraps.
+# Before Gymnasium 1.0, a wrapper forwarded attributes of what it wraps.
 if not hasattr(gymnasium.Wrapper, "__getattr__"):
 
     def forwarded(self, name):
@@ -47,9 +47,9 @@ STEPS = arguments.days * 24 * STEPS_PER_HOUR
 
 
 class Houses(gymnasium.Env):
-    """Houses as AMAGO sees a batch: spaces of one environment, arrays of all, and an episode of several days.
+    """A batch of houses in AMAGO's form: spaces of one environment, arrays of all, and episodes of several days.
 
-    AMAGO gives the policy the previous action and reward; the last slot says whether a day begins.
+    AMAGO gives the policy the previous action and reward; the last slot is 1 when a day begins.
     """
 
     def __init__(self):

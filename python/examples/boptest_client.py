@@ -1,7 +1,7 @@
-"""A controller against BOPTEST's calls, in the sequence of its own examples.
+"""A controller that uses BOPTEST's calls, in the order of BOPTEST's own examples.
 
-Start `b2b serve BUILDING` first; this script takes its URL and, optionally, the hours to run. The same sequence runs
-against BOPTEST: only the URL, the test case and the names of points differ.
+Start `b2b serve BUILDING` first; this script takes its URL and, optionally, the hours to run. The same calls work with
+BOPTEST: only the URL, the test case and the names of points differ.
 """
 
 import json
@@ -9,7 +9,7 @@ import sys
 import urllib.error
 import urllib.request
 
-FLOW, TEMPERATURE = "_supply_air_flow_u", "_air_temperature_y"  # ends of the names of points
+FLOW, TEMPERATURE = "_supply_air_flow_u", "_air_temperature_y"  # suffixes of point names
 WARMER = 294.15  # K
 
 
@@ -43,14 +43,14 @@ try:
     zones = [name.removesuffix(FLOW) for name in inputs if name.endswith(FLOW)]
     zones = [zone for zone in zones if zone + TEMPERATURE in measurements]
 
-    # Seven days of warm-up, then two weeks; the measurements are from the beginning.
+    # Seven days of warm-up, then two weeks; the answer has the measurements at their start.
     measured = call("PUT", "scenario", {"time_period": "peak_heat_day", "electricity_price": "dynamic"})["time_period"]
     print("step:", call("PUT", "step", {"step": 1800})["step"], "s")
     start = measured["time"]
 
     while measured and measured["time"] < start + 3600 * hours:
         ahead = call("PUT", "forecast", {"point_names": ["TDryBul"], "horizon": 21600, "interval": 3600})
-        # Before it gets colder, more air to cool zones; otherwise the baseline controller decides.
+        # Before it gets colder, zones that are cool get more air; otherwise the baseline controller decides.
         u = {}
         if min(ahead["TDryBul"]) < measured["outdoor_air_temperature_y"] - 1:
             for zone in zones:

@@ -4,8 +4,8 @@
     python decision_pretrained.py datasets/b2b/houses-v0 entries
 
 From the observations, actions and rewards of the last hours, it predicts what the expert does now, whoever acted.
-Behavior cloning, the floor, predicts it from the observation alone. Both enter the problem `adapt-house`, in unseen
-houses; what the transformer remembers there is its own past.
+Behavior cloning, the lower bound, predicts it from the observation alone. Both enter the problem `adapt-house`, in
+unseen houses, where the transformer's context is its own past.
 """
 
 import argparse
@@ -65,7 +65,7 @@ class InContext:
         """Keeps the memory: the next week is in the same house."""
 
     def __call__(self, observation):
-        # Of the same lengths as in training.
+        # The context is as long as in training.
         self.tokens = (
             [*self.tokens[-(self.policy.context - 1) :], observation] if self.policy.context > 1 else [observation]
         )
@@ -90,9 +90,9 @@ def read(corpus):
 
 
 def train(name, policy, tokens, labels):
-    """Minimizes the mean square of the errors over random sequences; the last tenth of the episodes is held out."""
+    """Minimizes the mean squared error over random sequences; the last tenth of the episodes is held out."""
     start, random = time.perf_counter(), np.random.default_rng(0)
-    # As many steps in a batch without memory.
+    # Without memory, a batch has the same number of steps.
     batch = arguments.batch * arguments.context // policy.context
     optimizer = torch.optim.AdamW(policy.parameters(), lr=1e-3)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimizer, 1e-3, arguments.updates)

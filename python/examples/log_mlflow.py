@@ -1,4 +1,4 @@
-"""Log a training to MLflow, in a file: `python log_mlflow.py FOLDER [STEPS]`; then
+"""Log a training run to MLflow, in a file: `python log_mlflow.py FOLDER [STEPS]`; then
 `mlflow ui --backend-store-uri sqlite:///FOLDER/mlflow.db`."""
 
 import math

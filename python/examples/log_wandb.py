@@ -1,4 +1,4 @@
-"""Log a training to Weights & Biases, offline: `python log_wandb.py FOLDER [STEPS]`; later
+"""Log a training run to Weights & Biases, offline: `python log_wandb.py FOLDER [STEPS]`; later
 `wandb sync FOLDER/wandb/offline-run-*`."""
 
 import math

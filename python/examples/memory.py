@@ -1,4 +1,4 @@
-"""A policy that finds out how much heat a house loses: python memory.py FOLDER [HOUSE ...]."""
+"""A policy that learns how much heat a house loses: `python memory.py FOLDER [HOUSE ...]`."""
 
 import sys
 

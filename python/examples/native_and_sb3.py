@@ -2,7 +2,7 @@
 
 `python native_and_sb3.py FOLDER` trains both with five seeds for 400,000 steps each (preset `paper`, constant targets,
 winter), which takes an hour on two cores. It prints the score of every final policy over the whole season and the
-interquartile means, and draws the learning curves in FOLDER/curves.svg. Runs that are there already are not repeated.
+interquartile means, and draws the learning curves in FOLDER/curves.svg. Runs that are already there are not repeated.
 """
 
 import argparse

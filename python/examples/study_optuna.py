@@ -1,4 +1,4 @@
-"""Search options of a training with Optuna: `python study_optuna.py FOLDER [TRIALS [STEPS]]`. A study that is run again
+"""Search training options with Optuna: `python study_optuna.py FOLDER [TRIALS [STEPS]]`. A study that is run again
 continues."""
 
 import math
@@ -13,7 +13,7 @@ steps = int(sys.argv[3]) if len(sys.argv) > 3 else 20_000
 
 
 def objective(trial: optuna.Trial) -> float:
-    """Returns the resolved score of a short run, with one point for each stroke beyond the limit of travel."""
+    """Returns the resolved score of a short run, plus the actuator travel beyond its limit, relative to the limit."""
     ppo = {
         "learning_rate": trial.suggest_float("learning_rate", 1e-4, 3e-3, log=True),
         "gamma": 1 - trial.suggest_float("1 - gamma", 0.003, 0.1, log=True),

@@ -68,7 +68,7 @@ model = PPO(
     seed=arguments.seed,
     device="cpu",
 )
-# Training begins with the guideline itself, whose decisions are zeros.
+# Training begins with the guideline itself: zeros shift nothing.
 torch.nn.init.zeros_(model.policy.action_net.weight)
 
 

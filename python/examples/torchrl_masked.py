@@ -1,7 +1,7 @@
 """TorchRL's PPO for four building types at once: `python torchrl_masked.py --steps 200000`.
 
-Types have other observations and actuators, padded to one width. The policy observes the mask of its actuators, and
-padding counts in no log probability. It is tested in buildings that it has not seen.
+Types have different observations and actuators, padded to one width. The policy observes the mask of its actuators, and
+log probabilities exclude padding. It is tested in buildings that it has not seen.
 """
 
 import argparse
@@ -57,7 +57,7 @@ class Buildings(EnvBase):
         mask = np.ones(self.envs.num_envs, dtype=bool)
         if tensordict is not None and "_reset" in tensordict:
             mask = tensordict["_reset"].numpy().reshape(-1)
-        # A mask continues the draws of buildings; a reset with a seed begins them again.
+        # A reset with a mask continues the draws of buildings; one with a seed restarts them.
         observations, _ = self.envs.reset(options={"reset_mask": mask}) if self.started else self.envs.reset(seed=0)
         self.started = True
         return self._seen(observations)
@@ -75,7 +75,7 @@ class Buildings(EnvBase):
 
 
 class MaskedNormal(torch.distributions.Normal):
-    """A normal distribution without what the mask marks as padding."""
+    """A normal distribution that leaves out padding, where the mask is 0."""
 
     def __init__(self, loc, scale, mask):
         super().__init__(loc, scale)

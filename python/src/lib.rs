@@ -1,9 +1,9 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`buildings`] finds, makes, changes and calibrates buildings; [`spaces`] describes
-//! observations and actions; [`env`] is one environment and [`vector`] a batch; [`control`] has the built-in controllers;
-//! [`evaluation`] evaluates policies, also on benchmark problems; [`learning`] trains agents; [`interpreter`] is about
-//! Python itself: exceptions, signals, arrays, and the command `b2b`.
+//! This crate only converts types. [`buildings`] finds, generates, edits and calibrates buildings; [`spaces`] describes
+//! observations and actions; [`env`] is one environment and [`vector`] a batch; [`control`] has the built-in
+//! controllers; [`evaluation`] evaluates policies, also on benchmark problems; [`learning`] trains agents;
+//! [`interpreter`] is about Python itself: exceptions, signals, arrays, and the command `b2b`.
 
 mod buildings;
 mod control;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the virtual environment of the Python tests in cargo's target folder: everything but the package, which may still be
-# built. Arguments: the extras of the package, such as dev,learners.
+# Makes the virtual environment of the Python tests in cargo's target folder, with everything but the package, which may
+# still be building. Argument: the extras of the package, such as dev,learners.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -8,7 +8,7 @@ extras=$1
 venv=${CARGO_TARGET_DIR:-target}/python/$extras
 [ -x "$venv/bin/maturin" ] && exit
 "${PYTHON:-python3}" -m venv --clear "$venv"
-# Not compiled: tests use a small part, which the first of them compiles.
+# Without compiling bytecode: tests import only a small part, which is compiled on first import.
 "$venv/bin/python" -m pip install --quiet --no-compile -r <("$venv/bin/python" - "$extras" <<'REQUIREMENTS'
 import sys
 

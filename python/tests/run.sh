@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the package from this clone, installs it into a virtual environment in cargo's target folder, and runs its tests.
-# Needs Python 3.10 or later and Rust. Arguments are passed to pytest; --learners adds the tests that train (torch and ray,
-# several gigabytes).
+# Builds the package from this clone, installs it into a virtual environment in cargo's target folder, and runs its
+# tests. Needs Python 3.10 or later and Rust. Arguments are passed to pytest; --learners adds the tests that train
+# (torch and ray, several gigabytes).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -20,8 +20,8 @@ wheel=("$folder"/wheels/*.whl)
 "$venv/bin/python" -m pip install --quiet --no-compile "${wheel[0]}[$extras]"
 # Large pages for the engine, as in `.ci/rust-tests`.
 export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1}
-# Nothing compiled in the source folders.
+# Keeps bytecode out of the source folders.
 PYTHONPYCACHEPREFIX=$(realpath "$folder")/compiled
 export PYTHONPYCACHEPREFIX
-# The tests of a file share what they trained, and so a process.
+# The tests of a file share trained agents, so a file runs in one process.
 "$venv/bin/python" -m pytest --quiet -p no:cacheprovider --numprocesses "$(($(getconf _NPROCESSORS_ONLN) + 1))" --dist loadfile python/tests "$@"

@@ -66,7 +66,7 @@ def test_a_client_reads_points_runs_steps_and_commands_actuators(plant):
         assert str(await read("analogInput 1", "units")) == "degrees-celsius"
         assert await read("analogOutput 1", "maxPresValue") == pytest.approx(actuator.high, rel=1e-6)
 
-        # Without commands the plant is under its own control.
+        # Without commands, the plant follows the baseline.
         await client._write(f"{plant} analogValue 1 presentValue {STEPS}")
         assert await read("analogValue 2") == 288 - STEPS
         assert await read("analogValue 4") == pytest.approx(own.episode_return, rel=1e-6)
@@ -114,7 +114,7 @@ def test_a_speed_that_is_not_positive_is_refused():
         asyncio.run(serve(env, speed=-1))
 
 
-#: Types of objects, properties, and codes of errors.
+#: BACnet's numbers of object types, properties and errors.
 INPUT, OUTPUT, VALUE, DEVICE = 0, 1, 2, 8
 PRESENT, MAXIMUM, MINIMUM, NAME, OUT_OF_SERVICE, RELINQUISH_DEFAULT = 85, 65, 69, 77, 81, 104
 OUT_OF_RANGE, WRITE_DENIED = 37, 40
@@ -125,7 +125,7 @@ def real(value: float) -> bytes:
 
 
 class Client:
-    """A client whose datagrams a test determines byte for byte."""
+    """A client that sends raw datagrams."""
 
     def __init__(self, address: str):
         host, port = address.split(":")
@@ -184,7 +184,7 @@ def test_steps_run_once_however_often_their_request_is_sent():
         client = Client(plant)
         many, one, two = (client.write_request(VALUE, 1, real(count)) for count in (3000, 10, 10))
         client.socket.send(many)
-        # As clients do whose request is not answered within three seconds.
+        # Clients repeat a request that is not answered within three seconds.
         time.sleep(3.5)
         client.socket.send(many)
         assert client.answer(120)[0] == 0x20
@@ -233,14 +233,14 @@ def test_nothing_but_outputs_and_requests_can_be_written(plant):
         assert client.write(*write) == WRITE_DENIED, write
     after = [client.read(*each) for each in ((INPUT, 1), (VALUE, 2), (VALUE, 3), (VALUE, 4), (OUTPUT, 1))]
     assert after == before
-    # The bounds as clients read them can be commanded.
+    # Clients can command the bounds that they read.
     high = b2b.make_env("OfficeSmall", run_period="01-09..01-09", task="constant").layout.action[0].high
     assert client.write(OUTPUT, 1, real(high), priority=8) is None
     assert client.read(OUTPUT, 1) == np.float32(high)
     assert client.write(OUTPUT, 1, b"\x00", priority=8) is None
 
 
-def test_the_default_address_is_of_this_machine_and_another_is_a_warning(monkeypatch, capsys):
+def test_the_default_address_is_local_and_any_other_is_a_warning(monkeypatch, capsys):
     from building2building import bacnet
 
     for function in (bacnet.serve, bacnet.Plant):

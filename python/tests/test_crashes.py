@@ -9,9 +9,9 @@ import building2building as b2b
 import pytest
 from building2building import errors
 
-#: The lines of a weather file that EnergyPlus reads without a look at their number, and crashes.
+#: A header of a weather file without its last field, which EnergyPlus reads without a check and crashes.
 DAMAGED = "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0"
-#: A program that calls itself without an end, on a day in January.
+#: An EMS program that calls itself endlessly on 10 January.
 RECURSION = b"""
 EnergyManagementSystem:Program,Recurse,IF DayOfYear == 10,RUN Recurse,ENDIF;
 EnergyManagementSystem:ProgramCallingManager,Call,BeginTimestepBeforePredictor,Recurse;

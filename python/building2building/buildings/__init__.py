@@ -222,9 +222,9 @@ def import_building(
     known place (:func:`list_places`).
 
     Supported systems become controllable; zones with other equipment are controlled through the setpoints of their
-    thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU,
-    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``. Equipment is
-    sized for the design days of the weather file, or with ``keep_design_days`` for the model's.
+    thermostats, and with ``control="setpoints"`` all zones are. A model that runs code (FMU, Python) or names a file
+    outside its folder raises :class:`BuildingError` unless ``allow_external``. Equipment is sized for the design days
+    of the weather file, or with ``keep_design_days`` for the model's.
     """
     path = Path(model).resolve()
     if not path.is_file():

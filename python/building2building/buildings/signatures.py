@@ -30,7 +30,7 @@ def with_arguments_of(maker: Callable[P, object], **more: object) -> Callable[[C
 def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Raises for arguments of the original implementation and names what replaces each, ``now`` (docs/coming_from.md).
 
-    A call with more than ``positions`` positional arguments is taken for one to the original, too.
+    A call with more than ``positions`` positional arguments also counts as one to the original.
     """
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:

@@ -186,7 +186,7 @@ class _Title:
         layout = scene.layout
         slot = layout.outdoor_temperature
         day, step = divmod(scene.steps, 24 * layout.steps_per_hour)
-        # Run periods are of a year without February 29.
+        # `first_day` counts the days of a year without 29 February.
         date = np.datetime64("2017-01-01") + scene.setting.first_day - 1 + day
         hour, minute = divmod(step * 60 // layout.steps_per_hour, 60)
         self._text.set_text(
@@ -325,7 +325,7 @@ class _Power:
         axes.spines[["top", "right"]].set_visible(False)
         axes.set_title("HVAC power, W/m²", fontsize=_TITLE, loc="left")
         axes.legend(fontsize=_MIN_LABEL, loc="lower right", bbox_to_anchor=(1, 1), frameon=False, ncols=2)
-        # With the pixels around it that the areas' edges are blended into.
+        # Padded by the pixels that the areas' antialiased edges touch.
         self.cells = [_Cell(axes.bbox.padded(2), list(self._areas))]
 
     def update(self, scene: Scene) -> bool:

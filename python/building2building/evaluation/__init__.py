@@ -184,17 +184,17 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
 
     ``tasks`` are the tasks of the episodes: by default ``operate``, and for an agent the task that it was trained for.
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`; with ``control="setpoints"``,
-    policies set the heating and the cooling setpoint of every zone. ``jobs`` episodes run at a time,
-    each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
-    call resumes an interrupted evaluation and gives the same bytes; it says how many episodes are reused. Two calls are
-    the same if all their arguments are. A policy is the same if its ``name`` (by default the name of the class or
-    function), its code and the values that it refers to are: closures, global variables, attributes, versions of
-    packages. With a ``version``, values are not compared, so change it after further training. Observations are not
-    batched, because rounding within a batch depends on its other members.
+    policies set the heating and the cooling setpoint of every zone. ``jobs`` episodes run at a time, each in its own
+    process; by default, one per core. With a ``folder``, episodes are written as they end: the same call resumes an
+    interrupted evaluation and gives the same bytes; it prints how many episodes are reused. Two calls are the same if
+    all their arguments are. A policy is the same if its ``name`` (by default the name of the class or function), its
+    code and the values that it refers to are: closures, global variables, attributes, versions of packages. With a
+    ``version``, values are not compared, so change it after further training. Observations are not batched, because
+    rounding within a batch depends on its other members.
 
     Raises the policy's own exceptions, which end the evaluation, and
-    :class:`~building2building.errors.EvaluationError` if the folder holds finished
-    episodes of another evaluation. An episode whose process dies becomes a row with the reason in ``lost``.
+    :class:`~building2building.errors.EvaluationError` if the folder holds finished episodes of another evaluation. An
+    episode whose process dies becomes a row with the reason in ``lost``.
     """
     check_names("evaluate", options, (Request,))
     request = Request(*arguments, **options)
@@ -222,9 +222,9 @@ def compute_normalized_score(
 ) -> float | None:
     """Divides a return by the reactive controllers' return for the same building, task and run period.
 
-    It is for the paper's tasks; tasks of operation are scored by cost at comfort (:func:`evaluate`).
-    Both are sums of penalties: lower is better, and below 1 beats the baseline. Baseline returns of the ``test_small``
-    split come with the package; others take an episode to compute and are cached. ``None`` if the ratio is undefined.
+    Both are negated penalties, so lower is better, and below 1 beats the baseline. Baseline returns of the
+    ``test_small`` split come with the package; others take an episode to compute and are cached. ``None`` if the ratio
+    is undefined. Tasks of operation are scored by cost at comfort instead (:func:`evaluate`) and raise an error.
 
     >>> b2b.compute_normalized_score(-30.0, "SingleFamilyHouse-0018", "constant+energy0.5", "winter")
 
@@ -256,7 +256,7 @@ def compute_resolved_score(
 
 
 def say_reused(reused: int, episodes: int, folder: PathLike | None) -> None:
-    """Says on standard error how many episodes of a folder are reused."""
+    """Prints on standard error how many episodes of a folder are reused."""
     if reused:
         print(f"{folder}: {reused} of {episodes} episodes had finished before and are reused", file=sys.stderr)
 

@@ -38,7 +38,7 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
     """A building for an agent with an *acting*; ``make_env(acting=...)`` makes one.
 
     A step is a decision: with ``supervisory:60``, twelve steps of five minutes, whose rewards are added and whose last
-    info is returned. Actions are in [-1, 1]; zeros are the controller below. Names are in ``metadata``.
+    info is returned. Actions are in [-1, 1]; zeros leave the controller unchanged. Names are in ``metadata``.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], acting: str, observation: str = "features"):

@@ -1,1 +1,1 @@
-"""Processes: temporary folders, and where pip put EnergyPlus."""
+"""Temporary folders, and the folder where pip installed EnergyPlus."""

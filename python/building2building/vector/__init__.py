@@ -47,8 +47,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
       :meth:`action_mask` mark what is not padding.
     - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
-      that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
-      the seed alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
+      that hundreds of buildings take the memory of a few. Which buildings an environment runs depends on the seed
+      alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
     - Infos: the infos of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read.
       Columns of zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``

@@ -70,7 +70,7 @@ def step_info(
     """Returns the info of all environments: the keys of a single environment's info, with a row per environment.
 
     ``steps`` is 0 where an episode has just begun. Arrays with a column per controlled zone are as wide as the largest
-    building; the columns that a building does not have are NaN, and ``False`` in ``zone_occupied``.
+    building; columns that a building does not have are NaN, and ``False`` in ``zone_occupied``.
     """
     before = np.where((steps == 0)[:, None], after, before).astype(np.float64)
     after = np.array(after, dtype=np.float64)

@@ -22,7 +22,7 @@ class WeatherForecast(ObservationWrapper):
     """Appends the outdoor weather at the next full hours, ordered by quantity, then hour, from the weather file.
 
     The forecast is perfect, except for quantities in ``errors``, such as ``{"temperature": 0.5}``: their errors are a
-    random walk over the hours ahead, whose steps have this standard deviation; a new one is drawn every hour. The same
+    random walk over the hours ahead, whose steps have this standard deviation; a new walk is drawn every hour. The same
     seed of ``reset`` gives the same errors.
     """
 

@@ -17,8 +17,8 @@ Array = NDArray[Any]
 class PreviousStepObservation(ObservationWrapper):
     """Appends the previous step: its action in [-1, 1], its reward, and 1 in the first step of an episode.
 
-    The first two are 0 in the first step. In benchmark problems whose policies keep their memory, policies with memory
-    observe the same values in the same places.
+    The first two are 0 in the first step. Policies with memory observe the same slots in benchmark problems where they
+    keep their memory.
     """
 
     def __init__(self, env: Env):

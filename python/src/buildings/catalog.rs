@@ -250,7 +250,7 @@ impl Setting {
         self.setting.episode.period.days() * 24 * self.setting.episode.steps_per_hour
     }
 
-    /// First day of the run period as day of the year, counted from 1.
+    /// First day of the run period as day of a year without 29 February, from 1.
     #[getter]
     fn first_day(&self) -> u32 {
         self.setting.episode.period.first().day_of_year()
@@ -273,7 +273,7 @@ impl Setting {
         &self.setting.episode.weather
     }
 
-    /// Returns the setting with another weather file. The building keeps the sizes for its own.
+    /// Returns the setting with another weather file. Equipment stays sized for the building's own.
     fn with_weather(&self, file: PathBuf) -> Self {
         let mut setting = self.setting.clone();
         setting.episode.weather = file;
@@ -301,7 +301,7 @@ pub fn read_task(text: &str) -> PyResult<Task> {
     Task::from_text(text).map_err(of_env)
 }
 
-/// Reads what an agent sets in a building: `actuators`, unless given.
+/// Reads what an agent sets in a building; `actuators` by default.
 pub fn read_control(control: Option<&str>) -> PyResult<Control> {
     Ok(control.map(str::parse).transpose().map_err(of_building)?.unwrap_or_default())
 }
@@ -382,7 +382,7 @@ pub fn places() -> Vec<(&'static str, &'static str)> {
     b2b_climate::PLACES.iter().map(|place| (place.name, place.ashrae_zone)).collect()
 }
 
-/// Returns the dataset's table of a type, a dictionary per building.
+/// Returns the dataset's table for a type, one dictionary per building.
 #[pyfunction]
 pub fn dataset_rows(building_type: &str) -> PyResult<Vec<Row>> {
     let building_type: BuildingType = building_type.parse().map_err(of_building)?;

@@ -84,8 +84,8 @@ impl Env {
         })
     }
 
-    /// Starts an episode of `steps` steps, or of the whole run period. With `finish_run`, the engine finishes its run after
-    /// it, so that [`Env::record`] has its report.
+    /// Starts an episode of `steps` steps, or of the whole run period. With `finish_run`, the engine finishes its run
+    /// after the episode, so that [`Env::record`] has its report.
     #[pyo3(signature = (steps=None, finish_run=false))]
     fn reset<'py>(
         &self,
@@ -209,7 +209,7 @@ impl Env {
             .with(py, &self.state, |state| Ok(state.open.as_ref().and_then(|open| open.episode.process())))
     }
 
-    /// Ends all its processes.
+    /// Ends the processes of the environment and its snapshots.
     fn close(&self, py: Python<'_>) {
         if self.owner.is_current() {
             py.detach(|| locked(&self.state).open = None);

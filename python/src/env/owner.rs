@@ -1,4 +1,4 @@
-//! The part of a building that a slot or a node belongs to, and the names of quantities.
+//! The part of a building that a slot or a node belongs to, and names of enum variants.
 
 use b2b_building::morphology;
 use pyo3::prelude::*;

@@ -26,8 +26,8 @@ pub struct Record {
 #[pymethods]
 impl Record {
     /// Writes the files of `b2b run` to a folder and returns their paths. An episode that did not run to its end has
-    /// only the time series. Observations, actions and penalties have one row per step; `wall` is the time that they
-    /// took, s.
+    /// only the time series. Observations, actions and penalties have one row per step; `wall` is the duration of the
+    /// steps, s.
     #[expect(clippy::too_many_arguments, reason = "they are the parts of a Python trajectory")]
     fn write(
         &self,

@@ -33,10 +33,11 @@ use crate::spaces::Spaces;
 /// Interval at which signals are handled and progress is reported.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Lock that the running evaluation or training holds.
+/// Lock that the running evaluation, training or calibration holds.
 static RUNNING: Mutex<()> = Mutex::new(());
 
-/// An episode to run: building, place, weather, permission of external code, interface, task, run period, seed, steps per hour.
+/// An episode to run: building, place, weather, allow_external, control, keep_design_days, task, run period, seed and
+/// steps per hour.
 type EpisodeKey =
     (String, Option<String>, Option<PathBuf>, bool, Option<String>, bool, String, String, u64, u32);
 
@@ -87,8 +88,9 @@ impl Request<'_> {
     }
 }
 
-/// Runs a policy on episodes and returns the columns of their table, the summary as JSON text, and the number of episodes
-/// that were in the folder already, which are not run again. `progress` is called regularly with a label, the simulated days and their total.
+/// Runs a policy on episodes and returns the columns of their table, the summary as JSON text, and the number of
+/// episodes that were in the folder already, which are not run again. `progress` is called regularly with a label, the
+/// simulated days and their total.
 #[pyfunction]
 #[pyo3(signature = (request, folder, jobs, progress=None))]
 pub fn evaluate<'py>(
@@ -261,11 +263,12 @@ fn episode(key: EpisodeKey) -> PyResult<EpisodePlan> {
 pub struct InPython {
     pub name: String,
     pub identity: String,
-    /// Takes spaces, building and seed and returns the controller of an episode, or of consecutive episodes in a building.
+    /// Takes spaces, building and seed and returns the controller of an episode, or of consecutive episodes in a
+    /// building.
     pub make: Py<PyAny>,
     /// Whether actions are in [-1, 1].
     pub rescale: bool,
-    /// Whether it observes and controls the whole building, regardless of the interface of the problem.
+    /// Whether it observes and controls the whole building instead of the problem's interface.
     pub whole: bool,
     /// Whether its controllers have the method `next_episode`.
     pub has_memory: bool,

@@ -32,8 +32,8 @@ pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyRe
     std::process::exit(code as i32)
 }
 
-/// Carries out an action of `b2b` in a process of its own, with its arguments as JSON text, and returns its result. Ctrl-C ends
-/// it.
+/// Carries out an action of `b2b`, with its arguments as JSON text, in a separate process, and returns its result.
+/// Ctrl-C ends it.
 #[pyfunction]
 pub fn carry_out(py: Python<'_>, action: &str, order: &str) -> PyResult<String> {
     let launcher = launcher(py)?;

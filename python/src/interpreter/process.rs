@@ -1,4 +1,4 @@
-//! This interpreter as a process: started again as a worker, and the owner of its environments.
+//! This interpreter as a process: its launch as a worker, and the ownership of environments across forks.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -59,8 +59,8 @@ impl OwnerProcess {
         self == Self::this()
     }
 
-    /// Runs `work` on the state with the interpreter released. It must be released before the state is locked, because
-    /// the thread that holds the state attaches to the interpreter from time to time to handle signals.
+    /// Runs `work` on the state with the GIL released. It must be released before the state is locked, because the
+    /// thread that holds the state takes the GIL from time to time to handle signals.
     pub fn with<S: Send, T: Send>(
         self,
         py: Python<'_>,

@@ -13,15 +13,15 @@ thread_local! {
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Set to end the running evaluation or training: on Ctrl-C, or on an exception of the policy or of a callback.
+/// Set to end the running evaluation, training or calibration: on Ctrl-C, or on an exception of the policy or callback.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Returns whether the running evaluation or training must end.
+/// Returns whether the running evaluation, training or calibration must end.
 pub fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// Sets whether the running evaluation or training must end.
+/// Sets whether the running evaluation, training or calibration must end.
 pub fn set_stopped(stop: bool) {
     STOP.store(stop, Ordering::Relaxed);
 }

@@ -91,7 +91,7 @@ pub struct Zone {
     controlled: bool,
     /// Whether its equipment can cool it.
     cooling: bool,
-    /// Whether the model's own thermostat and schedules drive it.
+    /// Whether it keeps the model's own controls: thermostat and schedules.
     own_controls: bool,
     /// Floor area, m².
     floor_area: f64,

@@ -60,8 +60,8 @@ struct Batch {
 /// For each environment, which numbers of its row of observations and of its row of actions are not padding.
 type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
 
-/// Number of buildings per environment whose templates may stay in memory; with more, none stay, and buildings are
-/// prepared again when they are drawn.
+/// Maximum number of buildings per environment for which templates stay in memory. With more, none stay, and each drawn
+/// building is prepared again.
 const KEPT_BUILDINGS: usize = 2;
 
 /// Maximum number of environments in a batch, because a set of workers has at most that many processes.
@@ -75,8 +75,8 @@ impl VecEnv {
     /// Prepares the buildings. With `resample`, environments draw a building every `resample` episodes, by the weights
     /// of the types; otherwise, environment i repeats pair i of a building and a task. `window` is the length of an
     /// episode in days and the number of possible first days. `problem` defines the form of observations and actions;
-    /// `by_role` arranges observations of houses by the roles of their zones. With `weather_years`, every episode draws one
-    /// of these weather files. `control` is what an agent sets in buildings that are generated when they are drawn.
+    /// `by_role` arranges observations of houses by the roles of their zones. With `weather_years`, every episode draws
+    /// one of these weather files. `control` is what an agent sets in buildings that are generated when drawn.
     #[new]
     #[pyo3(signature = (
         buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,

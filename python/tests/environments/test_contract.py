@@ -30,7 +30,7 @@ DAY = "01-01..01-01"
 def test_every_id_passes_the_checker_without_a_warning(building_type, version, task):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # Gymnasium says so of every id with a later version.
+        # Gymnasium warns about every id that has a later version.
         warnings.filterwarnings("ignore", ".*-v0 is out of date", DeprecationWarning)
         env = gymnasium.make(f"b2b/{building_type}-{version}", run_period=DAY, render_mode="rgb_array")
         check_env(env.unwrapped)
@@ -118,7 +118,7 @@ def test_a_learner_with_actions_in_physical_units_is_warned(make):
         learner(make(), rescaled=False)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # The actions of an environment in a wrapper that rescales them, and of others.
+        # A learner on a rescaling wrapper, one on rescaled actions, and no learner.
         learner(make(), rescaled=True)
         learner(make(rescale_action=True), rescaled=True)
         make().reset()
@@ -272,7 +272,7 @@ def test_a_rendered_frame_changes_with_the_state(make):
         after = env.render()
     assert before.dtype == np.uint8 and before.shape == (540, 960, 3) and before.std() > 10
     assert (before != after).any()
-    # Redrawn cells look the same as on an empty canvas.
+    # A new renderer, which draws everything, gives the same frame.
     env.unwrapped._renderer = None
     np.testing.assert_array_equal(env.render(), after)
 

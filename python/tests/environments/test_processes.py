@@ -130,7 +130,7 @@ def test_a_forked_vector_environment_works_after_its_next_reset(options):
 
 
 def workers_of(pid: int) -> list[int]:
-    """The workers that a process started, and their copies, which have its id in their arguments."""
+    """The worker processes of a process, including forked ones: its id is among their arguments."""
     found = []
     for entry in os.listdir("/proc"):
         if entry.isdigit():

@@ -132,7 +132,7 @@ def test_the_files_of_a_run_are_as_described(tmp_path):
     assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary") | metrics | {"currency"}
     text = (DOCS / "formats.md").read_text()
     footer = (tmp_path / "run/trajectory.parquet").read_bytes()
-    # Arrow encodes the metadata of its schema. The byte before it, of its length, may look like a part of it.
+    # Arrow's schema, with the metadata, is in base64. The last byte of the length before it may look like base64, too.
     schema = re.search(rb"[A-Za-z0-9+/]{1000,}=*", footer)
     assert schema
     footer += base64.b64decode(schema[0][len(schema[0]) % 4 :])

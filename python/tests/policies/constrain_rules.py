@@ -1,7 +1,7 @@
-"""Rules of ConStrain on trajectories of ``guideline36``. Prints a JSON list with one object a rule and subject.
+"""Rules of ConStrain on trajectories of ``guideline36``. Prints a JSON list with one object per rule and subject.
 
-Runs under a Python that has the package: ``test_guideline_rules.py`` makes one. Classes of the package judge. The
-rules that it lists without a class are written out here after its descriptions (``schema/library.json``) and marked
+Runs in an environment with the package ConStrain, which ``test_guideline_rules.py`` makes. The package's classes judge.
+Rules that it lists without a class are implemented here from their descriptions (``schema/library.json``) and marked
 ``"written_out"``.
 
 Flows are shares of the design flow at terminals, and m³/s of outdoor air. A command follows from the observation
@@ -28,7 +28,7 @@ DECISION = "decision: "
 DENSITY = 1.2
 # Climate zone 5B (ASHRAE 90.1): the buildings are in Denver.
 ECONOMIZER_LIMIT = 24.0
-# An hour outside counts from here on, K.
+# Deviation from the band beyond which a step counts as unmet, K.
 UNMET = 0.5
 TOLERANCES = json.loads(resources.files("constrain").joinpath("tolerances.json").read_text())
 MODULES = {
@@ -49,14 +49,14 @@ class System:
 
 
 def read(folder):
-    """The steps of a run, and the observations before them."""
+    """Returns the steps of a run, and the rows before them."""
     steps = pd.read_parquet(Path(folder) / "trajectory.parquet")
     steps.index = pd.Timestamp("2017-01-01") + pd.to_timedelta(5 * np.arange(len(steps)), unit="min")
     return steps.iloc[1:], steps.shift(1).iloc[1:]
 
 
 def systems(steps):
-    """The systems, in order: a mode comes before the zones."""
+    """Returns the systems in the order of the columns: a system's mode precedes its zones."""
     found = []
     for column in (column[len(DECISION) :] for column in steps if column.startswith(DECISION)):
         if column.endswith(" mode"):
@@ -69,7 +69,7 @@ def systems(steps):
 
 
 def judge(rule, **points):
-    """The verdict of a class of the package, with its failed and its tested samples."""
+    """Returns the verdict of a class of the package, with the numbers of failed and tested samples."""
     module = import_module(f"constrain.library.{MODULES.get(rule, rule)}")
     case = getattr(module, rule)(pd.DataFrame(points), tolerances=TOLERANCES)
     verdict, result = case.check_bool(), case.result
@@ -83,7 +83,7 @@ def judge(rule, **points):
 
 
 def written_out(rule, fails, tested):
-    """The verdict of a rule from its failed and its tested samples."""
+    """Returns the verdict of a rule that is implemented here, from its failed and tested samples."""
     failed, tested = int(fails.sum()), int(tested.sum())
     return {
         "rule": rule,
@@ -127,7 +127,7 @@ def of_air_handler(steps, before, system):
         temperature_air_outdoor_supply_max=21.0,
         temperature_air_supply_setpoint=setpoint[reset],
     )
-    # A mode may outlast the last output by a step; without people, the fan runs for outputs (docs/guideline36.md).
+    # Without people, the fan runs while a loop has output, and a mode may last a step longer (docs/guideline36.md).
     outputs = steps[[f"{DECISION}{zone} {side} loop" for zone in system.zones for side in ("heating", "cooling")]]
     needed = (outputs > 0).any(axis=1) | mode.isin(["occupied", "unoccupied"])
     status = {"mode_operation": mode[needed], "status_fan_supply": flow[needed] > 0}
@@ -165,7 +165,7 @@ def of_terminal(steps, before, system, zone):
     points = {
         "mode_operation": mode,
         "state_zone": np.where(cooling > 0, "cooling", np.where(coil | (heating > 0), "heating", "deadband")),
-        # What ventilation needs, with room for rounding.
+        # The minimum for ventilation, less a margin for rounding.
         "flow_volumetric_air_setpoint_min": opening[mode == "occupied"].min() - 1e-9,
         "flow_volumetric_air_setpoint": opening,
         "temperature_air_discharge": supply,
@@ -209,7 +209,7 @@ def of_zone(steps, before, system, zone):
     flow = steps.get(f"{zone} damper opening", steps.get(f"{zone} supply air flow"))
     if flow is None:
         return
-    # People are seen at the end of a step as well as at its start: they may come in between.
+    # Before or after the step, because people may arrive during it.
     people = sum(seen[[f"{each} occupancy" for each in system.zones]].sum(axis=1) for seen in (before, steps))
     # Any output is a load, and any flow takes power.
     load, power = 1e3 * (heating + cooling > 0), 1e3 * (flow > 0)
@@ -233,7 +233,7 @@ def of_run(folder):
 
 
 def resets(folders):
-    """Whether supply air temperatures are reset over all runs of a building, and economizers work along with coils."""
+    """Judges over all runs of a building whether supply air temperatures are reset, and economizers work with coils."""
     runs = [read(folder) for folder in folders]
     for system in (system for system in systems(runs[0][0]) if system.is_air_handler):
         column = f"{DECISION}{system.name} supply air temperature setpoint"
@@ -258,7 +258,7 @@ def resets(folders):
 
 
 def works_along(steps, before, system):
-    """The steps with more outdoor air than the minimum, too warm to do without the coil."""
+    """Returns the number of steps with more than minimum outdoor air that is too warm to cool without the coil."""
     supply, minimum = (
         steps[f"{DECISION}{system.name} {word}"] for word in ("supply air temperature setpoint", "minimum outdoor air")
     )

@@ -17,7 +17,7 @@ UNMET = "LocalLoopUnmetHours"
 
 @pytest.fixture(scope="module")
 def constrain():
-    """A Python with the package, in an environment of its own: it brings a hundred others."""
+    """A Python with the package, in a separate environment, because it has a hundred dependencies."""
     venv = Path(__file__).parents[3] / os.environ.get("CARGO_TARGET_DIR", "target") / "python/constrain"
     python = venv / "bin/python"
     if not (venv / "installed").exists():

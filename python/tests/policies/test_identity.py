@@ -51,7 +51,7 @@ def make(bias):
 
 
 def module(**changes) -> types.ModuleType:
-    """The module above after replacements in its text, as its author would edit it."""
+    """The module above after replacements in its text."""
     text = BASE
     for old, new in changes.values():
         assert old in text

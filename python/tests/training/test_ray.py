@@ -218,7 +218,7 @@ def test_ray_tune_tries_options_and_a_trial_resumes_from_its_checkpoint(cluster:
         ),
     ).fit()
     assert not results.errors and len(results) == 2
-    # The second attempt does not begin with the first attempt's report.
+    # The second attempt continues after the first attempt's checkpoint.
     assert float(resumed.read_text()) > float(interrupted.read_text())
     for result in results:
         agent = b2b.Agent.load(result.checkpoint.path)
