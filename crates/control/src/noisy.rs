@@ -1,6 +1,6 @@
 //! A controller with noise on its actions, for datasets of graded quality.
 
-use b2b_env::{ActionSpace, Controller};
+use b2b_env::{ActionSpace, Controller, Decisions};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -78,6 +78,10 @@ impl Controller for Noisy {
 
     fn reward(&mut self, reward: f64) {
         self.inner.reward(reward);
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        self.inner.record()
     }
 }
 
