@@ -1,8 +1,9 @@
 //! Agents: what they observe, how they act, their networks and their folders.
 //!
-//! An [`Agent`] is read from a folder and makes an [`AgentController`] for a building. A [`Pilot`] wraps its network:
-//! it computes the agent's observation ([`AgentObservation`]) and converts the output of the network to a physical
-//! action ([`Acting`]). Training uses the same pilot, so observations are the same in training and in use.
+//! An [`Agent`] is read from a folder and makes an [`AgentController`] for a building. A [`Pilot`] stands between
+//! environment and network: it computes the agent's observation ([`AgentObservation`]) and converts the output of the
+//! network to a physical action ([`Acting`]). Training uses the same pilot, so observations are the same in training and
+//! in use.
 
 mod acting;
 mod agent;

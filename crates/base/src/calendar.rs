@@ -8,16 +8,16 @@ pub const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 3
 const FEBRUARY_28: u32 = 59;
 
 /// The calendar of an episode: the day of the week of 1 January, whether there is a 29 February, and the first day of
-/// an episode that passes New Year.
+/// an episode that spans New Year.
 ///
-/// Days of the year are counted from 1. In an episode that passes New Year, days before its first day belong to the
-/// following year, and the day of the week continues as in the engine.
+/// Days of the year are counted from 1. In an episode that spans New Year, days before its first day belong to the
+/// following year, and the day of the week continues as in EnergyPlus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Calendar {
     /// Day of the week of 1 January, 0 (Monday) to 6 (Sunday).
     new_year: u32,
     leap: bool,
-    /// First day of an episode that passes New Year; otherwise 1.
+    /// First day of an episode that spans New Year; otherwise 1.
     first_day: u32,
 }
 
@@ -35,7 +35,7 @@ impl Calendar {
         Self { new_year: new_year % 7, leap, first_day: 1 }
     }
 
-    /// Returns the calendar of an episode of this year that begins on a day and passes New Year.
+    /// Returns the calendar of an episode of this year that begins on a day and spans New Year.
     #[must_use]
     pub const fn passing_new_year(self, first_day: u32) -> Self {
         Self { first_day, ..self }

@@ -16,7 +16,7 @@ pub(crate) const DISCOMFORT: &str = "discomfort";
 /// The sums from which the return of an episode follows for every weight and every resource.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReturnTerms {
-    /// Sum of the temperature penalties, K².
+    /// Sum of the temperature penalties.
     pub temperature_penalty: f64,
     /// Sum of each resource, in the order of [`Resource::ALL`]; `None` if the sums are from before the resource
     /// existed.

@@ -21,7 +21,7 @@ pub struct Pilot {
 
 #[pymethods]
 impl Pilot {
-    /// Creates the pilot of an agent with a form of observation and an acting, such as `supervisory:60`.
+    /// Creates the pilot of an agent with an observation form and an action mode, such as `supervisory:60`.
     #[new]
     fn new(spaces: &Spaces, observation: &str, acting: &str) -> PyResult<Self> {
         let form: ObservationForm = observation.parse().map_err(of_agent)?;
@@ -65,7 +65,8 @@ impl Pilot {
         let observation = arrays::numbers(observation)?;
         let seen = observation.get(..self.slots).ok_or_else(|| {
             let (given, expected) = (observation.len(), self.slots);
-            Exception::Action.new_err(format!("the observation has {given} values; expected {expected}"))
+            Exception::Action
+                .new_err(format!("the observation has {given} values; expected at least {expected}"))
         })?;
         Ok(PyArray1::from_slice(py, locked(&self.own).observe(seen)))
     }

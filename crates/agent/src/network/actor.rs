@@ -98,7 +98,7 @@ impl Actor {
     /// a network with a memory advances to its next state. Allocates only at the first call.
     ///
     /// # Panics
-    /// If the length of a slice does not match the shape.
+    /// If the length of a slice does not match the shape, or `scratch` belongs to another network.
     pub fn mean(&self, observation: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
         self.forward(observation, scratch);
         action.copy_from_slice(&scratch.outputs[..scratch.actions()]);
@@ -109,7 +109,7 @@ impl Actor {
     /// `normals` has a standard normal number per action. Allocates only at the first call.
     ///
     /// # Panics
-    /// If the length of a slice does not match the shape.
+    /// If the length of a slice does not match the shape, or `scratch` belongs to another network.
     pub fn sample(&self, observation: &[f32], normals: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
         assert_eq!(normals.len(), scratch.actions(), "one normal number per action");
         self.forward(observation, scratch);
@@ -141,7 +141,7 @@ impl Actor {
                     }
                 }
             }
-            _ => panic!("buffers of another network"),
+            _ => panic!("the scratch belongs to another network"),
         }
     }
 
@@ -172,7 +172,7 @@ impl Scratch {
         self.free.len()
     }
 
-    /// Returns the state after the last step: of a graph network, node by node. Empty without a memory.
+    /// Returns the state after the last step, node by node for a graph network; empty without a memory.
     pub fn state(&self) -> &[f32] {
         match &self.form {
             Form::Recurrent(own) => &own.state,
@@ -181,7 +181,7 @@ impl Scratch {
         }
     }
 
-    /// Returns the state, to set it: zeros forget everything.
+    /// Returns the state mutably. Zeros are an empty memory.
     pub fn state_mut(&mut self) -> &mut [f32] {
         match &mut self.form {
             Form::Recurrent(own) => &mut own.state,

@@ -29,7 +29,7 @@ use trajectory_file::Identity;
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
 /// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and picture.html
-/// (interactive time series, opens in any browser without a network; an agent is drawn beside the baseline).
+/// (interactive time series, opens offline in any browser; an agent is drawn beside the baseline).
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = HELP.as_str())]
 pub struct Arguments {
@@ -38,7 +38,7 @@ pub struct Arguments {
     building: BuildingName,
     #[command(flatten)]
     location: Location,
-    /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included; may pass New Year); peak-heating,
+    /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included; may span New Year); peak-heating,
     /// typical-heating, peak-cooling, typical-cooling or mixed: two weeks chosen from the weather
     #[arg(long, default_value_t = Period::WINTER, value_name = "PERIOD")]
     period: Period,
@@ -70,7 +70,7 @@ Examples:
   b2b run OfficeSmall-0042 --period summer
   b2b run OfficeSmall --period peak-cooling --controller own
   b2b run OfficeSmall --task operate:21-24/15.6-28+tou   another band, and prices by the hour
-  b2b run OfficeSmall --task occupancy+energy0.5  a task of the paper, under its reactive controllers
+  b2b run OfficeSmall --task occupancy+energy0.5  a task of the paper; its baseline is reactive
   b2b run Warehouse --place Miami --period summer --task constant:23
   b2b run OfficeSmall --task random:7             setpoints drawn per zone and day with seed 7
   b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation (PMV) plus 2 × energy cost
@@ -81,17 +81,17 @@ Examples:
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
-Tasks of operation keep people comfortable at low cost. They are written operate[:HEATING-COOLING/HEATING-COOLING][+TARIFF]
-[+preview]: the bands of the building's own thermostats, or these with people and without; a tariff by name or as a TOML
-file; and a look ahead in the observation. Their baseline is guideline36.
+Operation tasks keep people comfortable at low cost. They are written operate[:HEATING-COOLING/HEATING-COOLING][+TARIFF]
+[+preview]...: the bands of the building's own thermostats, or the given ones with people and without; a tariff by name or
+as a TOML file; a look ahead in the observation; and further options (docs/operation.md). Their baseline is guideline36.
 
-Tasks of tracking hold a target, as in the paper. They are written
+Tracking tasks hold a target, as in the paper (Taboga et al., 2026). They are written
 SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+PRESENCE][+FAULT...]. Their baseline is reactive. The six tasks of the paper
 are constant, occupancy and random, each with and without +energy0.5.
   SETPOINTS    constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
-               to February and 26 °C from June to August), random, random:SEED
-  COMFORT      squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
-               or K; +pmv: predicted mean vote (ISO 7730)
+               to February and 26 °C from June to August, south of the equator the reverse), random, random:SEED
+  COMFORT      squared deviation from the setpoint (default); +deadband or +deadbandD: squared deviation
+               beyond 1 K or D K; +pmv: predicted mean vote (ISO 7730)
   RESOURCE     {resources}: W times the energy (relative to the mean use of the reactive
                controllers), cost, emissions or increase in peak demand of each step
   VENTILATION  an interlock supplies outdoor air while people are present (default); +free-ventilation: no minimum

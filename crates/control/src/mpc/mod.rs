@@ -1,5 +1,5 @@
 //! A model predictive controller that could run in a building: Guideline 36 under supervisory points, chosen every hour
-//! by a search over a day on a model identified from the two weeks before.
+//! by a search over a day on a model identified from the two weeks before (early in January: the last two of the year).
 //!
 //! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, minimum flows
 //!    and the economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
@@ -7,7 +7,7 @@
 //! 3. Every hour, [`Mpc`] forecasts outdoor temperatures and setpoints for the next 24 hours, and chooses the levels of
 //!    lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
 //!
-//! A level counts only if the model is sure of its effect; otherwise the guideline itself stays in effect.
+//! An effect within its uncertainty counts as zero; without effects, the guideline stays as it is.
 
 mod day_plan;
 mod drivers;
@@ -49,7 +49,7 @@ pub struct Mpc {
     /// Outdoor temperatures and radiation of the next hours.
     weather: [[f64; PREVIEW_HOURS]; 2],
     plan: DayPlan,
-    /// The shift of every point, as a number of the plan's shifts; `None` for one that stays the guideline's.
+    /// The shift of every point, as an index into the plan's shifts; `None` for one that stays the guideline's.
     shifts: Vec<Option<usize>>,
     values: Vec<f64>,
     steps_per_hour: usize,

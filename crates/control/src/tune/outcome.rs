@@ -9,7 +9,7 @@ use super::plan::TuningPlan;
 /// The outcome in a cell: sums over the episodes of a building under one setpoint mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellOutcome {
-    /// Temperature penalty, summed over the episodes, K².
+    /// Temperature penalty, summed over the episodes.
     pub temperature_penalty: f64,
     /// HVAC energy, Wh/m².
     pub energy: f64,

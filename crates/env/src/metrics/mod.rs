@@ -44,7 +44,7 @@ pub struct Metrics {
     pub steps: usize,
     /// Sum of the rewards.
     pub episode_return: f64,
-    /// Sum of the temperature penalties, K².
+    /// Sum of the temperature penalties.
     pub temperature_penalty: f64,
     /// Sum of the energy penalties.
     pub energy_penalty: f64,

@@ -21,7 +21,7 @@ fn the_page_of_tasks_lists_the_resources_and_the_metrics() {
 }
 
 fn resources() -> String {
-    let mut table = String::from("| resource | penalty: weight / scale, times |\n|---|---|\n");
+    let mut table = String::from("| resource | penalty = weight W / scale × |\n|---|---|\n");
     for penalty in Resource::ALL.map(Resource::penalty) {
         writeln!(table, "| `{}W` | {} |", penalty.word, penalty.doc).unwrap();
     }

@@ -42,18 +42,18 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
         "period",
         "episodes",
         "saving of foresight (%)",
-        "least",
-        "most",
+        "lowest",
+        "highest",
         "discomfort, guideline36 (K·h per zone)",
         "discomfort, foresight",
-        "beyond the free discomfort",
+        "episodes beyond the free discomfort",
     ]
     .map(str::to_owned)
     .to_vec();
-    header.extend(others.iter().map(|controller| format!("share of the way, {controller} (%)")));
+    header.extend(others.iter().map(|controller| format!("share of it, {controller} (%)")));
     Some(json!({
-        "name": "The way from guideline36 to foresight",
-        "title": "medians over the buildings; the way is the cost that foresight saves, and 100 % is all of it",
+        "name": "Savings of foresight, and the share that others reach",
+        "title": "medians over the episodes; shares are of the cost that foresight saves",
         "header": header,
         "rows": rows,
     }))

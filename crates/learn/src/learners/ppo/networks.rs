@@ -13,8 +13,8 @@ use crate::policy::RecurrentPolicy;
 use crate::random::RandomStream;
 use crate::rollout::Widths;
 
-/// The shapes of actor and critic. All parameters are one slice: the actor's, the free logarithms of standard
-/// deviations, and the critic's.
+/// The shapes of actor and critic. All parameters are one slice: the actor's, the log standard deviations
+/// that do not depend on the observation, and the critic's.
 #[derive(Clone, Debug)]
 pub(super) struct Networks {
     /// Shape of the actor: outputs are means and, if they depend on the observation, logarithms of standard deviations.
@@ -23,11 +23,11 @@ pub(super) struct Networks {
     /// in parts, their mean is the value.
     pub critic: Shape,
     pub widths: Widths,
-    /// Steps of a sequence through which networks with a memory are differentiated; 1 for other networks.
+    /// Steps of backpropagation through time in networks with a memory; 1 for other networks.
     pub sequence: usize,
     /// Whether standard deviations depend on the observation.
     of_state: bool,
-    /// Ends of the actor's parameters, the free logarithms of standard deviations, and the critic's parameters.
+    /// Ends of the actor's parameters, the log standard deviations, and the critic's parameters.
     ends: [usize; 3],
     /// Lower bound of the logarithm of the standard deviation.
     minimum: f32,
@@ -38,7 +38,7 @@ pub(super) struct Networks {
 pub(super) enum NetworkKind<'a> {
     Flat,
     Recurrent(&'a RecurrentPolicy),
-    /// Graph networks for an actor of this shape, whose outputs are its actions, and the steps of a sequence.
+    /// Graph networks with an actor of this shape, and the steps of a sequence.
     Graph(&'a GraphNetwork, usize),
 }
 
@@ -158,8 +158,8 @@ impl Networks {
         self.ends[1]..self.ends[2]
     }
 
-    /// Returns the critic's last layers and their outputs that hold the values of a kind of part. Places are relative
-    /// to the critic's parameters.
+    /// Returns the critic's last layers and their outputs with the values of a kind of reward part: a node type
+    /// of a graph network, otherwise the part itself. Places are relative to the critic's parameters.
     pub fn value_outputs(&self, kind: usize) -> Vec<(Layer, usize)> {
         match &self.critic {
             Shape::Mlp(_) | Shape::Recurrent(_) => {
@@ -239,7 +239,7 @@ impl Networks {
         }
     }
 
-    /// Zeros the gradients where the log standard deviation of these outputs is at a bound.
+    /// Zeros the gradients where the log standard deviation of these outputs is outside its bounds.
     pub fn clamp_gradients(&self, outputs: &[f32], gradients: &mut [f32]) {
         let range = self.minimum..=*LOG_STD.end();
         for (output, gradient) in outputs[self.widths.action..].iter().zip(gradients) {
