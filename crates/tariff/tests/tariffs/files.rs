@@ -226,4 +226,5 @@ fn a_profile_needs_all_seasons_or_one_value() {
     assert_said(&said(""), 5, &["`flat`", "`winter`"]);
     assert_said(&said("flat = -1"), 5, &["-1"]);
     assert_said(&said("flat = 1\nwintr = 3"), 7, &["did you mean `winter`?"]);
+    assert_said(&said("flat = 1\n[fuels]\ngas = -2"), 7, &["`gas`", "-2"]);
 }
