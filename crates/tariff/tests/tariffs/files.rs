@@ -138,7 +138,7 @@ fn a_users_file_is_named_by_its_errors_and_its_tariff() {
 #[test]
 fn an_unknown_name_gets_the_nearest() {
     let said = Tariff::named("hq-flexd").err().unwrap().to_string();
-    assert!(said.contains("unknown tariff `hq-flexd`, did you mean `hq-flex-d`?"), "{said}");
+    assert!(said.contains("unknown tariff `hq-flexd` (did you mean `hq-flex-d`?)"), "{said}");
     let said = Emissions::named("frcc-averge").err().unwrap().to_string();
     assert!(said.contains("emission profile") && said.contains("`frcc-average`"), "{said}");
 }
