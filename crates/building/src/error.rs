@@ -113,7 +113,7 @@ pub enum Error {
     /// Text that is neither a run period nor a named two-week period.
     #[error(
         "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, which \
-         may be after New Year, or two weeks that the weather decides: {}",
+         may be after New Year, or two weeks chosen from the weather: {}",
         near_period(text, &TWO_WEEKS), TWO_WEEKS.join(", ")
     )]
     Period {
