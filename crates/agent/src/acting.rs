@@ -87,7 +87,7 @@ impl Acting {
     pub fn check(self, steps_per_hour: u32) -> Result<(), String> {
         match self {
             Self::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
-                Err(format!("`authority` is {authority}; expected more than 0, at most 1"))
+                Err(format!("`acting.authority` is {authority}; expected more than 0, at most 1"))
             }
             Self::Targets { shift, .. } if !(shift > 0.0 && shift <= LARGEST_SHIFT) => {
                 Err(format!("`acting.shift` is {shift}; expected more than 0, at most {LARGEST_SHIFT} K"))

@@ -11,10 +11,9 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Stri
     near.map_or_else(String::new, |near| format!("`{near}`"))
 }
 
-/// Returns `did you mean NAME?` after a punctuation mark such as `, `, to follow a wrong name in a message; empty
-/// without a similar name.
-pub fn did_you_mean(mark: &str, near: &str) -> String {
-    if near.is_empty() { String::new() } else { format!("{mark}did you mean {near}?") }
+/// Returns ` (did you mean NAME?)`, to follow a wrong name in a message; empty without a similar name.
+pub fn did_you_mean(near: &str) -> String {
+    if near.is_empty() { String::new() } else { format!(" (did you mean {near}?)") }
 }
 
 /// Adds the most similar of the expected keys to serde's message about an unknown one.
@@ -24,7 +23,7 @@ pub fn with_suggestion(message: &str) -> String {
         return message.to_owned();
     };
     let near = nearest(unknown, expected.iter().copied());
-    message.to_owned() + &did_you_mean("; ", &near)
+    if near.is_empty() { message.to_owned() } else { format!("{message}; did you mean {near}?") }
 }
 
 #[cfg(test)]
@@ -35,6 +34,7 @@ mod tests {
     fn a_similar_name_is_suggested_and_another_is_not() {
         assert_eq!(nearest("hq-n", ["flat", "hq-m"]), "`hq-m`");
         assert_eq!(nearest("zzz", ["flat", "hq-m"]), "");
+        assert_eq!([did_you_mean("`hq-m`").as_str(), &did_you_mean("")], [" (did you mean `hq-m`?)", ""]);
     }
 
     #[test]

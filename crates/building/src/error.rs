@@ -74,7 +74,7 @@ pub enum Error {
     /// An unknown building type.
     #[error(
         "unknown building type `{text}`{}; expected one of {known}",
-        did_you_mean(": ", near.unwrap_or_default())
+        did_you_mean(near.unwrap_or_default())
     )]
     UnknownType {
         /// The name.
@@ -113,7 +113,7 @@ pub enum Error {
     /// Text that is neither a run period nor a named two-week period.
     #[error(
         "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, which \
-         may be after New Year, or two weeks that the weather decides: {}",
+         may be after New Year, or two weeks chosen from the weather: {}",
         near_period(text, &TWO_WEEKS), TWO_WEEKS.join(", ")
     )]
     Period {
@@ -260,7 +260,7 @@ fn near_period(text: &str, others: &[&str]) -> String {
     let is_near = |name: &&str| strsim::damerau_levenshtein(name, &text.to_lowercase()) <= 2;
     let names = ["winter", "summer", "full_year"].into_iter();
     let near = names.chain(others.iter().copied()).find(is_near);
-    did_you_mean(": ", near.unwrap_or_default())
+    did_you_mean(near.unwrap_or_default())
 }
 
 /// The reasons, one per line.

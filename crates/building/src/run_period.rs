@@ -226,6 +226,12 @@ impl RunPeriod {
         [year, year + u32::from(passes)]
     }
 
+    /// Returns year, month and day of the first day, in the first of [`RunPeriod::years`].
+    pub fn first_day(self) -> [u32; 3] {
+        let [month, day] = self.first.month_and_day();
+        [self.years()[0], month, day]
+    }
+
     /// The fields of the engine's `RunPeriod` object.
     pub(crate) fn to_epjson(self) -> Value {
         let [begin_year, end_year] = self.years();
@@ -289,6 +295,7 @@ mod tests {
         assert_eq!([0, 4, 5, 13].map(|after| period.day_of_year(after)), [361, 365, 1, 9]);
         assert_eq!(period.calendar().weekday(1), 0, "1 January 2018 was a Monday");
         assert_eq!((period.years(), period.part(4, 2).to_string().as_str()), ([2017, 2018], "12-31..01-01"));
+        assert_eq!(period.first_day(), [2017, 12, 27]);
         let [january, december] = ["01-05..01-12", "12-01..12-26"].map(|text| text.parse().unwrap());
         assert!(period.overlaps(january) && january.overlaps(period) && !period.overlaps(december));
     }

@@ -18,7 +18,7 @@ pub enum Error {
     /// A place without a known weather file.
     #[error(
         "unknown place `{name}`{}; expected one of {}, or the path of an EPW file",
-        did_you_mean(": ", near.unwrap_or_default()),
+        did_you_mean(near.unwrap_or_default()),
         known.join(", ")
     )]
     UnknownPlace {

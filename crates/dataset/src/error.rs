@@ -61,7 +61,7 @@ pub enum Error {
     /// An unknown parameter of a building type.
     #[error(
         "unknown parameter `{name}` of {building_type}{}; expected one of {known}",
-        did_you_mean(": ", near.unwrap_or_default())
+        did_you_mean(near.unwrap_or_default())
     )]
     UnknownParameter {
         /// The name.
@@ -155,5 +155,5 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Returns the most similar interface, as a question; empty if none is similar.
 fn near_control(text: &str) -> String {
-    did_you_mean(": ", &nearest(text, ["actuators", "setpoints"]))
+    did_you_mean(&nearest(text, ["actuators", "setpoints"]))
 }

@@ -138,7 +138,7 @@ pub enum Error {
         source: parquet::errors::ParquetError,
     },
     /// An unknown problem.
-    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", did_you_mean(", ", near))]
+    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", did_you_mean(near))]
     UnknownProblem {
         /// The name given.
         text: String,
@@ -234,13 +234,13 @@ pub(crate) fn at(path: &Path) -> impl Fn(std::io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }
 }
 
-/// Returns what to do about an unknown policy, behind a comma: compare policies if several are named, use the nearest
-/// name if one is similar; otherwise empty.
+/// Returns what to do about an unknown policy: compare policies if several are named, use the nearest name if one is
+/// similar; otherwise empty.
 fn remedy(policy: &str) -> String {
     let known = || b2b_control::KINDS.into_iter().map(b2b_control::Kind::name);
     let mut words = policy.split([' ', ',']).filter(|word| !word.is_empty());
     if words.clone().count() > 1 && words.all(|word| known().any(|name| name == word)) {
         return ", an evaluation has one policy: evaluate each in its own folder, then `b2b evaluate compare`".into();
     }
-    did_you_mean(", ", &nearest(policy, known()))
+    did_you_mean(&nearest(policy, known()))
 }

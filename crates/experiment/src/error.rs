@@ -13,7 +13,7 @@ pub enum Error {
     /// An unknown experiment.
     #[error(
         "unknown experiment `{name}`{}; expected a name from `b2b experiment list` or the path of a TOML file",
-        did_you_mean(", ", near)
+        did_you_mean(near)
     )]
     Unknown {
         /// The name given.
@@ -22,10 +22,7 @@ pub enum Error {
         near: String,
     },
     /// A budget that an experiment does not have.
-    #[error(
-        "the experiment {experiment} has no budget `{name}`{}; expected {known}",
-        did_you_mean(", ", near)
-    )]
+    #[error("the experiment {experiment} has no budget `{name}`{}; expected {known}", did_you_mean(near))]
     UnknownBudget {
         /// The name given.
         name: String,

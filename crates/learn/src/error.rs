@@ -28,11 +28,14 @@ pub enum Error {
         /// The expected length.
         expected: usize,
     },
-    /// An end of an episode outside the rollout, or out of order.
+    /// A step in a list of a rollout that is outside the rollout, or out of order.
     #[error(
-        "end of an episode at step {step} of environment {environment} is outside the rollout or out of order"
+        "`{name}` of the rollout has step {step} of environment {environment}, which is outside the rollout or out of \
+         order"
     )]
-    End {
+    Step {
+        /// Name of the list.
+        name: &'static str,
         /// The environment.
         environment: usize,
         /// The step.

@@ -132,11 +132,11 @@ impl Rollout {
         self.scenes.iter().position(later).unwrap_or(self.scenes.len()).saturating_sub(1)
     }
 
-    /// Checks the lengths of the arrays and the order of the ends.
+    /// Checks the lengths of the arrays, the starts, and the order of the ends.
     ///
     /// # Errors
-    /// When an array has another length than its counts and these widths, or an end is outside the rollout or out of
-    /// order.
+    /// When an array has another length than its counts and these widths, or a start or an end is outside the rollout,
+    /// or an end out of order.
     pub fn check(&self, widths: Widths) -> Result<()> {
         let rows = self.rows();
         let lengths = [
@@ -153,12 +153,12 @@ impl Rollout {
         self.ends.iter().try_for_each(|end| end.check(self, widths))?;
         let is_outside = |start: &&(usize, usize)| start.0 >= self.environments || start.1 >= self.steps;
         if let Some((environment, step)) = self.starts.iter().find(is_outside).copied() {
-            return Err(Error::End { environment, step });
+            return Err(Error::Step { name: "starts", environment, step });
         }
         let place = |end: &End| (end.environment, end.step);
         match self.ends.windows(2).find(|pair| place(&pair[0]) >= place(&pair[1])) {
-            Some(pair) => Err(Error::End { environment: pair[1].environment, step: pair[1].step }),
-            None => Ok(()),
+            Some([_, end]) => Err(end.misplaced()),
+            _ => Ok(()),
         }
     }
 }
@@ -167,11 +167,15 @@ impl End {
     fn check(&self, rollout: &Rollout, widths: Widths) -> Result<()> {
         let (length, expected) = (self.observation.len(), widths.observation);
         if self.environment >= rollout.environments || self.step >= rollout.steps {
-            return Err(Error::End { environment: self.environment, step: self.step });
+            return Err(self.misplaced());
         }
         if length != expected {
             return Err(Error::Rollout { name: "observation of an end", length, expected });
         }
         Ok(())
+    }
+
+    fn misplaced(&self) -> Error {
+        Error::Step { name: "ends", environment: self.environment, step: self.step }
     }
 }

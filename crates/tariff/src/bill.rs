@@ -149,15 +149,18 @@ impl Bill {
         energy + self.demand(prices)
     }
 
-    /// Returns the parts of the bill: electricity by the names of its prices, demand charges, other carriers. Parts
-    /// without a quantity are left out.
+    /// Returns the parts of the bill: electricity by the names of its prices, demand charges, other carriers. Those of
+    /// one name and unit are one part; parts without a quantity are left out.
     pub fn parts(&self, prices: &Prices) -> Vec<Part> {
         let mut parts: Vec<Part> = Vec::new();
         let mut put = |name: &str, amount: Amount, unit: &'static str| {
             let known = parts.iter_mut().find(|part| part.unit == unit && part.name == name);
             match known {
                 Some(part) => {
-                    part.quantity = part.quantity.max(amount.quantity);
+                    part.quantity = match unit {
+                        "kW" => part.quantity.max(amount.quantity),
+                        _ => part.quantity + amount.quantity,
+                    };
                     part.cost += amount.cost;
                 }
                 None if amount.quantity != 0.0 => {

@@ -77,7 +77,7 @@ fn excess_over(entry: &DemandFile, all: &[Spanned<DemandFile>]) -> Result<u8, St
     let bits = bits.fold(0, |bits, (bit, _)| bits | 1 << bit);
     if bits == 0 {
         let near = nearest(wanted, others().filter(|name| *name != entry.name));
-        let near = did_you_mean(", ", &near);
+        let near = did_you_mean(&near);
         return Err(format!(
             "has `excess_over` {wanted:?}{near}; expected the name of another demand charge"
         ));

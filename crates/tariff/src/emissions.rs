@@ -46,8 +46,7 @@ struct EmissionsFile {
     rate: Rate,
     source: Source,
     electricity: toml::Spanned<IntensityFile>,
-    #[serde(default)]
-    fuels: Fuels,
+    fuels: Option<toml::Spanned<Fuels>>,
 }
 
 /// kg/MWh, one value or by season and hour.
@@ -91,7 +90,7 @@ impl Emissions {
             rate: file.rate,
             source: file.source,
             electricity,
-            fuels: FuelValues::EMISSIONS.with(&file.fuels).map_err(|why| Fault::at(place, why))?,
+            fuels: FuelValues::EMISSIONS.with(file.fuels.as_ref())?,
         })
     }
 

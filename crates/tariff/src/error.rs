@@ -9,10 +9,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An unknown tariff or emission profile.
-    #[error(
-        "unknown {what} `{name}`{}; expected {known}, or the path of a TOML file",
-        did_you_mean(", ", near)
-    )]
+    #[error("unknown {what} `{name}`{}; expected {known}, or the path of a TOML file", did_you_mean(near))]
     Unknown {
         /// What was looked for: `tariff` or `emission profile`.
         what: &'static str,

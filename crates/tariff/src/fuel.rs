@@ -2,6 +2,9 @@
 
 use b2b_base::carrier::Carrier;
 use serde::Deserialize;
+use toml::Spanned;
+
+use crate::error::Fault;
 
 /// Efficiency of the boilers of a district.
 const BOILER: f64 = 0.8;
@@ -9,7 +12,7 @@ const BOILER: f64 = 0.8;
 const CHILLER: f64 = 5.0;
 
 /// Values of the carriers other than electricity, as a file gives them.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Fuels {
     gas: Option<f64>,
@@ -59,11 +62,13 @@ impl FuelValues {
         Self { gas, propane, fuel_oil, other_fuel, district_heating: None, district_cooling: None }
     }
 
-    /// Returns these values, replaced by the ones in a file.
+    /// Returns these values, replaced by the ones that a file may give.
     ///
     /// # Errors
-    /// The reason, for a value that is negative or not finite.
-    pub(crate) fn with(self, given: &Fuels) -> Result<Self, String> {
+    /// A fault at the file's values for one that is negative or not finite.
+    pub(crate) fn with(self, given: Option<&Spanned<Fuels>>) -> Result<Self, Fault> {
+        let Some(spanned) = given else { return Ok(self) };
+        let given = spanned.get_ref();
         let named = [
             ("gas", given.gas),
             ("propane", given.propane),
@@ -74,7 +79,8 @@ impl FuelValues {
         ];
         for (name, value) in named {
             if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
-                return Err(format!("`{name}` is {value}; expected a number of at least 0"));
+                let why = format!("`{name}` is {value}; expected a number of at least 0");
+                return Err(Fault::at(spanned.span().start, why));
             }
         }
         Ok(Self {

@@ -96,12 +96,7 @@ impl Tariff {
             charges: charges(&electricity.demand)?,
             events,
             cold,
-            fuels: match file.fuels {
-                None => FuelValues::PRICES,
-                Some(given) => FuelValues::PRICES
-                    .with(given.get_ref())
-                    .map_err(|why| Fault::at(given.span().start, why))?,
-            },
+            fuels: FuelValues::PRICES.with(file.fuels.as_ref())?,
             month_days: month_days(&electricity, place)?,
             energy,
             holidays: electricity.holidays,

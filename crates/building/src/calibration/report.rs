@@ -114,7 +114,7 @@ fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {
     }
     for index in &fit.at_bound {
         warnings.push(format!(
-            "{} ends at its bound, a multiplier of {:.2}: check the model and the metered energy, or calibrate other \
+            "the multiplier of {} ends at its bound, {:.2}: check the model and the metered energy, or calibrate other \
              parameters",
             parameters[*index].name(),
             fit.point[*index].exp()
@@ -122,9 +122,31 @@ fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {
     }
     if !fit.without_effect.is_empty() {
         warnings.push(format!(
-            "{} has almost no effect on the metered energy and is not determined",
+            "almost without effect on the metered energy, and so not determined: {}",
             names(&fit.without_effect)
         ));
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_hold_for_one_parameter_and_for_several() {
+        let fit = |without_effect: Vec<usize>| Fit {
+            point: vec![0.0, 2.0_f64.ln()],
+            evaluations: 1,
+            iterations: 1,
+            at_bound: vec![1],
+            collinear: Vec::new(),
+            without_effect,
+        };
+        let said = |without_effect| warnings(&[Change::WallU, Change::Lights], &fit(without_effect));
+        assert!(said(vec![])[0].starts_with("the multiplier of lights ends at its bound, 2.00"));
+        let several = "almost without effect on the metered energy, and so not determined: wall_u, lights";
+        assert_eq!(said(vec![0, 1])[1], several);
+        assert_eq!(said(vec![0])[1], several.replace(", lights", ""));
+    }
 }

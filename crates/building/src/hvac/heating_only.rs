@@ -10,7 +10,7 @@ use super::sequence::Sequence;
 use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use super::zone_equipment::HEATERS;
-use crate::model::{Model, number, text};
+use crate::model::{Fields, Model, number, text};
 use crate::morphology::NodeType;
 use crate::{Conditioning, Error, Result};
 
@@ -93,18 +93,30 @@ pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> R
 
 /// Rejects a heater of zero capacity, as sized for a zone that needs no heat: its setpoint would have no effect.
 pub(super) fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
-    let parts = parts(model.require(&heater.class, &heater.name)?);
-    let has_none = |part: &Reference| {
-        let capacity = model.get(&part.class, &part.name).and_then(|f| number(f, "nominal_capacity"));
-        capacity.is_some_and(|capacity| capacity <= 0.0)
-    };
-    match parts.iter().any(has_none) {
+    let fields = model.require(&heater.class, &heater.name)?;
+    let has_none = |part: &Reference| model.get(&part.class, &part.name).is_some_and(is_powerless);
+    match is_powerless(fields) || parts(fields).iter().any(has_none) {
         true => {
             let why = "its capacity is zero: the zone needs no heat on the design days";
             Err(Error::unsupported(&heater.class, &heater.name, why))
         }
         false => Ok(()),
     }
+}
+
+/// Returns whether a heater or a coil is known to give no heat: its capacity is zero however it may be given (in total,
+/// per floor area, by U-factor and area), or no hot water flows.
+fn is_powerless(fields: &Fields) -> bool {
+    let is_capacity = |field: &str| {
+        let is_given = field.contains("capacity") || field == "u_factor_times_area_value";
+        is_given && !field.starts_with("fraction_of")
+    };
+    let capacities =
+        fields.keys().filter(|field| is_capacity(field)).filter_map(|field| number(fields, field));
+    [capacities.reduce(f64::max), number(fields, "maximum_water_flow_rate")]
+        .into_iter()
+        .flatten()
+        .any(|largest| largest <= 0.0)
 }
 
 /// Returns the engine variable of a heater's heating rate: its coil's, or its own if it has no coil.
@@ -114,4 +126,45 @@ pub(super) fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> 
         Some(coil) => EngineVariable::new("Heating Coil Heating Rate", coil),
         None => EngineVariable::new("Baseboard Total Heating Rate", &heater.name),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    const BASEBOARD: &str = "ZoneHVAC:Baseboard:Convective:Electric";
+    const UNIT: &str = "ZoneHVAC:UnitHeater";
+
+    fn is_refused(class: &str, heater: Value, coil: Value) -> bool {
+        let mut model = Model::default();
+        model.insert(class, "H", heater);
+        model.insert("Coil:Heating:Water", "C", coil);
+        let heater = Reference { class: class.into(), name: "H".into() };
+        refuse_powerless(&model, &heater).is_err()
+    }
+
+    #[test]
+    fn a_heater_or_a_coil_without_capacity_or_hot_water_is_refused() {
+        let baseboard = |fields| is_refused(BASEBOARD, fields, json!({}));
+        assert!(baseboard(
+            json!({"heating_design_capacity": 0, "fraction_of_autosized_heating_design_capacity": 1})
+        ));
+        assert!(!baseboard(json!({"heating_design_capacity": 900.0})));
+        assert!(!baseboard(json!({"heating_design_capacity": "Autosize"})));
+        assert!(!baseboard(
+            json!({"heating_design_capacity": 0, "heating_design_capacity_per_floor_area": 50})
+        ));
+        let unit = json!({"heating_coil_object_type": "Coil:Heating:Water", "heating_coil_name": "C"});
+        let coil = |fields| is_refused(UNIT, unit.clone(), fields);
+        // As the engine sizes a coil without a load.
+        assert!(coil(
+            json!({"rated_capacity": 0, "u_factor_times_area_value": 1, "maximum_water_flow_rate": 0})
+        ));
+        assert!(coil(json!({"rated_capacity": 0.0})));
+        assert!(!coil(
+            json!({"rated_capacity": 0, "u_factor_times_area_value": 300, "maximum_water_flow_rate": 1e-4})
+        ));
+    }
 }

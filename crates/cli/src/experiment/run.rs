@@ -26,7 +26,8 @@ pub struct Arguments {
     /// Name of an experiment, or a TOML file
     #[arg(value_name = "EXPERIMENT")]
     experiment: String,
-    /// Budget: quick (a few hours on two cores), full (as in the paper), or another budget of the experiment
+    /// Budget: quick (minutes to hours on two cores), full (the paper's where it has the experiment), or another budget
+    /// of the experiment
     #[arg(long, value_name = "BUDGET", default_value = "quick")]
     budget: String,
     /// Run only part I of N of the jobs, with I from 0 to N - 1; the parts may share the output folder

@@ -63,10 +63,10 @@ fn add_command(mut usage: Error) -> Error {
     usage
 }
 
-/// Returns `did you mean NAME?; ` with the most similar of the known names, to begin the list of what is expected;
-/// empty if none is similar.
+/// Returns `did you mean NAME? ` with the most similar of the known names, to come before what is expected; empty if
+/// none is similar.
 pub fn near<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> String {
-    nearest(given, known).map_or_else(String::new, |name| format!("did you mean {name}?; "))
+    nearest(given, known).map_or_else(String::new, |name| format!("did you mean {name}? "))
 }
 
 /// Returns the most similar of the known names, if more than half of its letters are right.
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn a_misspelled_name_gets_the_nearest() {
         let near = |given| near(given, ["default", "tuned"].into_iter());
-        assert_eq!(near("tund"), "did you mean tuned?; ");
+        assert_eq!(near("tund"), "did you mean tuned? ");
         assert_eq!(near("mine"), "");
     }
 }

@@ -81,9 +81,7 @@ impl TimeAxis {
         let needed = steps.div_ceil(MAX_POINTS).max(1);
         let day = 24 * steps_per_hour as usize;
         let span = (needed..=day).find(|span| day.is_multiple_of(*span)).unwrap_or(day);
-        let [month, day] = period.first().month_and_day();
-        let first_day = [period.years()[0], month, day];
-        Self { first_day, steps_per_hour, span, points: steps.div_ceil(span) }
+        Self { first_day: period.first_day(), steps_per_hour, span, points: steps.div_ceil(span) }
     }
 
     /// Returns a series of one value per step.
@@ -175,6 +173,11 @@ mod tests {
             assert_eq!(axis.span, span);
             assert!(axis.points <= MAX_POINTS);
         }
+    }
+
+    #[test]
+    fn ticks_are_in_the_year_of_the_axis() {
+        assert!(!SCRIPT.contains("2017"));
     }
 
     #[test]

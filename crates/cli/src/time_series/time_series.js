@@ -100,12 +100,12 @@ function timeTicks(width) {
   const all = [];
   if (!step) {
     for (let m = 0; m < 24; m++) {
-      const t = Date.UTC(2017, m, 1);
+      const t = Date.UTC(YEAR, m, 1);
       if (t >= view.from && t < view.to) all.push(t);
     }
     return { all, label: t => MONTHS[date(t).getUTCMonth()] };
   }
-  const zero = Date.UTC(2017, 0, 1);
+  const zero = Date.UTC(YEAR, 0, 1);
   for (let t = zero + Math.ceil((view.from - zero) / step) * step; t <= view.to; t += step) all.push(t);
   return { all, label: t => t % DAY ? clockText(t) : dateText(t) };
 }

@@ -53,7 +53,7 @@ fn cache_folder(cache: &Cache) -> Finding {
     let (health, detail) = match std::fs::metadata(&cache.root) {
         Ok(found) if found.is_dir() => (Health::Good, format!("{path}")),
         Ok(_) => (Health::Bad, format!("{path} is not a folder: remove it or set B2B_CACHE")),
-        Err(_) => (Health::Absent, format!("{path} does not exist yet; `b2b setup` creates it")),
+        Err(_) => (Health::Absent, format!("{path} does not exist yet; created when needed")),
     };
     finding("cache folder", health, detail)
 }

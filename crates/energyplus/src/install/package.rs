@@ -67,14 +67,15 @@ impl Package {
     /// content. Files are read only if they changed since they were last verified.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
         let wheel = self.wheel();
+        self.copies(cache).find(|found| self.is_whole(found, wheel, cache))
+    }
+
+    /// Returns the package in the folder of the package client and in the cache, whatever the content of its files.
+    fn copies(&self, cache: &Cache) -> impl Iterator<Item = Installed> {
         let by_client = cache.packages.as_deref().and_then(|folder| self.find_among(folder));
-        let whole = |found: &Installed| self.is_whole(found, wheel, cache);
-        if let Some(found) = by_client.filter(whole) {
-            return Some(found);
-        }
         let root = self.folder(cache);
-        let manifest = Manifest::read(&root).filter(|manifest| manifest.is_of(self, wheel))?;
-        Some(Installed { root, manifest }).filter(whole)
+        let manifest = Manifest::read(&root).filter(|manifest| manifest.is_of(self, self.wheel()));
+        by_client.into_iter().chain(manifest.map(|manifest| Installed { root, manifest }))
     }
 
     /// Returns whether the files match the wheel.
@@ -109,22 +110,21 @@ impl Package {
         self.corrections.is_empty().then(|| Installed { root: folder.to_owned(), manifest })
     }
 
-    /// Verifies the package in the cache, with the SHA-256 of every file.
+    /// Verifies the package that [`Package::find`] returns, with the SHA-256 of every file. If there is none, a damaged
+    /// one in the cache counts, and one of the package client does not.
     pub fn verify(&self, cache: &Cache) -> State {
-        let root = self.folder(cache);
-        let wheel = self.wheel();
-        let Some(manifest) = Manifest::read(&root).filter(|found| found.is_of(self, wheel)) else {
-            return State::Absent;
-        };
-        let damage = manifest.damage(wheel, &root);
-        if damage.is_empty() {
-            State::Whole {
-                files: manifest.files.len(),
-                bytes: manifest.files.iter().map(|file| file.bytes).sum(),
+        let mut state = State::Absent;
+        for Installed { root, manifest } in self.copies(cache) {
+            let damage = manifest.damage(self.wheel(), &root);
+            if damage.is_empty() {
+                let bytes = manifest.files.iter().map(|file| file.bytes).sum();
+                return State::Whole { files: manifest.files.len(), bytes };
             }
-        } else {
-            State::Damaged(damage)
+            if root == self.folder(cache) {
+                state = State::Damaged(damage);
+            }
         }
+        state
     }
 
     /// Returns the package as [`Package::find`]; downloads it to the cache if a file is missing or damaged.

@@ -191,7 +191,7 @@ fn suggestion(part: &str) -> String {
     let words = WORDS.into_iter().map(|word| (word, given)).chain(Tariff::names().map(|name| (name, part)));
     let near = words.map(|(word, given)| (strsim::damerau_levenshtein(word, given), word)).min();
     let near = near.filter(|(distance, word)| *distance > 0 && distance * 3 <= word.len());
-    did_you_mean(": ", near.map_or("", |(_, word)| word))
+    did_you_mean(near.map_or("", |(_, word)| word))
 }
 
 /// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.

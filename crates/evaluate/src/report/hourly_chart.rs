@@ -1,13 +1,11 @@
 //! The hourly chart of one episode.
 
-use b2b_building::RunPeriod;
+use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use serde_json::{Value, json};
 
 use super::chart::Chart;
 use crate::evaluation::{EpisodeInfo, Hours};
 
-/// 1 January 2017, in milliseconds of Unix time: episodes have the weekdays of 2017, but no year is shown.
-const YEAR_START_MS: i64 = 1_483_228_800_000;
 const HOUR_MS: i64 = 3_600_000;
 
 /// Returns the chart of one of the worst episodes: zones, outdoor air and HVAC power.
@@ -19,7 +17,7 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Va
         note: format!("{score}, {period}, task {task}, seed {seed}; hourly means, drag to zoom"),
         height: 460,
         wide: true,
-        data: traces(&times(period, hours.mean.len()), hours),
+        data: traces(&times(hours.first_day, hours.mean.len()), hours),
         layout: json!({
             "xaxis": {"type": "date", "anchor": "y3", "hoverformat": "%a %e %b %H:00",
                       "tickformatstops": [{"dtickrange": [null, 86_399_999], "value": "%H:%M\n%e %b"},
@@ -33,10 +31,12 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Va
     chart.json()
 }
 
-/// Returns the beginnings of the hours, in milliseconds of Unix time.
-fn times(period: &str, hours: usize) -> Vec<i64> {
-    let first = period.parse::<RunPeriod>().map_or(1, |period| period.first().day_of_year());
-    let start = YEAR_START_MS + i64::from(first - 1) * 24 * HOUR_MS;
+/// Returns the beginnings of the hours from a first day on, in milliseconds of Unix time. The year is not shown.
+fn times([year, month, day]: [u32; 3], hours: usize) -> Vec<i64> {
+    let of_year = |year| Calendar::new(weekday_of_new_year(year), is_leap_year(year));
+    let before: u32 = (1970..year).map(|year| of_year(year).days()).sum();
+    let first = before + of_year(year).day([month, day]).map_or(0, |day| day - 1);
+    let start = i64::from(first) * 24 * HOUR_MS;
     (0..hours as i64).map(|hour| start + hour * HOUR_MS).collect()
 }
 
@@ -71,4 +71,16 @@ fn traces(times: &[i64], hours: &Hours) -> Value {
     traces.push(line("outdoor air", &hours.outdoor, "y2", json!({"width": 1, "color": "#0891b2"})));
     traces.push(line("HVAC power", &hours.power, "y3", json!({"width": 1, "color": "#e4572e"})));
     traces.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hours_have_the_day_of_the_week_and_the_date_of_the_episode() {
+        assert_eq!(times([2017, 1, 1], 2), [1_483_228_800_000, 1_483_232_400_000]);
+        let leap_day = times([2020, 2, 29], 25);
+        assert_eq!((leap_day[0], leap_day[24]), (1_582_934_400_000, 1_583_020_800_000), "then 1 March");
+    }
 }

@@ -110,6 +110,11 @@ impl Job {
         self.actions.iter().map(steps).sum()
     }
 
+    /// Returns the number of agents that the job trains: one, or on a benchmark problem one for each seed.
+    pub fn trainings(&self) -> usize {
+        self.actions.iter().filter(|action| matches!(action, Action::Train { .. })).count()
+    }
+
     /// Returns the episodes that the job evaluates, of one seed.
     pub fn episodes(&self) -> Option<&Episodes> {
         self.actions.iter().find_map(|action| match action {
@@ -161,8 +166,7 @@ impl Job {
 
     /// Returns what the job evaluates: its agent, or the controller of a job without a training.
     pub fn policy(&self) -> &str {
-        let trains = self.actions.iter().any(|action| matches!(action, Action::Train { .. }));
-        if trains { AGENT } else { self.agent() }
+        if self.trainings() > 0 { AGENT } else { self.agent() }
     }
 
     /// Returns the first part of the key: the name of the agent or controller.

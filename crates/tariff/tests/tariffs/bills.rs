@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::common::{STEP, YEAR, assert_cost, day, electricity, part, prices, run};
-use b2b_tariff::{Bill, Calendar, Event, Moment, PREVIEW, Prices, Tariff};
+use b2b_tariff::{Bill, Calendar, Carrier, Event, Moment, PREVIEW, Prices, Tariff};
 
 /// A load that changes every step, with peaks at changing hours.
 fn wavy(at: Moment) -> f64 {
@@ -162,6 +162,23 @@ fn a_daily_block_restarts_at_midnight() {
     let prices = Prices::new(tariff, YEAR, &[], None).unwrap();
     let (bill, _) = run(&prices, 1, 2, |at| if at.day == 1 { 1.0 } else { 0.5 });
     assert_cost(bill.total(&prices), 10.0 * 0.1 + 10.0 * 0.2 + 4.0 * 0.4 + 10.0 * 0.1 + 2.0 * 0.2);
+}
+
+#[test]
+fn electricity_and_a_fuel_of_one_name_add_up() {
+    let text = "title = \"a\"\nplace = \"b\"\ncustomers = \"any\"\ncurrency = \"USD\"\n\
+        source = { document = \"c\", date = \"d\" }\nfuels = { gas = 0.5 }\n[electricity]\n\
+        daylight_time = false\nenergy = [{ name = \"natural gas\", price = 0.25 }]\n";
+    let tariff = Tariff::parse("test", "test.toml", text).unwrap();
+    let prices = Prices::new(tariff, YEAR, &[], None).unwrap();
+    let mut bill = Bill::new(1, 1);
+    let mut energy = electricity(3.0);
+    energy[Carrier::Gas as usize] = 2.0;
+    bill.step(&prices, Moment { day: 1, hour: 0.0 }, &energy, 1.0);
+    let parts = bill.parts(&prices);
+    assert_eq!(parts.len(), 1, "{parts:?}");
+    assert_cost(parts[0].quantity, 5.0);
+    assert_cost(parts[0].cost, 3.0 * 0.25 + 2.0 * 0.5);
 }
 
 #[test]

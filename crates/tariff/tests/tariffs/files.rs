@@ -138,7 +138,7 @@ fn a_users_file_is_named_by_its_errors_and_its_tariff() {
 #[test]
 fn an_unknown_name_gets_the_nearest() {
     let said = Tariff::named("hq-flexd").err().unwrap().to_string();
-    assert!(said.contains("unknown tariff `hq-flexd`, did you mean `hq-flex-d`?"), "{said}");
+    assert!(said.contains("unknown tariff `hq-flexd` (did you mean `hq-flex-d`?)"), "{said}");
     let said = Emissions::named("frcc-averge").err().unwrap().to_string();
     assert!(said.contains("emission profile") && said.contains("`frcc-average`"), "{said}");
 }
@@ -226,4 +226,5 @@ fn a_profile_needs_all_seasons_or_one_value() {
     assert_said(&said(""), 5, &["`flat`", "`winter`"]);
     assert_said(&said("flat = -1"), 5, &["-1"]);
     assert_said(&said("flat = 1\nwintr = 3"), 7, &["did you mean `winter`?"]);
+    assert_said(&said("flat = 1\n[fuels]\ngas = -2"), 7, &["`gas`", "-2"]);
 }

@@ -455,7 +455,7 @@ fn an_invalid_request_is_an_error_that_names_the_fault() {
     let path = folder.path();
     assert_rejected(path, "train", &["expected either `buildings` or `building_type`"]);
     assert_rejected(path, "train OfficeSmall-0042 --preset papper", &["unknown preset `papper`", "paper"]);
-    assert_rejected(path, "train OfficeSmall-0042 --authority 2", &["`authority` is 2"]);
+    assert_rejected(path, "train OfficeSmall-0042 --authority 2", &["`acting.authority` is 2"]);
     assert_rejected(path, "train --resume nowhere", &["nowhere has no run to resume"]);
     std::fs::write(path.join("wrong.toml"), "enviroments = 3").unwrap();
     assert_rejected(

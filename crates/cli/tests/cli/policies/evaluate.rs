@@ -81,7 +81,7 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
     refused(
         "evaluate --policy reactiv --out x",
-        &["`reactiv`, did you mean `reactive`?", "planner", ".onnx"],
+        &["`reactiv` (did you mean `reactive`?)", "planner", ".onnx"],
     );
     refused("evaluate --policy hold,off --out x", &["an evaluation has one policy", "b2b evaluate compare"]);
     refused("evaluate --policy hold off --out x", &["`off` is a controller", "b2b evaluate compare"]);

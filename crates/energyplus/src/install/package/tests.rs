@@ -193,9 +193,12 @@ fn an_intact_package_of_the_client_is_used_in_place() {
     let (path, file) = found.file("AK_Here.epw").unwrap();
     assert_eq!((path, found.manifest.files.len()), (there.join(EPW), 1));
     assert_eq!(file.sha256, b2b_base::digest::sha256("LOCATION,Here\n"));
+    assert!(matches!(package.verify(&cache), State::Whole { files: 1, bytes: 14 }));
+    assert_eq!(package.repair(&cache, &mut Quiet).unwrap().root, there, "without a download");
     assert!(!cache.root.exists());
     std::fs::write(there.join(EPW), "LOCATION,hERE\n").unwrap();
     assert!(package.find(&cache).is_none(), "with a changed byte");
+    assert_eq!(package.verify(&cache), State::Absent, "the cache does not have it");
 }
 
 #[test]

@@ -139,7 +139,11 @@ fn a_rollout_of_other_widths_is_an_error() {
     ));
     let mut swapped = rollout(20, 0);
     swapped.ends.swap(0, 1);
-    assert!(matches!(ppo.update(&swapped), Err(crate::Error::End { environment: 0, step: 5 })));
+    let said = ppo.update(&swapped).unwrap_err().to_string();
+    assert!(said.starts_with("`ends` of the rollout has step 5 of environment 0,"), "{said}");
+    let outside = Rollout { starts: vec![(0, 0), (1, 40)], ..recurrent_rollout(40, 0) };
+    let said = recurrent(8, LogStd::Free, 3).update(&outside).unwrap_err().to_string();
+    assert!(said.starts_with("`starts` of the rollout has step 40 of environment 1,"), "{said}");
 }
 
 const WIDTH: usize = 6;

@@ -111,6 +111,19 @@ fn minibatches_that_are_not_finite_change_nothing() {
     assert_eq!((&sac.parameters.actor, &sac.parameters.critics), (&before.0, &before.1));
 }
 
+#[test]
+fn targets_follow_the_critics_when_the_actor_gives_up_its_step() {
+    let mut sac = Sac::new(WIDTHS, 2, SacConfig { gamma: 0.0, ..config() }, 3).unwrap();
+    // Only the loss of the actor has a temperature at a discount of zero.
+    sac.parameters.log_temperature = 60.0;
+    let before = sac.parameters.clone();
+    let update = sac.update(&rollout(40, 0)).unwrap();
+    assert_eq!((update.steps, update.skipped), (0, 8));
+    assert_eq!(sac.parameters.actor, before.actor);
+    assert_ne!(sac.parameters.critics, before.critics);
+    assert_ne!(sac.parameters.targets, before.targets);
+}
+
 /// Returns actions and log density for an observation in double precision.
 fn act(networks: &SacNetworks, actor: &[f64], observation: &[f64], normals: &[f32]) -> (Vec<f64>, f64) {
     let outputs = reference::forward(&networks.actor, actor, observation);

@@ -108,12 +108,13 @@ impl Sac {
         replay.sample(config.batch_size, config.return_steps, config.gamma, random, batch);
         let critics = self.differentiate(Stage::Critics);
         let critic_norm = self.step(Stage::Critics, critics.critics, update.learning_rate)?;
+        // The targets follow every step of the critics, also if the one of the actor is given up.
+        self.parameters.follow(self.config.tau);
         let losses = self.differentiate(Stage::Actor);
         let actor_norm = self.step(Stage::Actor, losses.actor, update.learning_rate)?;
         if self.config.learn_temperature {
             self.step_temperature(losses.log_density, update.learning_rate);
         }
-        self.parameters.follow(self.config.tau);
         update.critic_gradient_norm += critic_norm;
         update.actor_gradient_norm += actor_norm;
         Some(losses)

@@ -82,15 +82,14 @@ impl Definition {
     }
 
     fn check(&self) -> std::result::Result<(), String> {
-        let numbers = [("buildings", self.buildings, 800), ("weeks", self.weeks, WEEKS)];
-        if let Some((name, value, most)) =
-            numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value))
-        {
-            return Err(format!("`{name}` is {value}; expected 1 to {most}"));
-        }
-        match self.types.is_empty() || self.policies().next().is_none() {
-            true => Err("it has no types or no policies; expected at least one of each".into()),
-            false => Ok(()),
+        let buildings = self.types.iter().map(|building_type| training(*building_type).count() as u32).min();
+        let (Some(buildings), Some(_)) = (buildings, self.policies().next()) else {
+            return Err("it has no types or no policies; expected at least one of each".into());
+        };
+        let numbers = [("buildings", self.buildings, buildings), ("weeks", self.weeks, WEEKS)];
+        match numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value)) {
+            Some((name, value, most)) => Err(format!("`{name}` is {value}; expected 1 to {most}")),
+            None => Ok(()),
         }
     }
 
@@ -148,11 +147,7 @@ impl Definition {
 
     /// Returns the buildings: the first ones of the training split, by type.
     pub fn ids(&self) -> Vec<BuildingId> {
-        let of_type = |building_type| {
-            let rows = b2b_dataset::rows(building_type).iter();
-            let training = rows.filter(|row| row.split == Split::Train).map(|row| row.id);
-            training.take(self.buildings as usize)
-        };
+        let of_type = |building_type| training(building_type).take(self.buildings as usize);
         self.types.iter().copied().flat_map(of_type).collect()
     }
 
@@ -162,6 +157,11 @@ impl Definition {
         let first = 1 + DAYS * number;
         RunPeriod::new(Date::of_day(first), Date::of_day(first + DAYS - 1))
     }
+}
+
+/// Returns the training split of a type.
+fn training(building_type: BuildingType) -> impl Iterator<Item = BuildingId> {
+    b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train).map(|row| row.id)
 }
 
 fn all_types() -> Vec<BuildingType> {
@@ -189,5 +189,15 @@ mod tests {
             assert!(planned.iter().all(|each| each.episode.days() == u64::from(DAYS)));
         }
         assert!(Definition::named("huge").unwrap_err().to_string().contains("full, quick"));
+    }
+
+    #[test]
+    fn a_corpus_may_have_every_building_of_the_training_split() {
+        let with = |buildings| Definition { buildings, ..Definition::named("quick").unwrap() };
+        assert_eq!(with(900).check(), Ok(()));
+        assert_eq!(with(900).all_buildings(), with(900).ids().len());
+        assert_eq!(with(901).check().unwrap_err(), "`buildings` is 901; expected 1 to 900");
+        let none = Definition { types: Vec::new(), ..with(1) };
+        assert!(none.check().unwrap_err().contains("no types"));
     }
 }

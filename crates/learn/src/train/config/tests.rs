@@ -112,7 +112,7 @@ fn values_that_do_not_go_together_are_errors() {
         ("noise_cost = 0.5", "`noise_cost` is 0.5"),
         ("ppo = { gamma = 2.0 }", "`gamma` is 2"),
         ("place = 'Miami'\nweather = 'x.epw'", "either `place` or `weather`"),
-        ("acting = { kind = 'residual', authority = 1.5 }", "authority"),
+        ("acting = { kind = 'residual', authority = 1.5 }", "`acting.authority` is 1.5"),
         ("acting = { kind = 'supervisory', every = 60 }", "choose `task` = operate"),
         ("task = 'operate'\nacting = { kind = 'supervisory', every = 20 }", "expected 15, 30 or 60 min"),
         ("acting = { kind = 'targets', every = 20, shift = 1 }", "expected 15, 30 or 60 min"),

@@ -51,7 +51,7 @@ pub struct TrainingSet {
     pub problem: String,
     /// Task, such as `occupancy+energy0.5`, or several, one of which is drawn for every episode. See [`Tasks`].
     pub task: Tasks,
-    /// Run period: `winter`, `summer`, `full_year`, `MM-DD..MM-DD` or two weeks that the weather of a building decides,
+    /// Run period: `winter`, `summer`, `full_year`, `MM-DD..MM-DD` or two weeks chosen from the weather of a building,
     /// such as `peak-heating`; or several, separated by commas, one of which is drawn for every episode.
     pub period: String,
     /// Zone time steps per hour, each one step.

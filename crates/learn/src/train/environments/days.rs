@@ -6,8 +6,8 @@ use b2b_env::EpisodeConfig;
 use crate::error::Result;
 use crate::train::config::TrainConfig;
 
-/// Returns the days of evaluations during training in a run period: a window in its middle, or all of two weeks that
-/// the weather decides.
+/// Returns the days of evaluations during training in a run period: a window in its middle, or all of two weeks chosen
+/// from the weather.
 pub(crate) fn evaluated(config: &TrainConfig, period: Period) -> Period {
     match period {
         Period::Days(days) => window(config, days).into(),
