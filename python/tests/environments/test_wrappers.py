@@ -252,6 +252,7 @@ def test_a_price_is_observed_and_charged(make):
 def test_the_previous_reward_may_be_positive(make):
     env = wrappers.PreviousStepObservation(make(timesteps_per_hour=1, reward=lambda info: 7.0))
     assert stepped(env)[-2] == 7
+    assert stepped(wrappers.NormalizeObservation(env))[-2] == 1, "clipped"
 
 
 def test_slots_and_actuators_are_selected_by_name(make):
