@@ -280,6 +280,11 @@ impl Setting {
         self.period().calendar().days()
     }
 
+    /// Returns month and day of the month of a day of the run period, from 0.
+    fn date(&self, day: u32) -> [u32; 2] {
+        self.period().date(day).month_and_day()
+    }
+
     /// Returns the values of a quantity of the weather file for each hour of the building's year.
     fn hourly_weather<'py>(&self, py: Python<'py>, quantity: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let found = WEATHER.iter().find(|(name, _)| *name == quantity);

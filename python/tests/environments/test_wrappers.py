@@ -273,6 +273,14 @@ def test_29_february_has_its_own_weather_and_the_prices_of_the_day_before(leap_d
     np.testing.assert_allclose(observation[-3:], [*march[:2], 59 * 24], rtol=1e-6)
 
 
+def test_a_frame_of_29_february_has_its_date(leap_day):
+    pytest.importorskip("matplotlib")
+    env, _ = leap_day
+    env.reset()
+    env.render()
+    assert "02-29 00:00" in env.unwrapped._renderer._drawing._panels[0]._text.get_text()
+
+
 def test_the_previous_reward_may_be_positive(make):
     env = wrappers.PreviousStepObservation(make(timesteps_per_hour=1, reward=lambda info: 7.0))
     assert stepped(env)[-2] == 7
