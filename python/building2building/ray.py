@@ -42,7 +42,8 @@ class Resources:
 
     #: Cores.
     cpus: float = 1
-    #: Memory, MB: EnergyPlus takes 100 to 300 MB, depending on the building type.
+    #: Memory, MB: a process of EnergyPlus has 200 to 300 MB resident, part of it shared; an episode and the template
+    #: that it is copied from are two.
     memory_mb: int = 600
     #: Number of repetitions.
     retries: int = 3

@@ -22,7 +22,8 @@ class Scale:
     """Maps the lower bound of each slot to -1 and its upper bound to 1, and clips.
 
     ``names``, ``low`` and ``high`` describe the slots. ``bounds`` replaces the bounds of slots by their name or its
-    last words, for example ``{"air temperature": (10, 35)}``; by default :data:`USUAL`.
+    last words, for example ``{"air temperature": (10, 35)}``; by default :data:`USUAL`. Slots without finite bounds are
+    only clipped.
     """
 
     def __init__(
@@ -38,6 +39,8 @@ class Scale:
             matches = [words for words in bounds if name.endswith(words)]
             if matches:
                 lower[index], upper[index] = bounds[max(matches, key=len)]
+        bounded = np.isfinite(lower) & np.isfinite(upper)
+        lower, upper = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
         #: Lower and upper bounds, f32.
         self.low, self.high = lower.astype(np.float32), upper.astype(np.float32)
         #: Differences between upper and lower bounds, f32.
@@ -47,8 +50,7 @@ class Scale:
     def of_all(cls, slots: Sequence[Sequence[tuple[str, float, float]]]) -> Scale:
         """Returns the scale of rows whose slots may hold different quantities, with bounds that cover all of them.
 
-        ``slots`` has the name and bounds of each slot, once per building. Padding remains 0, and slots without finite
-        bounds are only clipped.
+        ``slots`` has the name and bounds of each slot, once per building. Padding remains 0.
         """
         width = len(slots[0])
         low, high = np.full(width, np.inf), np.full(width, -np.inf)
@@ -58,8 +60,7 @@ class Scale:
             used = np.array([name != "padding" for name in names])
             low = np.where(used, np.minimum(low, each.low), low)
             high = np.where(used, np.maximum(high, each.high), high)
-        bounded = np.isfinite(low) & np.isfinite(high)
-        return cls([], np.where(bounded, low, -1.0), np.where(bounded, high, 1.0), {})
+        return cls([], low, high, {})
 
     @property
     def space(self) -> Box[np.float32]:

@@ -19,7 +19,7 @@ mod zone;
 
 pub use degree_days::DegreeDays;
 pub use design_day::DesignDay;
-pub use epw::{EpwFile, Record};
+pub use epw::{EpwFile, Hour, Record};
 pub use error::{Error, Result};
 pub use location::{Location, WeatherFile};
 pub use mild_year::mild_year;

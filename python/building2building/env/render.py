@@ -186,11 +186,10 @@ class _Title:
         layout = scene.layout
         slot = layout.outdoor_temperature
         day, step = divmod(scene.steps, 24 * layout.steps_per_hour)
-        # `first_day` counts the days of a year without 29 February.
-        date = np.datetime64("2017-01-01") + scene.setting.first_day - 1 + day
+        month, date = scene.setting.date(day)
         hour, minute = divmod(step * 60 // layout.steps_per_hour, 60)
         self._text.set_text(
-            f"{scene.building.name}, {scene.building.place}    {str(date)[5:]} {hour:02d}:{minute:02d}"
+            f"{scene.building.name}, {scene.building.place}    {month:02d}-{date:02d} {hour:02d}:{minute:02d}"
             f"    outdoors {scene.observation[slot]:.1f} °C, {scene.observation[slot + 1]:.0f} % RH"
         )
         self.cells[0].shown = self._text.get_text()

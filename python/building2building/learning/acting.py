@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import gymnasium
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..env import BuildingEnv
-from ..errors import SettingError
+from ..errors import EpisodeError, SettingError
 from ..rollouts import ControlledEnv, PhysicalController
 from ..vector import BuildingVectorEnv
 
@@ -70,7 +71,8 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
 class ActingVectorEnv(gymnasium.vector.VectorWrapper):
     """A batch of buildings for an agent with an *acting*; ``make_vec(acting=...)`` makes one.
 
-    Steps are decisions, as in :class:`ActingEnv`. All buildings must have the same observation and actions.
+    Steps are decisions, as in :class:`ActingEnv`. All buildings must have the same observation and actions. An
+    environment that is lost during a decision is truncated, and its next episode begins with the next decision.
     """
 
     env: BuildingVectorEnv
@@ -86,6 +88,7 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         first = _core.Pilot(env.layout_of(0).spaces, *self._names)
         self.single_observation_space, self.single_action_space = _spaces(first)
         self._pilots = [self._pilot(index) for index in range(env.num_envs)]
+        self._seen = np.zeros((env.num_envs, *self.single_observation_space.shape), np.float32)
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
         self.action_space = batch_space(self.single_action_space, env.num_envs)
         self.metadata = _named(env.metadata, first)
@@ -107,30 +110,54 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         observations, info = self.env.reset(seed=seed, options=options)
-        self._pilots = [self._pilot(index) for index in range(self.num_envs)]
-        return self._observe(observations), info
-
-    def _observe(self, observations: Array) -> Array:
-        return np.stack([pilot.observe(row) for pilot, row in zip(self._pilots, observations, strict=True)])
+        self._seen = self._seen.copy()
+        for index in np.flatnonzero((options or {}).get("reset_mask", np.ones(self.num_envs))):
+            self._pilots[index] = self._pilot(int(index))
+            self._seen[index] = self._pilots[index].observe(observations[index])
+        return self._seen, info
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
-        rows, total = np.asarray(actions), np.zeros(self.num_envs)
+        rows, total, ended = np.asarray(actions), np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        ends: list[tuple[Array, dict[str, Any]]] = []
         for _ in range(self._pilots[0].hold):
+            early = ended
             physical = np.stack([pilot.act(row) for pilot, row in zip(self._pilots, rows, strict=True)])
             observations, rewards, terminated, truncated, infos = self.env.step(physical)
-            total += rewards
+            total += np.where(early, 0.0, rewards)
             if truncated.any():
-                # Episodes are whole days, so that they end with a decision.
                 self._end(truncated, infos)
-            seen = self._observe(observations)
-        return seen, total, terminated, truncated, infos
+                ends.append((truncated & ~early, infos))
+                ended = early | truncated
+            self._seen = np.stack([pilot.observe(row) for pilot, row in zip(self._pilots, observations, strict=True)])
+        if ended.any():
+            for environments, earlier in ends:
+                _add_ends(infos, earlier, environments)
+            self._begin_with_decision(early | infos.get("_lost", False))
+        return self._seen, total, terminated, ended, infos
+
+    def _begin_with_decision(self, environments: Array) -> None:
+        """Begins the episodes after those that were lost, so that these, too, are whole days and end with a decision.
+
+        An episode that is lost again is reported in the next step, which begins another.
+        """
+        for index in np.flatnonzero(environments):
+            with suppress(EpisodeError):
+                self.reset(options={"reset_mask": np.arange(self.num_envs) == index})
 
     def _end(self, truncated: Array, infos: dict[str, Any]) -> None:
         """Converts the last observations of episodes that ended, and begins the next."""
         for index in np.flatnonzero(truncated):
-            if "final_obs" in infos:
-                infos["final_obs"][index] = self._pilots[index].observe(infos["final_obs"][index])
+            infos["final_obs"][index] = self._pilots[index].observe(infos["final_obs"][index])
             self._pilots[index] = self._pilot(int(index))
+
+
+def _add_ends(infos: dict[str, Any], earlier: dict[str, Any], ended: Array) -> None:
+    """Adds the episodes that ended in an earlier step of a decision to the infos of the last."""
+    for name in ("final_obs", "lost"):
+        for key in [name, f"_{name}"] if name in earlier else []:
+            infos[key] = np.where(ended, earlier[key], infos[key]) if key in infos else earlier[key]
+    if "final_info" not in infos:
+        infos["final_info"], infos["_final_info"] = earlier["final_info"], earlier["_final_info"]
 
 
 class ActingController(PhysicalController):

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..buildings import weather
 from ..env import BuildingEnv
 from ..env.info import Info
 from ..errors import SettingError
 from .observation_wrapper import Env, ObservationWrapper, Stepped
 
 Array = NDArray[Any]
+
+#: Days of a year before 29 February.
+_BEFORE_LEAP_DAY = 59
 
 
 class WeatherForecast(ObservationWrapper):
@@ -26,13 +27,14 @@ class WeatherForecast(ObservationWrapper):
     seed of ``reset`` gives the same errors.
     """
 
-    _BOUNDS = {
-        "temperature": (-60, 60),
-        "dew_point": (-60, 60),
-        "humidity": (0, 110),
-        "direct_radiation": (0, 1500),
-        "diffuse_radiation": (0, 1500),
-        "wind_speed": (0, 60),
+    #: Unit and bounds of the quantities.
+    _QUANTITIES = {
+        "temperature": ("°C", -60, 60),
+        "dew_point": ("°C", -60, 60),
+        "humidity": ("%", 0, 110),
+        "direct_radiation": ("Wh/m²", 0, 1500),
+        "diffuse_radiation": ("Wh/m²", 0, 1500),
+        "wind_speed": ("m/s", 0, 60),
     }
 
     def __init__(
@@ -47,19 +49,16 @@ class WeatherForecast(ObservationWrapper):
         self._hours, self._quantities = hours, tuple(quantities)
         self._errors = self._checked(errors or {})
         self._seed = 0
-        self._file: Path | None = None
         self._read()
-        bounds = np.repeat([self._BOUNDS[each] for each in self._quantities], hours, axis=0)
+        bounds = np.repeat([self._QUANTITIES[each][1:] for each in self._quantities], hours, axis=0)
         self._low, self._high = bounds.T
         names = [f"{each} in {hour + 1} h" for each in self._quantities for hour in range(hours)]
-        units = [weather.COLUMNS[each][1] for each in self._quantities for _ in range(hours)]
+        units = [self._QUANTITIES[each][0] for each in self._quantities for _ in range(hours)]
         self._extend(bounds[:, 0], bounds[:, 1], names, units)
 
     def _read(self) -> None:
         self._setting = self._core.setting
-        if self._setting.weather != self._file:
-            self._file = self._setting.weather
-            self._year = weather.read(self._file, self._quantities)
+        self._year = np.stack([self._setting.hourly_weather(each) for each in self._quantities], axis=1)
 
     def _checked(self, errors: Mapping[str, float]) -> Array:
         for quantity, error in errors.items():
@@ -99,7 +98,8 @@ class PriceSignal(ObservationWrapper):
     """Appends an hourly price or emission factor, now and for the next ``ahead`` hours, and subtracts ``weight`` times
     the price times the step's electricity (kWh/m²) from the reward.
 
-    ``series`` has 24 values for the hours of the day, or 8760 for the hours of the year; see :meth:`time_of_use`.
+    ``series`` has 24 values for the hours of the day, or 8760 for the hours of the year, where 29 February is like the
+    day before; see :meth:`time_of_use`.
     """
 
     def __init__(
@@ -130,11 +130,17 @@ class PriceSignal(ObservationWrapper):
         return hours
 
     def observation(self, observation: Array) -> Array:
-        hours = (_full_hour(self._core) + np.arange(self._ahead + 1)) % len(self._series)
-        return np.concatenate([observation, self._series[hours].astype(observation.dtype)])
+        return np.concatenate([observation, self._prices().astype(observation.dtype)])
+
+    def _prices(self) -> Array:
+        """Returns the prices of this hour and of the hours ahead."""
+        days = self._core.setting.days_of_year
+        hours = (_full_hour(self._core) + np.arange(self._ahead + 1)) % (24 * days)
+        hours[hours >= 24 * _BEFORE_LEAP_DAY] -= 24 * (days - 365)
+        return self._series[hours % len(self._series)]
 
     def step(self, action: Any) -> Stepped:
-        price = self._series[_full_hour(self._core) % len(self._series)]
+        price = self._prices()[0]
         observation, reward, terminated, truncated, info = self.env.step(action)
         if self._weight:
             core = self._core
@@ -146,7 +152,7 @@ class PriceSignal(ObservationWrapper):
 
 
 def _hour_of_year(core: BuildingEnv) -> float:
-    return (core.setting.first_day - 1) * 24 + core.steps / core.timesteps_per_hour
+    return core.setting.first_hour + core.steps / core.timesteps_per_hour
 
 
 def _full_hour(core: BuildingEnv) -> int:

@@ -33,7 +33,7 @@ class PreviousStepObservation(ObservationWrapper):
         names = [f"previous {name}" for name in env.metadata["action_names"]]
         self._extend(
             [*-ones, -np.inf, 0],
-            [*ones, 0, 1],
+            [*ones, np.inf, 1],
             [*names, "previous reward", "first step"],
             ["1"] * len(self._previous),
         )

@@ -5,20 +5,22 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Class, Model, Period};
-use b2b_climate::{Place, WeatherFile};
+use b2b_building::{BuildingType, Class, Model, Period, RunPeriod};
+use b2b_climate::{EpwFile, Hour, Place, WeatherFile};
 use b2b_dataset::{BuildingName, Catalog, Control, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::{SiteInfo, Subject};
 use b2b_workers::{AnyOf, Draw, Jobs, Sampler, Source, Windows, WorkerOptions};
+use numpy::PyArray1;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::buildings::table::{self, Row};
-use crate::interpreter::error::{of_building, of_env};
+use crate::interpreter::arrays;
+use crate::interpreter::error::{Exception, of_building, of_env};
 use crate::interpreter::process::{launcher, locked};
 use crate::interpreter::signals::{Signals, interrupted, stopped};
 
@@ -221,6 +223,16 @@ impl Building {
     }
 }
 
+/// The quantities of a weather file by their names.
+static WEATHER: [(&str, fn(&Hour) -> f64); 6] = [
+    ("temperature", |hour| hour.dry_bulb),
+    ("dew_point", |hour| hour.dew_point),
+    ("humidity", |hour| hour.relative_humidity),
+    ("direct_radiation", |hour| hour.direct_radiation),
+    ("diffuse_radiation", |hour| hour.diffuse_radiation),
+    ("wind_speed", |hour| hour.wind_speed),
+];
+
 /// The building, run period, time step and task of an episode.
 #[pyclass(frozen, module = "building2building._core")]
 #[derive(Clone)]
@@ -247,13 +259,43 @@ impl Setting {
     /// Number of steps of a whole episode.
     #[getter]
     fn episode_steps(&self) -> u32 {
-        self.setting.episode.period.days() * 24 * self.setting.episode.steps_per_hour
+        self.period().days() * 24 * self.setting.episode.steps_per_hour
     }
 
     /// First day of the run period as day of a year without 29 February, from 1.
     #[getter]
     fn first_day(&self) -> u32 {
         self.setting.episode.period.first().day_of_year()
+    }
+
+    /// First hour of the run period as hour of the building's year, from 0.
+    #[getter]
+    fn first_hour(&self) -> u32 {
+        24 * (self.period().day_of_year(0) - 1)
+    }
+
+    /// Number of days of the building's year.
+    #[getter]
+    fn days_of_year(&self) -> u32 {
+        self.period().calendar().days()
+    }
+
+    /// Returns month and day of the month of a day of the run period, from 0.
+    fn date(&self, day: u32) -> [u32; 2] {
+        self.period().date(day).month_and_day()
+    }
+
+    /// Returns the values of a quantity of the weather file for each hour of the building's year.
+    fn hourly_weather<'py>(&self, py: Python<'py>, quantity: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = WEATHER.iter().find(|(name, _)| *name == quantity);
+        let (_, value) = found.ok_or_else(|| {
+            let known = WEATHER.map(|(name, _)| name).join(", ");
+            let message = format!("unknown weather quantity `{quantity}`; expected one of {known}");
+            Exception::Setting.new_err(message)
+        })?;
+        let file = EpwFile::open(&self.setting.episode.weather).map_err(of_building)?;
+        let record = file.record().map_err(of_building)?;
+        Ok(arrays::row(py, &record.by_date(self.period().calendar(), value)))
     }
 
     /// Returns the task's definition as JSON text.
@@ -287,6 +329,17 @@ impl Setting {
             windows.draw(0, &mut ChaCha8Rng::seed_from_u64(seed)).map_err(of_env)?;
         let steps = steps.unwrap_or(self.episode_steps() as usize);
         Ok((Self { setting, building: Arc::clone(&self.building) }, steps))
+    }
+}
+
+impl Setting {
+    /// Returns the run period in the calendar of the building, whose environment exists.
+    fn period(&self) -> RunPeriod {
+        let period = self.setting.episode.period;
+        match &*self.building.source() {
+            Source::Prepared(building) => building.in_its_calendar(period),
+            Source::Model { .. } => period,
+        }
     }
 }
 

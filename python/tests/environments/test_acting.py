@@ -1,5 +1,8 @@
 """Environments as agents of ``b2b train`` see them."""
 
+import os
+import signal
+
 import building2building as b2b
 import gymnasium
 import numpy as np
@@ -83,6 +86,30 @@ def test_a_batch_has_the_rewards_of_single_environments():
         single.reset(seed=0)
         total = sum(single.step(action)[1] for _ in range(48))
         assert totals[index] == pytest.approx(total, rel=1e-3)
+    envs.close()
+
+
+@pytest.mark.parametrize("lost_at", [2, 6])
+def test_an_environment_that_is_lost_is_truncated_and_begins_again_with_a_decision(lost_at):
+    envs = b2b.make_vec("SingleFamilyHouse-0042", 2, acting="supervisory:30", **DAY)
+    first, _ = envs.reset(seed=0)
+    batch, step, steps = envs.env, envs.env.step, []
+
+    def losing(actions):
+        steps.append(actions)
+        if len(steps) == lost_at:
+            os.kill(batch._core.processes()[1], signal.SIGKILL)
+        return step(actions)
+
+    batch.step = losing
+    actions = np.zeros(envs.action_space.shape)
+    observations, rewards, _, truncated, infos = envs.step(actions)
+    assert truncated.tolist() == infos["_lost"].tolist() == infos["_final_obs"].tolist() == [False, True]
+    assert infos["lost"][1] and infos["final_obs"][1].shape == first[1].shape and "final_info" in infos
+    np.testing.assert_array_equal(observations[1], first[1])
+    assert (observations[0] != first[0]).any() and rewards[1] > rewards[0]
+    ends = [envs.step(actions)[3].tolist() for _ in range(48)]
+    assert ends == [[False, False]] * 46 + [[True, False], [False, True]]
     envs.close()
 
 

@@ -249,6 +249,44 @@ def test_a_price_is_observed_and_charged(make):
         wrappers.PriceSignal(make(), [1.0])
 
 
+@pytest.fixture
+def leap_day(make, tmp_path):
+    """A warehouse from 29 February to 1 March; the first day is like the one before, but at 7 °C."""
+    lines = b2b.find_building("Warehouse").weather.read_text().splitlines()
+    header = [line.replace("SAVINGS,No", "SAVINGS,Yes") for line in lines[:8]]
+    rows = [["2020", *line.split(",")[1:]] for line in lines[8:]]
+    march = [row[1:3] for row in rows].index(["3", "1"])
+    rows[march:march] = [["2020", "2", "29", *row[3:6], "7.0", *row[7:]] for row in rows[march - 24 : march]]
+    weather = tmp_path / "2020.epw"
+    weather.write_text("\n".join([*header, *map(",".join, rows)]) + "\n")
+    building = b2b.import_building(b2b.list_engine_models()["RefBldgWarehouseNew2004_Chicago"], weather)
+    options = {"run_period": "02-29..03-01", "timesteps_per_hour": 1, "render_mode": "rgb_array"}
+    return make(None, building=building, **options), [float(row[6]) for row in rows[march + 24 :]]
+
+
+def test_29_february_has_its_own_weather_and_the_prices_of_the_day_before(leap_day):
+    env, march = leap_day
+    env = wrappers.PriceSignal(wrappers.WeatherForecast(env, hours=2), np.arange(8760), ahead=0)
+    assert env.reset()[0][-3:].tolist() == [7, 7, 58 * 24]
+    for _ in range(24):
+        observation, *_ = env.step(env.action_space.low)
+    np.testing.assert_allclose(observation[-3:], [*march[:2], 59 * 24], rtol=1e-6)
+
+
+def test_a_frame_of_29_february_has_its_date(leap_day):
+    pytest.importorskip("matplotlib")
+    env, _ = leap_day
+    env.reset()
+    env.render()
+    assert "02-29 00:00" in env.unwrapped._renderer._drawing._panels[0]._text.get_text()
+
+
+def test_the_previous_reward_may_be_positive(make):
+    env = wrappers.PreviousStepObservation(make(timesteps_per_hour=1, reward=lambda info: 7.0))
+    assert stepped(env)[-2] == 7
+    assert stepped(wrappers.NormalizeObservation(env))[-2] == 1, "clipped"
+
+
 def test_slots_and_actuators_are_selected_by_name(make):
     env = wrappers.SubsetObservation(make(), ["outdoor air temperature", "Core_ZN air temperature"])
     assert stepped(env).shape == (2,)

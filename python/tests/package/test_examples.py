@@ -7,6 +7,7 @@ from pathlib import Path
 
 import building2building as b2b
 import pytest
+from texts import replaced
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "python/examples"
@@ -80,7 +81,8 @@ def test_the_first_agent_of_the_documentation_is_trained_and_evaluated(tmp_path,
     """With few steps."""
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/first_agent.md").read_text(), re.S)
-    printed = run("-c", "\n".join(blocks).replace("steps=20_000", "steps=2_000, environments=2"))
+    shorter = {"steps=60_000, environments=4": "steps=1_200, environments=2"}
+    printed = run("-c", replaced("\n".join(blocks), shorter))
     for words in ["Core_ZN air temperature", "ReactiveController", "SingleFamilyHouse-0018 {'score'"]:
         assert words in printed
     assert (tmp_path / "runs/first/agent.json").is_file()
@@ -140,9 +142,8 @@ def test_amago_stays_in_a_house_for_days(tmp_path):
 
 @pytest.mark.learners
 def test_a_transformer_learns_from_a_corpus_and_is_entered_with_its_memory(b2b_command, tmp_path):
-    (tmp_path / "one.toml").write_text(
-        (EXAMPLES / "houses.toml").read_text().replace("buildings = 52", "buildings = 1")
-    )
+    one = replaced((EXAMPLES / "houses.toml").read_text(), {"buildings = 52": "buildings = 1"})
+    (tmp_path / "one.toml").write_text(one)
     command = [b2b_command, "collect", "--corpus", "one.toml", "b2b/one-v0", "--out", "."]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     short = ["--updates", 8, "--batch", 2, "--test", "SingleFamilyHouse-0018", "--windows", "01-01..01-07"]

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from building2building import errors
 from building2building.evaluation.identity import identity_of
+from texts import replaced
 
 BASE = """
 import math
@@ -52,10 +53,7 @@ def make(bias):
 
 def module(**changes) -> types.ModuleType:
     """The module above after replacements in its text."""
-    text = BASE
-    for old, new in changes.values():
-        assert old in text
-        text = text.replace(old, new)
+    text = replaced(BASE, dict(changes.values()))
     made = types.ModuleType("__main__")
     exec(compile(text, "policy.py", "exec"), made.__dict__)
     return made

@@ -9,7 +9,7 @@ use b2b_base::digest::sha256;
 use super::{Header, Record};
 use crate::{ClimateYear, DegreeDays, Error, Result, Site};
 
-/// Number of files that are kept in memory, 1.6 MB each.
+/// Number of files that are kept in memory, about 2 MB each.
 const KEPT: usize = 4;
 
 /// An EPW file.

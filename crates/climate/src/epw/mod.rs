@@ -7,5 +7,5 @@ mod row;
 
 pub use file::EpwFile;
 pub(crate) use header::{Header, Line};
-pub use record::Record;
 pub(crate) use record::mean;
+pub use record::{Hour, Record};

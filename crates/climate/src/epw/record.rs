@@ -13,13 +13,14 @@ const HEADER_LINES: usize = 8;
 const DAYS: usize = 365;
 /// Days before 29 February.
 const BEFORE_LEAP_DAY: usize = 59;
-/// Values that the engine takes before the first one that is not missing: dry bulb (°C) and relative humidity (%).
-const FIRST: [f64; 2] = [6.0, 50.0];
+/// Values that the engine takes before the first one that is not missing: dry bulb (°C), dew point (°C), relative
+/// humidity (%) and wind speed (m/s).
+const FIRST: [f64; 4] = [6.0, 3.0, 50.0, 2.5];
 
 /// The hours of a weather file.
 ///
-/// A missing temperature or humidity takes the last value before it, and missing radiation is 0, as in the engine. Of a
-/// date that the file has in several years, the first one counts.
+/// A missing temperature, humidity or wind speed takes the last value before it, and missing radiation is 0, as in the
+/// engine. Of a date that the file has in several years, the first one counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Rows per hour.
@@ -36,15 +37,23 @@ pub struct Record {
 
 /// An hour of weather.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hour {
+pub struct Hour {
     /// From 0.
     pub month: usize,
     /// Dry bulb at the end of the hour, °C.
     pub dry_bulb: f64,
+    /// Dew point at the end of the hour, °C.
+    pub dew_point: f64,
     /// Relative humidity at the end of the hour, %.
     pub relative_humidity: f64,
+    /// Wind speed at the end of the hour, m/s.
+    pub wind_speed: f64,
     /// Mean global horizontal radiation, W/m².
     pub radiation: f64,
+    /// Mean direct normal radiation, W/m².
+    pub direct_radiation: f64,
+    /// Mean diffuse horizontal radiation, W/m².
+    pub diffuse_radiation: f64,
 }
 
 impl Record {
@@ -147,7 +156,8 @@ impl Record {
         mean(self.hours.iter().map(|hour| hour.dry_bulb))
     }
 
-    fn by_date(&self, calendar: Calendar, value: impl Fn(&Hour) -> f64) -> Vec<f64> {
+    /// Returns a value of each hour of the year of a calendar. A missing day has the values of the nearest.
+    pub fn by_date(&self, calendar: Calendar, value: impl Fn(&Hour) -> f64) -> Vec<f64> {
         let nearest = |days: std::ops::Range<usize>| days.filter_map(|day| self.nearest(day));
         let leap_day = self.leap_day.or_else(|| self.nearest(BEFORE_LEAP_DAY)).filter(|_| calendar.is_leap());
         let starts = nearest(0..BEFORE_LEAP_DAY).chain(leap_day).chain(nearest(BEFORE_LEAP_DAY..DAYS));
@@ -195,10 +205,10 @@ struct Reader {
     date: [u32; 2],
     /// Whether the date of the current day has been read before.
     repeated: bool,
-    /// Last dry bulb and humidity.
-    last: [f64; 2],
-    /// Radiation of the rows of the current hour.
-    radiation: f64,
+    /// Last dry bulb, dew point, humidity and wind speed.
+    last: [f64; 4],
+    /// Global, direct and diffuse radiation of the rows of the current hour.
+    radiation: [f64; 3],
 }
 
 impl Reader {
@@ -217,7 +227,7 @@ impl Reader {
             date: [0, 0],
             repeated: false,
             last: FIRST,
-            radiation: 0.0,
+            radiation: [0.0; 3],
         }
     }
 
@@ -252,10 +262,12 @@ impl Reader {
         self.rows += 1;
         let [earliest, latest] = self.record.years.unwrap_or([row.year; 2]);
         self.record.years = Some([earliest.min(row.year), latest.max(row.year)]);
-        for (last, value) in self.last.iter_mut().zip([row.dry_bulb, row.relative_humidity]) {
+        for (last, value) in self.last.iter_mut().zip(row.air) {
             *last = value.unwrap_or(*last);
         }
-        self.radiation += row.radiation.unwrap_or(0.0);
+        for (sum, value) in self.radiation.iter_mut().zip(row.radiation) {
+            *sum += value.unwrap_or(0.0);
+        }
         if in_hour + 1 == intervals {
             self.end_hour();
         }
@@ -285,12 +297,21 @@ impl Reader {
     }
 
     fn end_hour(&mut self) {
-        let radiation = self.radiation / f64::from(self.record.intervals);
-        self.radiation = 0.0;
+        let intervals = f64::from(self.record.intervals);
+        let [radiation, direct_radiation, diffuse_radiation] =
+            std::mem::take(&mut self.radiation).map(|sum| sum / intervals);
         if !self.repeated {
-            let [dry_bulb, relative_humidity] = self.last;
-            let month = self.date[0] as usize - 1;
-            self.record.hours.push(Hour { month, dry_bulb, relative_humidity, radiation });
+            let [dry_bulb, dew_point, relative_humidity, wind_speed] = self.last;
+            self.record.hours.push(Hour {
+                month: self.date[0] as usize - 1,
+                dry_bulb,
+                dew_point,
+                relative_humidity,
+                wind_speed,
+                radiation,
+                direct_radiation,
+                diffuse_radiation,
+            });
         }
     }
 

@@ -5,10 +5,11 @@
 const NEEDED: usize = 27;
 /// The column of source and uncertainty flags, the only text among them.
 const FLAGS: usize = 5;
-/// The column of global horizontal radiation, W/m². Negative values and values of 9999 or more are missing.
-const RADIATION: usize = 13;
+/// The columns of global horizontal, direct normal and diffuse horizontal radiation, W/m². Negative values and values of
+/// 9999 or more are missing.
+const RADIATION: [usize; 3] = [13, 14, 15];
 const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
-/// The columns whose values must be plausible.
+/// The columns of the air, whose values must be plausible.
 const COLUMNS: [Column; 4] = [
     Column { index: 6, quantity: "dry-bulb temperature (°C)", limits: [-90.0, 60.0], missing: 99.9 },
     Column { index: 7, quantity: "dew point (°C)", limits: [-100.0, 60.0], missing: 99.9 },
@@ -34,12 +35,10 @@ pub(super) struct Row {
     pub hour: u32,
     /// Number of columns.
     pub columns: usize,
-    /// °C; `None` if missing.
-    pub dry_bulb: Option<f64>,
-    /// %; `None` if missing.
-    pub relative_humidity: Option<f64>,
-    /// Global horizontal, W/m²; `None` if missing.
-    pub radiation: Option<f64>,
+    /// Dry bulb (°C), dew point (°C), relative humidity (%) and wind speed (m/s); `None` if missing.
+    pub air: [Option<f64>; 4],
+    /// Global horizontal, direct normal and diffuse horizontal, W/m²; `None` if missing.
+    pub radiation: [Option<f64>; 3],
 }
 
 impl Row {
@@ -61,10 +60,11 @@ impl Row {
         if columns < NEEDED {
             return Err(format!("{columns} columns instead of at least {NEEDED}"));
         }
-        let [dry_bulb, _, relative_humidity, _] = known(&values)?;
+        let air = known(&values)?;
         let [year, month, day, hour] = [0, 1, 2, 3].map(|column| values[column].round() as u32);
-        let radiation = Some(values[RADIATION]).filter(|value| RADIATIONS.contains(value));
-        Ok(Self { year, month, day, hour, columns, dry_bulb, relative_humidity, radiation })
+        let radiation =
+            RADIATION.map(|column| Some(values[column]).filter(|value| RADIATIONS.contains(value)));
+        Ok(Self { year, month, day, hour, columns, air, radiation })
     }
 }
 

@@ -60,6 +60,33 @@ fn hours_of_quarter_hourly_rows_end_with_the_fourth() {
     assert_eq!(record.dry_bulbs()[..3], [0.75, 1.75, 2.75]);
 }
 
+/// A day of rows whose values are the numbers of their columns, from 0.
+fn numbered_columns(intervals: u32) -> String {
+    let rest: String = (7..35).map(|column| format!(",{column}")).collect();
+    text(0..1, intervals, |_| "6".to_owned()).replace(&",1".repeat(28), &rest)
+}
+
+#[test]
+fn every_value_is_read_from_its_column() {
+    for intervals in [1, 4] {
+        let record = Record::read(&numbered_columns(intervals)).unwrap();
+        let hour = record.hours()[0];
+        let air = [hour.dry_bulb, hour.dew_point, hour.relative_humidity, hour.wind_speed];
+        assert_eq!(air, [6.0, 7.0, 8.0, 21.0]);
+        let radiation = [hour.radiation, hour.direct_radiation, hour.diffuse_radiation];
+        assert_eq!(radiation, [13.0, 14.0, 15.0]);
+    }
+}
+
+#[test]
+fn a_missing_value_before_the_first_is_the_engine_s() {
+    let text = numbered_columns(1);
+    let missing = text.replace("6,7,8,", "99.9,99.9,999,").replace(",13,14,15,", ",9999,9999,9999,");
+    let hour = Record::read(&missing.replace(",20,21,", ",20,999,")).unwrap().hours()[0];
+    assert_eq!([hour.dew_point, hour.relative_humidity, hour.wind_speed], [3.0, 50.0, 2.5]);
+    assert_eq!([hour.direct_radiation, hour.diffuse_radiation], [0.0, 0.0]);
+}
+
 #[test]
 fn a_day_that_is_not_in_the_file_is_as_the_nearest() {
     let january = Record::read(&of(0..31, day_number)).unwrap();
