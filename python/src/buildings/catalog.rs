@@ -223,8 +223,11 @@ impl Building {
     }
 }
 
+/// A quantity of an hour of weather.
+type OfHour = fn(&Hour) -> f64;
+
 /// The quantities of a weather file by their names.
-static WEATHER: [(&str, fn(&Hour) -> f64); 6] = [
+static WEATHER: [(&str, OfHour); 6] = [
     ("temperature", |hour| hour.dry_bulb),
     ("dew_point", |hour| hour.dew_point),
     ("humidity", |hour| hour.relative_humidity),
