@@ -47,7 +47,7 @@ pub fn write(
         columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
-    columns.push::<Float64Type>(PENALTIES[0], "1", penalties.iter().map(|p| p[0]));
+    columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
     columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
     columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
     for (k, slot) in decisions.slots().iter().enumerate() {
