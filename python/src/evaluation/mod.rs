@@ -27,7 +27,7 @@ use crate::buildings::catalog::{self, Building, Inner};
 use crate::interpreter::arrays;
 use crate::interpreter::error::{Exception, of_building, of_evaluation};
 use crate::interpreter::process::locked;
-use crate::interpreter::signals::{interrupted, set_stopped, stopped};
+use crate::interpreter::signals::{interrupted, set_stopped, stopped, take_raised};
 use crate::spaces::Spaces;
 
 /// Interval at which signals are handled and progress is reported.
@@ -174,8 +174,8 @@ pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)
     })
 }
 
-/// Runs episodes of a policy while handling signals and reporting progress. An exception raised by the policy takes
-/// precedence over the error that results from it.
+/// Runs episodes of a policy while handling signals and reporting progress. An exception raised by the policy or by a
+/// signal handler takes precedence over the error in which the run ends.
 pub fn run_policy<T: Send>(
     py: Python<'_>,
     jobs: usize,
@@ -188,10 +188,13 @@ pub fn run_policy<T: Send>(
     py.detach(|| {
         let catalog = catalog::catalog()?;
         let run = || run(&Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped }, &counter);
+        // Of an earlier call that ended before its handler.
+        drop(take_raised());
         let outcome = wait_for(run, || counter.report(progress));
         // Even if the run has ended, because the policy may have raised in its last episode.
         let exception = locked(raised).take();
-        exception.map_or_else(|| outcome.map_err(of_evaluation), Err)
+        let error_of = |error| take_raised().unwrap_or_else(|| of_evaluation(error));
+        exception.map_or_else(|| outcome.map_err(error_of), Err)
     })
 }
 

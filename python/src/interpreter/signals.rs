@@ -42,7 +42,12 @@ impl Progress for Signals {
     }
 }
 
+/// Takes the exception that a signal handler raised.
+pub fn take_raised() -> Option<PyErr> {
+    RAISED.take()
+}
+
 /// Returns the exception that a signal handler raised, else a `KeyboardInterrupt`.
 pub fn interrupt() -> PyErr {
-    RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
+    take_raised().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
 }
