@@ -20,7 +20,7 @@ from ..scaling import Scale
 from .graph import GraphObservation
 from .hours_ahead import PriceSignal, WeatherForecast
 from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
-from .previous_step import PreviousStepObservation
+from .previous_step import PreviousStepObservation, PreviousStepVectorObservation
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
@@ -28,6 +28,7 @@ __all__ = [
     "NormalizeObservation",
     "PadObservation",
     "PreviousStepObservation",
+    "PreviousStepVectorObservation",
     "PriceSignal",
     "ResampleBuildingOnResetWrapper",
     "RoleObservation",

@@ -8,7 +8,7 @@ import building2building as b2b
 import numpy as np
 import pytest
 from building2building.benchmarks import Problem
-from building2building.wrappers import PreviousStepObservation
+from building2building.wrappers import PreviousStepObservation, PreviousStepVectorObservation
 
 HOUSES = ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"]
 DAYS = ["01-10..01-10", "01-11..01-11"]
@@ -138,3 +138,29 @@ def test_a_training_environment_shows_the_previous_step():
     assert env.metadata["observation_names"][-2:] == ["previous reward", "first step"]
     assert env.reset()[0][-4:].tolist() == [0, 0, 0, 1]
     env.close()
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_a_training_batch_shows_the_previous_step_of_every_environment(mode):
+    day = {"task": "constant", "run_period": "01-10..01-10", "timesteps_per_hour": 1}
+    envs = PreviousStepVectorObservation(b2b.make_vec("SingleFamilyHouse", 2, autoreset_mode=mode, **day))
+    low, high = envs.single_action_space.low, envs.single_action_space.high
+    observations, _ = envs.reset(seed=0)
+    assert observations.shape == envs.observation_space.shape and observations[0] in envs.single_observation_space
+    assert envs.metadata["observation_names"][-2:] == ["previous reward", "first step"]
+    first = [[0, 0, 0, 1]] * 2
+    assert observations[:, -4:].tolist() == first
+    shares = np.array([0.25, 1.0])
+    actions = low + shares[:, None] * (high - low)
+    for step in range(1, 28):
+        observations, rewards, _, truncated, infos = envs.step(actions)
+        last = np.column_stack([*[2 * shares - 1] * 2, rewards, [0, 0]])
+        assert truncated.tolist() == [step == 24] * 2
+        if step == 24 and mode == "SameStep":
+            np.testing.assert_allclose([row[-4:] for row in infos["final_obs"]], last, atol=1e-6)
+        begins = {"NextStep": 25, "SameStep": 24}.get(mode)
+        np.testing.assert_allclose(observations[:, -4:], first if step == begins else last, atol=1e-6)
+        if step == 24 and mode == "Disabled":
+            observations, _ = envs.reset(options={"reset_mask": truncated})
+            assert observations[:, -4:].tolist() == first
+    envs.close()
