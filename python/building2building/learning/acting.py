@@ -76,6 +76,8 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
     """
 
     env: BuildingVectorEnv
+    single_observation_space: Box
+    single_action_space: Box
 
     def __init__(self, env: BuildingVectorEnv, acting: str, observation: str = "features"):
         super().__init__(env)
@@ -98,6 +100,10 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         if name.startswith("_") or name == "env":
             raise AttributeError(name)
         return getattr(self.env, name)
+
+    def action_mask(self) -> Array:
+        """Mask of the actions, ``[N, actions]``: all are read."""
+        return np.ones((self.num_envs, *self.single_action_space.shape), dtype=bool)
 
     def _pilot(self, index: int) -> _core.Pilot:
         """Returns the pilot of an environment's building; raises if its spaces are not the batch's."""

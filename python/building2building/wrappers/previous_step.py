@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -13,6 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SettingError
 from .observation_wrapper import Env, ObservationWrapper, Stepped
+
+if TYPE_CHECKING:
+    from ..learning.acting import ActingVectorEnv
+    from ..vector import BuildingVectorEnv
 
 Array = NDArray[Any]
 
@@ -72,15 +76,17 @@ class PreviousStepObservation(ObservationWrapper):
 class PreviousStepVectorObservation(gymnasium.vector.VectorWrapper):
     """:class:`PreviousStepObservation` for the environments of a batch. Slots of padded actions are 0."""
 
-    def __init__(self, env: gymnasium.vector.VectorEnv[Any, Any, Any]):
+    env: BuildingVectorEnv | ActingVectorEnv
+
+    def __init__(self, env: BuildingVectorEnv | ActingVectorEnv):
         super().__init__(env)
         self._scaled = _Scaling(env.single_action_space)
         low, high = self._scaled.bounds
         own = env.single_observation_space
-        bounds = [np.concatenate([old, new]).astype(own.dtype) for old, new in ((own.low, low), (own.high, high))]
-        self.single_observation_space = Box(bounds[0], bounds[1], dtype=own.dtype)
+        bounds = [np.concatenate([old, new]).astype(np.float32) for old, new in ((own.low, low), (own.high, high))]
+        self.single_observation_space = Box(bounds[0], bounds[1], dtype=np.float32)
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
-        self._previous = np.zeros((env.num_envs, len(low)), own.dtype)
+        self._previous = np.zeros((env.num_envs, len(low)), np.float32)
         self._ended = np.zeros(env.num_envs, bool)
         if "observation_names" in env.metadata:
             names = [*env.metadata["observation_names"], *_names(env.metadata)]

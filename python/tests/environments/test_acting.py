@@ -10,6 +10,7 @@ import pytest
 from building2building.errors import SettingError
 from building2building.evaluation.identity import identity_of
 from building2building.learning.acting import acting_controller
+from building2building.wrappers import PreviousStepVectorObservation
 
 DAY = {"task": "operate", "run_period": "01-10..01-10"}
 
@@ -141,3 +142,14 @@ def test_an_acting_that_is_not_possible_is_an_error():
             b2b.make_env("OfficeSmall-0042", **DAY, **arguments)
         with pytest.raises(SettingError, match=said):
             gymnasium.make("b2b/OfficeSmall-v1", building_id="OfficeSmall-0042", **DAY, **arguments)
+
+
+def test_the_previous_decision_may_be_observed():
+    envs = PreviousStepVectorObservation(b2b.make_vec("SingleFamilyHouse-0042", 2, acting="supervisory:60", **DAY))
+    observations, _ = envs.reset(seed=0)
+    assert observations.shape == envs.observation_space.shape and observations[:, -1].all()
+    actions = np.full(envs.action_space.shape, 0.5, np.float32)
+    observations, rewards, *_ = envs.step(actions)
+    last = np.column_stack([actions, rewards, [0, 0]])
+    np.testing.assert_allclose(observations[:, -last.shape[1] :], last, rtol=1e-6)
+    envs.close()
