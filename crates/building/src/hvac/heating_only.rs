@@ -11,7 +11,7 @@ use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use super::zone_equipment::HEATERS;
 use crate::model::{Fields, Model, number, text};
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 use crate::{Conditioning, Error, Result};
 
 /// Bounds of the heating setpoint, °C. The lower bound means "off": no heated zone gets so cold.

@@ -1,13 +1,9 @@
-//! The kinds of systems, and how a system is read from a file.
+//! Kinds of systems.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 
-use super::KINDS;
 use super::candidate::Candidate;
 use super::system::{FromModel, KindName, System};
 use crate::{Model, Result};
@@ -32,11 +28,6 @@ impl Kind {
             },
             read: |fields| Ok(Box::new(serde_json::from_value::<T>(fields)?)),
         }
-    }
-
-    /// Returns the kind with an identifier, among [`KINDS`].
-    pub fn find(id: &str) -> Option<Self> {
-        KINDS.into_iter().find(|kind| kind.id() == id)
     }
 
     /// Identifier in files, for example `air_loop`.
@@ -78,16 +69,5 @@ impl Kind {
 impl fmt::Debug for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.id())
-    }
-}
-
-impl<'de> Deserialize<'de> for Box<dyn System> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        let tagged = BTreeMap::<String, Value>::deserialize(deserializer)?;
-        let (id, fields) =
-            tagged.into_iter().next().ok_or_else(|| D::Error::custom("a system without a kind"))?;
-        let kind =
-            Kind::find(&id).ok_or_else(|| D::Error::custom(format!("unknown kind of system `{id}`")))?;
-        kind.read(fields).map_err(D::Error::custom)
     }
 }

@@ -4,7 +4,7 @@
 //! [`heating_only`], `room_unit`, [`setpoints`]) that implements [`System`] and [`FromModel`], and an entry of
 //! [`KINDS`]. All other code knows systems by these traits.
 
-mod actuator;
+pub(crate) mod actuator;
 pub mod air_loop;
 mod candidate;
 mod capacity;
@@ -40,6 +40,12 @@ pub use system::{FromModel, KindName, Object, SharedFlow, System, ZoneState};
 pub use unitary::{Follower, HeatPump, Packaged, Unitary};
 pub use ventilation::{MinimumDamper, Ventilation};
 
+use std::collections::BTreeMap;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
+
 /// Every kind of system, in the order in which they claim a part of a model.
 pub static KINDS: [Kind; 5] = [
     Kind::of::<Unitary>(),
@@ -48,3 +54,21 @@ pub static KINDS: [Kind; 5] = [
     Kind::of::<RoomUnit>(),
     Kind::of::<SetpointZone>(),
 ];
+
+impl Kind {
+    /// Returns the kind with an identifier, among [`KINDS`].
+    pub fn find(id: &str) -> Option<Self> {
+        KINDS.into_iter().find(|kind| kind.id() == id)
+    }
+}
+
+impl<'de> Deserialize<'de> for Box<dyn System> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let tagged = BTreeMap::<String, Value>::deserialize(deserializer)?;
+        let (id, fields) =
+            tagged.into_iter().next().ok_or_else(|| D::Error::custom("a system without a kind"))?;
+        let kind =
+            Kind::find(&id).ok_or_else(|| D::Error::custom(format!("unknown kind of system `{id}`")))?;
+        kind.read(fields).map_err(D::Error::custom)
+    }
+}

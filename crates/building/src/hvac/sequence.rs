@@ -1,8 +1,8 @@
 //! Sequences of operation: how rule-based controllers control a system.
 
 use super::actuator::Actuator;
-use super::air_loop::AirLoop;
-use super::unitary::Packaged;
+use super::air_loop::parts::AirLoop;
+use super::unitary::packaged::Packaged;
 
 /// The sequence of operation that applies to a system. It depends on the actuators rather than on the equipment behind
 /// them, so that several kinds may have the same.

@@ -13,7 +13,7 @@ use super::candidate::Candidate;
 use super::capacity::SystemEquipment;
 use super::sequence::Sequence;
 use super::ventilation::Ventilation;
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 use crate::{Conditioning, Model, Result};
 
 /// A group of actuators that act together on their zones.

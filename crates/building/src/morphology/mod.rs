@@ -18,7 +18,7 @@
 
 mod layout;
 mod owner;
-mod universe;
+pub(crate) mod universe;
 
 use serde::Serialize;
 

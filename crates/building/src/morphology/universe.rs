@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::hvac::Quantity;
+use crate::hvac::actuator::Quantity;
 
 /// Node types. Arrays of nodes are in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]

@@ -21,13 +21,14 @@
 mod branch;
 mod components;
 mod outdoor_air;
+pub(super) mod parts;
 mod supply_temperature;
 mod system;
 mod terminal;
 mod water_coil;
 
+pub use parts::{AirLoop, Terminal};
 pub use supply_temperature::{HIGHEST_SUPPLY_TEMPERATURE, LOWEST_SUPPLY_TEMPERATURE};
-pub use system::{AirLoop, Terminal};
 pub use terminal::{HIGHEST_HEATING_SETPOINT, REHEAT_OFF};
 
 use super::availability::always_on;

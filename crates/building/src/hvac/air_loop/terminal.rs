@@ -1,7 +1,7 @@
 //! Terminals of a central air loop: dampers and, where they have coils, reheat.
 
 use super::components::{AIR_SPECIFIC_HEAT, HEATING, WATER_HEATING};
-use super::system::Terminal;
+use super::parts::Terminal;
 use super::water_coil;
 use crate::hvac::actuator::{Actuator, EngineVariable, Quantity};
 use crate::hvac::availability::switch_on;

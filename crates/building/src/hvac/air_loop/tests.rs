@@ -10,7 +10,7 @@ use crate::hvac::schedules::ALWAYS_ON;
 use crate::hvac::system::System as _;
 use crate::hvac::thermostat::OUT_OF_REACH;
 use crate::model::{items, number, text};
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 
 const DENSITY: f64 = 1.2;
 

@@ -17,7 +17,7 @@ use super::sequence::Sequence;
 use super::system::{FromModel, KindName, System, ZoneState};
 use super::unitary::{self, Unitary};
 use super::ventilation::Ventilation;
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 use crate::shape::Shape;
 use crate::zone;
 use crate::{Model, Result};

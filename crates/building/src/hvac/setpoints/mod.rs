@@ -20,7 +20,7 @@ use super::sequence::Sequence;
 use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::text;
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 use crate::{Conditioning, Model, Result};
 pub(super) use equipment::passes_regardless;
 pub(crate) use switches::{Switch, absent, switches_of_all};

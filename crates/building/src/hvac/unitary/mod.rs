@@ -12,7 +12,7 @@ mod commands;
 mod cooling_coil;
 mod heat_pump;
 mod outdoor_air;
-mod packaged;
+pub(super) mod packaged;
 mod rewrite;
 mod system;
 mod unit;

@@ -9,7 +9,7 @@ use crate::hvac::capacity::{Capacity, Equipment, SystemEquipment, air_loop_of};
 use crate::hvac::sequence::Sequence;
 use crate::hvac::system::{FromModel, KindName, System, ZoneState};
 use crate::hvac::ventilation::Ventilation;
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 use crate::{Model, Result};
 
 /// Temperature deviation at full command during warm-up, K. At half of this, kitchens, whose supply is a large share of

@@ -10,7 +10,7 @@ use super::*;
 use crate::hvac::schedules::ALWAYS_ON;
 use crate::hvac::system::System as _;
 use crate::model::{items, text};
-use crate::morphology::NodeType;
+use crate::morphology::universe::NodeType;
 
 /// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
 fn rooftop() -> Model {
