@@ -1,16 +1,16 @@
-//! Locks of folders, so that one process at a time writes to them.
+//! Locks on folders, so that one process at a time writes to them.
 
 use std::fs::{File, TryLockError};
 use std::io::Result;
 use std::path::Path;
 
-/// A lock of a folder by this process. It ends on drop, and with the process. It is on the folder itself, so it can be
-/// taken before the first file is written and leaves no file behind.
+/// A lock on a folder, held by this process until it is dropped or the process ends. It is on the folder itself, so it
+/// can be taken before the first file is written and leaves no file behind.
 #[derive(Debug)]
-pub struct FolderLock(#[expect(dead_code, reason = "the lock ends when it is closed")] File);
+pub struct FolderLock(#[expect(dead_code, reason = "closing the file releases the lock")] File);
 
 impl FolderLock {
-    /// Locks an existing folder; `None` if another process, or another lock of this one, has it.
+    /// Locks an existing folder; `None` if it is already locked, by another process or by this one.
     ///
     /// # Errors
     /// Errors of the operating system.

@@ -1,6 +1,6 @@
-//! The past of an agent in an episode.
+//! The last decision of an agent in an episode.
 
-/// What the agent has done in the episode and how it was rewarded.
+/// What the agent did last in the episode, and how it was rewarded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Past<'a> {
     /// Its last action, in [-1, 1]; 0 before the first.

@@ -148,7 +148,7 @@ fn a_station_without_design_conditions_gets_them_from_its_hours() {
     assert!(text.contains("no design conditions published"));
 }
 
-/// If this number changes, either [`MORPH_VERSION`] must change, or the machine computes different bits.
+/// If this hash changes, either [`MORPH_VERSION`] must change, or the machine computes different bits.
 #[test]
 fn the_bytes_do_not_depend_on_the_machine() {
     let station = Station::find("CAN_QC_GASPE-A_7052601_CWEC").unwrap();

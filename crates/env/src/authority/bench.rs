@@ -28,8 +28,9 @@ pub(super) struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Holds the commands and records the responses. A miss that is not at capacity is tested again with the other
-    /// actuators at constant commands, because coils that share a plant move each other while all are probed.
+    /// Holds the commands and records the responses. A supply air temperature that misses its command, but not because
+    /// of a limit, is tested again with the other actuators at constant commands, because coils that share a plant
+    /// affect each other while all are probed.
     pub(super) fn hold(&mut self, hold: &Hold) -> Result<()> {
         let mut readings = self.respond(hold, &hold.tested)?;
         if hold.tested.len() > 1 {

@@ -5,7 +5,7 @@ use b2b_agent::network::{Layer, Mlp};
 
 use super::product::{Matrix, multiply};
 
-/// Buffers of passes of batches through a network. They grow to the largest batch and are reused.
+/// Buffers for passing batches through a network. They grow to the largest batch and are reused.
 ///
 /// 1. [`Pass::forward`] keeps the outputs of every layer.
 /// 2. [`Pass::backward`] reads them, from the last layer to the first.
@@ -37,7 +37,7 @@ impl Pass {
     /// Computes and returns the outputs for `rows` inputs, rows × inputs: rows × outputs.
     ///
     /// # Panics
-    /// When a slice has another length than the shape.
+    /// When `parameters` is too short for the shape, or `inputs` is not rows × inputs values.
     pub fn forward(&mut self, parameters: &[f32], inputs: &[f32], rows: usize) -> &[f32] {
         self.rows = rows;
         for index in 0..self.layers.len() {
@@ -58,7 +58,8 @@ impl Pass {
     /// `input_gradients`.
     ///
     /// # Panics
-    /// When a slice has another length than the shape, or the number of inputs differs from the forward pass.
+    /// When a slice is too short, or `inputs` or `input_gradients` does not have as many values as the inputs of the
+    /// last forward pass.
     pub fn backward(
         &mut self,
         parameters: &[f32],

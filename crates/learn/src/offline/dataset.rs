@@ -1,6 +1,6 @@
 //! The files of a dataset.
 //!
-//! The layout is Minari's `parquet` storage: `data/metadata.json` describes the dataset, `data/N/metadata.json` the
+//! The layout is Minari's `parquet` storage: `data/metadata.json` describes the dataset, `data/N/metadata.json`
 //! episode N, and `data/N/part-0.parquet` has its steps. `SHA256SUMS` has the digests of all files.
 
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ pub struct Contents {
     pub period: String,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
-    /// Whether actions are from -1 to 1 between the bounds of each actuator; in physical units otherwise.
+    /// Whether actions are scaled from the bounds of each actuator to [-1, 1]; otherwise they are in physical units.
     pub rescaled: bool,
     /// Names of the values of an observation.
     pub observation_names: Vec<String>,
@@ -109,7 +109,8 @@ impl Dataset {
     /// Reads the description of a dataset that [`collect`](super::collect) wrote.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a folder that is not such a dataset; [`Error::Io`], also for a file that was changed.
+    /// [`Error::Io`] for a file that cannot be read or was changed; [`Error::Invalid`] for the metadata of another kind
+    /// of dataset.
     pub fn open(path: &Path) -> Result<Self> {
         let digests = DigestList::read(path).map_err(at(path))?;
         let name = format!("data/{METADATA}");
@@ -131,7 +132,7 @@ impl Dataset {
     /// Reads the steps of an episode.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a damaged file; [`Error::Io`], also for a file that was changed.
+    /// [`Error::Io`] for a file that cannot be read or was changed; [`Error::Invalid`] for a damaged one.
     pub fn read(&self, episode: usize) -> Result<EpisodeFile> {
         let path = episodes::path(&self.path.join("data"), episode);
         let name = episodes::path(Path::new("data"), episode);

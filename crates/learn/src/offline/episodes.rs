@@ -18,7 +18,7 @@ use parquet::file::properties::WriterProperties;
 use crate::error::at;
 use crate::{Error, Result};
 
-/// The expert's actions among the infos.
+/// Name of the expert's actions in the column `infos`.
 const EXPERT: &str = "expert_actions";
 
 /// The steps of an episode, row by row.
@@ -72,7 +72,7 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
 
 /// Returns rows of numbers as lists of one length, with zeros in a missing last row.
 fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
-    // There are as many rows, or one fewer.
+    // The numbers fill all rows, or all but the last.
     let width =
         if numbers.len().is_multiple_of(rows) { numbers.len() / rows } else { numbers.len() / (rows - 1) };
     let mut numbers = numbers.to_vec();

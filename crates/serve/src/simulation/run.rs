@@ -33,7 +33,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Returns the clock of a number of control steps an hour.
+    /// Returns a clock with this many control steps per hour.
     pub fn new(per_hour: u32) -> Self {
         Self { per_hour }
     }
@@ -137,7 +137,7 @@ impl Run {
         Ok(())
     }
 
-    /// Advances some control steps, or to the end of the test.
+    /// Advances by a number of control steps, or to the end of the test if that comes first.
     ///
     /// # Errors
     /// The errors of the episode.
@@ -162,7 +162,7 @@ impl Run {
         self.clock.seconds(self.now)
     }
 
-    /// Returns all points now.
+    /// Returns the current values of all points.
     pub fn measurements(&self) -> Value {
         self.history.last()
     }

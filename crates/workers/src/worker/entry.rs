@@ -29,7 +29,7 @@ pub fn run_if_worker_with(runners: Runners, actions: Actions) {
     }
 }
 
-/// The owner's arguments: its process and the order's file.
+/// Parses the owner's arguments: the id of its process and the path of the order.
 fn parse(arguments: &[OsString]) -> Option<(i32, PathBuf)> {
     let [owner, order] = arguments else { return None };
     Some((owner.to_str()?.parse().ok()?, order.into()))

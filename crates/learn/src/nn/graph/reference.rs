@@ -1,4 +1,5 @@
-//! The network in double precision, written by its definition, against which tests compare outputs and gradients.
+//! The network in double precision, written straight from its definition, against which tests compare outputs and
+//! gradients.
 
 use b2b_agent::network::graph::{Graph, GraphNetwork, MemoryPlaces, NormPlaces, REACHES, RELATIONS};
 use b2b_agent::network::{Activation, Layer};
@@ -58,7 +59,7 @@ pub(crate) fn forward(
     decoded.iter().enumerate().map(decode).collect()
 }
 
-/// Replaces the states of the nodes by the next ones, and their embeddings by these.
+/// Replaces the states of the nodes by the next ones, which also become the embeddings of the nodes.
 fn remember(memory: &MemoryPlaces, parameters: &[f64], states: &mut Tokens, embeddings: &mut Tokens) {
     let MemoryPlaces { input, cell } = memory;
     for (state, token) in states.iter_mut().zip(embeddings) {
