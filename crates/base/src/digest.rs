@@ -22,7 +22,7 @@ pub fn seed_of(name: &str) -> u64 {
 mod tests {
     use super::*;
 
-    /// The first test vector of FIPS 180-4.
+    /// NIST's example of a one-block message for SHA-256.
     #[test]
     fn the_digest_of_abc_matches_the_standard() {
         assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -139,8 +139,8 @@ fn no_cell_of_the_manifest_needs_quotes() {
 fn the_year_among_the_attributes_is_the_one_that_the_page_says() {
     let page = include_str!("../../../docs/training_reference.md");
     let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
-    let said = "The year among the attributes is a house's year of construction, a commercial building's code, or 0 for \
-                your own model.";
+    let said = "The year among the attributes is a house's year of construction, a commercial building's code year, \
+                or 0 for your own model.";
     assert!(page.contains(said));
     for row in all() {
         let year = row.building.origin().year;

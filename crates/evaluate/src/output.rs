@@ -15,7 +15,7 @@ const EPISODES: &str = "episodes.parquet";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 
-/// Reads the episodes of an evaluation from its folder, and checks their digest.
+/// Reads the table of episodes from an evaluation's folder, and checks its digest if the folder has digests.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io), also for a table that was changed; [`Error::Table`](crate::Error::Table).
@@ -28,7 +28,7 @@ pub fn read_rows(folder: &Path) -> Result<Vec<EpisodeResult>> {
 
 impl Results {
     /// Writes the table, the summary and the report to the evaluation's folder, with digests of the table and the
-    /// summary, and returns their paths.
+    /// summary. Returns the paths of the table, the summary and the report.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io).

@@ -20,7 +20,7 @@ pub struct Prices {
     usual: Box<[u16]>,
     /// Class by quarter-hour, with events.
     classes: Box<[u16]>,
-    /// Demand charges that apply, a bit each, by quarter-hour.
+    /// Demand charges that apply, one bit each, by quarter-hour.
     charges: Box<[u8]>,
     pub(crate) calendar: Calendar,
 }
@@ -28,7 +28,7 @@ pub struct Prices {
 impl Prices {
     /// Lays out a tariff in the calendar of an episode.
     ///
-    /// `outdoor` are the outdoor temperatures in °C of all hours of the year in standard time; only tariffs with a
+    /// `outdoor` holds the outdoor temperatures in °C of all hours of the year in standard time; only tariffs with a
     /// cold-weather price need them.
     ///
     /// # Errors
@@ -115,7 +115,8 @@ impl Prices {
         self.classes[at] != self.usual[at]
     }
 
-    /// Returns whether an event at one quarter-hour of the year has been announced by another.
+    /// Returns whether the price at quarter-hour `at` of the year is known at quarter-hour `now`. Only the price of an
+    /// event that has not been announced is not.
     fn is_known(&self, now: usize, at: usize) -> bool {
         let Some(rule) = self.tariff.events.as_ref().filter(|_| self.classes[at] != self.usual[at]) else {
             return true;
@@ -132,7 +133,7 @@ impl Prices {
         ((at.quarters() + 5e-4) as usize) % self.quarters()
     }
 
-    /// Returns the quarter-hours of the year.
+    /// Returns the number of quarter-hours in the year.
     pub(crate) fn quarters(&self) -> usize {
         self.classes.len()
     }
@@ -142,7 +143,7 @@ impl Prices {
         &self.tariff.energy.classes[usize::from(self.classes[quarter])]
     }
 
-    /// Returns the demand charges that apply at a quarter-hour of the year, a bit each.
+    /// Returns the demand charges that apply at a quarter-hour of the year, one bit each.
     pub(crate) fn charges_at(&self, quarter: usize) -> u8 {
         self.charges[quarter]
     }

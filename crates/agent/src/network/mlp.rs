@@ -62,7 +62,7 @@ impl Mlp {
         self.layers().last().map_or(0, |layer| layer.biases.end)
     }
 
-    /// Returns the tensors of all layers, whose names are a prefix and the number of the layer.
+    /// Returns the tensors of all layers, whose names begin with a prefix and the number of the layer.
     pub(super) fn tensors(&self, prefix: &str) -> Vec<Tensor> {
         self.layers()
             .enumerate()
@@ -78,7 +78,7 @@ impl Mlp {
     /// Writes the outputs for one input. Allocates nothing, and gives the same bits on every machine.
     ///
     /// # Panics
-    /// If the length of a slice does not match the shape.
+    /// If the length of `input` or `output` does not match the shape, or `parameters` or `scratch` is too short.
     pub fn forward(&self, parameters: &[f32], input: &[f32], scratch: &mut [f32], output: &mut [f32]) {
         assert_eq!(
             (input.len(), output.len()),
@@ -113,10 +113,10 @@ impl Layer {
         }
     }
 
-    /// Writes the outputs for rows of inputs, bit-identical to single inputs.
+    /// Writes the outputs for rows of inputs, bit-identical to the outputs for each row on its own.
     ///
     /// # Panics
-    /// If the length of a slice does not match the shape.
+    /// If `inputs` and `outputs` differ in their number of rows, or `parameters` is too short.
     pub fn forward_rows(&self, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
         let rows = outputs.len() / self.outputs;
         assert_eq!(inputs.len(), rows * self.inputs, "inputs of a layer");

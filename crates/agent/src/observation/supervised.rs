@@ -11,7 +11,7 @@ use super::features::{energy, hours_and_seasons, temperature, weather};
 use super::outdoor::OUTDOOR;
 use crate::supervisor::Supervisor;
 
-/// Hours ahead of which prices, outdoor temperatures and radiation are observed, if the task has a preview.
+/// Hours ahead for which prices, outdoor temperatures and radiation are observed, if the task has a preview.
 const AHEAD: [usize; 7] = [0, 1, 2, 4, 8, 12, 23];
 /// Scale of electricity prices, currency/kWh.
 const PRICE: f64 = 0.1;

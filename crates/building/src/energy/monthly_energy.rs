@@ -19,19 +19,20 @@ const JOULES: f64 = 3.6e6;
 /// The energy of a whole building by calendar month, kWh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MonthlyEnergy {
-    /// Purchased and produced electricity that the building uses.
+    /// Electricity that the building uses, purchased or produced on site.
     pub electricity: [f64; 12],
     /// Natural gas.
     pub gas: [f64; 12],
 }
 
 impl MonthlyEnergy {
-    /// Simulates a year of a model with its own controls and sizing. Uses the model's run period if it is one whole
+    /// Simulates a model over a year, with its own controls and sizing. Uses the model's run period if it is one whole
     /// year, otherwise [`RunPeriod::FULL_YEAR`].
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::EnergyTable`] when its output
-    /// cannot be read; [`Error::Io`] when temporary files cannot be written.
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Climate`] when the weather file
+    /// cannot be read; [`Error::EnergyTable`] when the engine's output cannot be read; [`Error::Io`] when temporary
+    /// files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
         let database = OutputDatabase::of(metered_year(model), weather, library, "b2b-year-")?;
         let read = |database: &Connection| {

@@ -1,4 +1,4 @@
-//! The location of a building, its interface, and the permissions of its model.
+//! The location and interface of a building, and how its model is read.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use b2b_climate::Place;
 use b2b_dataset::{Control, Placement};
 
-/// The location of a building: a known place, or a weather file.
+/// The location and interface of a building, and how its model is read.
 #[derive(clap::Args, Default)]
 pub struct Location {
     /// Place that supplies weather and climate (`b2b list places`) [default: the building's own]
@@ -27,7 +27,7 @@ pub struct Location {
     #[arg(long)]
     keep_design_days: bool,
     /// Convert an old IDF with the Transition programs of this folder (PreProcess/IDFVersionUpdater of an EnergyPlus
-    /// installation) instead of the rules of b2b
+    /// installation) instead of b2b's own rules
     #[arg(long, value_name = "PROGRAMS")]
     transition: Option<PathBuf>,
 }

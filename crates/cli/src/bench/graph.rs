@@ -60,7 +60,7 @@ const BLOCKS: usize = 9;
 /// Number of forward passes in a block.
 const PASSES: usize = 100;
 
-/// The cost of a building type, µs of CPU time.
+/// The measurements in a building. Times are CPU time, µs.
 #[derive(Serialize)]
 struct TypeCost {
     building: String,
@@ -125,7 +125,7 @@ fn step(prepared: &Prepared) -> Result<f64> {
 /// Returns the options of PPO of a configuration.
 fn ppo_of(config: &TrainConfig) -> Result<PpoConfig> {
     let ppo: Option<&PpoConfig> = config.learner.options();
-    Ok(ppo.context("the presets learn by PPO")?.clone())
+    Ok(ppo.context("the preset does not learn by PPO")?.clone())
 }
 
 /// A learner for a building, with random observations.

@@ -54,11 +54,11 @@ impl Python {
     }
 }
 
-/// Returns a command that starts an interpreter without code of the current folder.
+/// Returns a command that starts an interpreter that imports no code from the current folder.
 fn isolated(interpreter: &str) -> Result<Command> {
     let path = Path::new(interpreter);
     let path: OsString = match path.components().count() {
-        // A name, which is searched for.
+        // A bare name, which is looked up in `PATH`.
         0 | 1 => path.into(),
         _ => std::path::absolute(path)?.into(),
     };

@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 
 use super::error::{Error, Result};
 
-/// Receiver of the progress of one or more tasks, each a sequence of begin, advance and end.
+/// Receiver of the progress of one or more tasks: for each, `begin`, any number of calls of `advance`, and `end`.
 ///
-/// `advance` is called at least every 50 ms, even without progress, so that cancellation is prompt.
+/// During a task, `advance` is called about every 50 ms or more often, even without progress, so that cancellation is
+/// prompt.
 pub trait Progress {
     /// Called at the start of a task; `total_bytes` is 0 if unknown.
     fn begin(&mut self, what: &str, total_bytes: u64) {

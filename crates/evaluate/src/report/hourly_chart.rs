@@ -31,7 +31,7 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Va
     chart.json()
 }
 
-/// Returns the beginnings of the hours from a first day on, in milliseconds of Unix time. The year is not shown.
+/// Returns the start of each hour from a first day on, in milliseconds of Unix time. The chart does not show the year.
 fn times([year, month, day]: [u32; 3], hours: usize) -> Vec<i64> {
     let of_year = |year| Calendar::new(weekday_of_new_year(year), is_leap_year(year));
     let before: u32 = (1970..year).map(|year| of_year(year).days()).sum();
