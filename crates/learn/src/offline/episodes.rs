@@ -48,15 +48,15 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
     let mut rewards = episode.rewards.clone();
     rewards.resize(rows, 0.0);
     let mut columns: Vec<(&str, ArrayRef)> = vec![
-        ("observations", lists(&episode.observations, rows)),
-        ("actions", lists(&episode.actions, rows)),
+        ("observations", lists(&episode.observations, rows, rows)),
+        ("actions", lists(&episode.actions, steps, rows)),
         ("rewards", Arc::new(Float64Array::from(rewards))),
         // Every end of an episode is a truncation.
         ("terminations", flags(false)),
         ("truncations", flags(true)),
     ];
     if !episode.expert.is_empty() {
-        columns.push(("infos", infos(&episode.expert, rows)));
+        columns.push(("infos", infos(&episode.expert, steps)));
     }
     let damaged = |error: &dyn std::fmt::Display| Error::Invalid(format!("{}: {error}", path.display()));
     let table = RecordBatch::try_from_iter(columns).map_err(|error| damaged(&error))?;
@@ -70,11 +70,9 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
     write().map(drop).map_err(|error| damaged(&error))
 }
 
-/// Returns rows of numbers as lists of one length, with zeros in a missing last row.
-fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
-    // The numbers fill all rows, or all but the last.
-    let width =
-        if numbers.len().is_multiple_of(rows) { numbers.len() / rows } else { numbers.len() / (rows - 1) };
+/// Returns as many rows of numbers as given as lists of one length, with zeros in the rows after them.
+fn lists(numbers: &[f32], given: usize, rows: usize) -> ArrayRef {
+    let width = numbers.len() / given;
     let mut numbers = numbers.to_vec();
     numbers.resize(rows * width, 0.0);
     let field = Arc::new(Field::new_list_field(DataType::Float32, true));
@@ -82,8 +80,8 @@ fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
 }
 
 /// Returns the column that Minari reads as infos.
-fn infos(expert: &[f32], rows: usize) -> ArrayRef {
-    let lists = lists(expert, rows);
+fn infos(expert: &[f32], steps: usize) -> ArrayRef {
+    let lists = lists(expert, steps, steps + 1);
     let field = Field::new(EXPERT, lists.data_type().clone(), true);
     Arc::new(StructArray::from(vec![(Arc::new(field), lists)]))
 }

@@ -86,6 +86,12 @@ impl Definition {
         let (Some(buildings), Some(_)) = (buildings, self.policies().next()) else {
             return Err("it has no types or no policies; expected at least one of each".into());
         };
+        if self.widths.contains(&0) {
+            return Err(format!(
+                "`widths` are {:?}; expected at least 1 for observations and for actions",
+                self.widths
+            ));
+        }
         let numbers = [("buildings", self.buildings, buildings), ("weeks", self.weeks, WEEKS)];
         match numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value)) {
             Some((name, value, most)) => Err(format!("`{name}` is {value}; expected 1 to {most}")),
@@ -197,6 +203,8 @@ mod tests {
         assert_eq!(with(900).check(), Ok(()));
         assert_eq!(with(900).all_buildings(), with(900).ids().len());
         assert_eq!(with(901).check().unwrap_err(), "`buildings` is 901; expected 1 to 900");
+        let narrow = Definition { widths: [192, 0], ..with(1) };
+        assert!(narrow.check().unwrap_err().starts_with("`widths` are [192, 0]"));
         let none = Definition { types: Vec::new(), ..with(1) };
         assert!(none.check().unwrap_err().contains("no types"));
     }
