@@ -17,7 +17,7 @@ pub(crate) struct Class {
     pub(crate) name: usize,
     /// Price of each block per kWh.
     pub(crate) prices: [f64; MAX_BLOCKS],
-    /// Whether the energy counts for the blocks.
+    /// Whether the energy counts toward the blocks.
     pub(crate) counts: bool,
 }
 
@@ -102,7 +102,7 @@ impl EnergyTable {
         index.ok_or_else(|| Fault::at(place, "more than 65,000 energy prices"))
     }
 
-    /// Puts an entry at its times. An entry without hours skips times in `taken`.
+    /// Puts an entry at its times. An entry without `hours` or `hourly` skips times in `taken`.
     fn put(&mut self, entry: &Spanned<EnergyFile>, blocks: usize, taken: &[u16]) -> Result<(), Fault> {
         let place = entry.span().start;
         let entry = entry.get_ref();

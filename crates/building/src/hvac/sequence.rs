@@ -8,7 +8,7 @@ use super::unitary::packaged::Packaged;
 /// them, so that several kinds may have the same.
 #[derive(Clone, Copy, Debug)]
 pub enum Sequence<'a> {
-    /// A single zone with supply air: actuator 0 is the supply air flow, actuator 1 the supply air temperature.
+    /// A zone with supply air, which others may share: actuator 0 is the supply air flow, actuator 1 the supply air temperature.
     SingleZone {
         /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
         flow: &'a Actuator,
@@ -17,7 +17,7 @@ pub enum Sequence<'a> {
         /// The unit.
         packaged: Packaged,
     },
-    /// Several zones with dampers and reheat on one air handler.
+    /// Zones with dampers, some with reheat, on one air handler.
     MultipleZones(&'a AirLoop),
     /// A zone under a thermostat: actuator 0 is its heating setpoint.
     Thermostat,

@@ -49,8 +49,8 @@ pub struct Arguments {
     /// Algorithm: ppo or sac [default: ppo]
     #[arg(long, value_name = "ALGORITHM")]
     algorithm: Option<String>,
-    /// Task, as for `b2b run`, or several, separated by commas; every episode draws one [default: constant, because
-    /// agents correct the reactive controllers, which hold a target]
+    /// Task, as for `b2b run`, or several, separated by commas; every episode draws one [default: the
+    /// preset's, constant or operate]
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
     /// Run period: winter, summer, full_year, MM-DD..MM-DD or two weeks chosen from the weather, such as peak-heating;

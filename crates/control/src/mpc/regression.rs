@@ -1,5 +1,5 @@
 //! Ridge regression of hourly values whose errors are proportional to their usual size, by a factor that differs by the
-//! hour of the day, and last from hour to hour.
+//! hour of the day, and are autocorrelated.
 
 use crate::search::least_squares::{dot, solve};
 
@@ -7,7 +7,7 @@ use crate::search::least_squares::{dot, solve};
 const ROUNDS: usize = 6;
 /// Bounds of the autocorrelation of errors over an hour.
 const LASTING: [f64; 2] = [-0.3, 0.9];
-/// Smallest deviation of an error, relative to the usual size.
+/// Addition to the standard deviation of an error, relative to the usual size.
 const LEAST_DEVIATION: f64 = 0.02;
 /// Smallest number of degrees of freedom.
 const LEAST_FREEDOM: f64 = 10.0;
@@ -166,7 +166,7 @@ mod tests {
         };
         let found = rows.explain(&values, 1);
         let deviation = found.covariance[0][0].sqrt();
-        assert!(deviation < 0.006, "{deviation}: quiet hours tell most");
+        assert!(deviation < 0.006, "{deviation}: hours with small errors count most");
         assert!((found.coefficients[1] + 0.05).abs() < 2.5 * deviation, "{:?}", found.coefficients);
     }
 }

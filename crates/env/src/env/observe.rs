@@ -22,7 +22,7 @@ use crate::{Error, Result};
 
 /// Hours until the next change of setpoints where there is none, a week.
 const LONGEST_PREVIEW: f64 = 168.0;
-/// The carriers of the demands of electricity, gas and district heat.
+/// The carriers of the demands of electricity, fuels and district heat.
 const DEMANDS: [&[Carrier]; 3] = [
     &[Carrier::Electricity],
     &[Carrier::Gas, Carrier::Propane, Carrier::FuelOil, Carrier::OtherFuel],
@@ -177,7 +177,7 @@ impl Env {
         }
     }
 
-    /// Writes the observation. `energy` in Wh/m², electricity and fuels.
+    /// Writes the observation. `energy` in Wh/m², electricity and all other carriers.
     pub(super) fn observe(&mut self, engine: &Engine, energy: [f64; 2]) -> Result<()> {
         for (slot, variable) in self.observation.iter_mut().zip(&engine.temperatures) {
             *slot = engine.simulation.read(*variable);
