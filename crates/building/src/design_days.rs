@@ -20,7 +20,8 @@ pub fn replace(model: &mut Model, site: &Site) {
     model.insert(CLASS, "Cooling 0.4 %", cooling_day(site));
 }
 
-/// Replaces the design days of a user's model with a weather file's, unless `keep`, and notes which ones it has.
+/// Replaces the design days of a user's model with a weather file's, unless it has some to `keep`, and notes which ones
+/// it has.
 pub fn of_imported(model: &mut Model, site: &Site, keep: bool, notes: &mut Notes) {
     if !needs_sizing(model) {
         notes.design_days = Some("none used: the model gives the sizes of its equipment".to_owned());

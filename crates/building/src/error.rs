@@ -26,14 +26,14 @@ pub enum Error {
         /// Object name.
         name: String,
     },
-    /// An HVAC component that cannot be made controllable.
+    /// An HVAC component that cannot be made controllable, or a surface that cannot be read.
     #[error("{class} `{name}` cannot be made controllable: {why}")]
     Unsupported {
         /// EnergyPlus class.
         class: String,
         /// Object name.
         name: String,
-        /// The reason, and the supported alternatives.
+        /// The reason.
         why: String,
     },
     /// An object that an edit cannot change.
@@ -65,7 +65,7 @@ pub enum Error {
     /// A parameter that is not within its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
-    /// An edited model whose file cannot be written.
+    /// A file name for an edited model that does not end in `.epJSON`.
     #[error("{path} is not a name for the edited model; expected a name that ends in .epJSON")]
     OutputName {
         /// The file.
@@ -136,7 +136,7 @@ pub enum Error {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A user's model with problems that the engine would silently accept.
+    /// A user's model that is rejected, for example for problems that the engine would silently accept.
     #[error("{path} cannot be imported:{}", problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
     Import {
         /// The file.

@@ -323,7 +323,7 @@ impl PreparedBuilding {
         self.systems.iter().map(|system| &**system).zip(&self.layouts)
     }
 
-    /// Returns the outdoor air of each system, if it has any.
+    /// Returns the outdoor air of each system, if it has any, and then that which the model controls.
     pub fn outdoor_air(&self) -> impl Iterator<Item = Option<OutdoorAir>> {
         let of_system = |(system, layout): (&dyn System, &SystemLayout)| {
             let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
@@ -338,8 +338,8 @@ impl PreparedBuilding {
     }
 }
 
-/// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and the fields that are left to the
-/// engine.
+/// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and notes on the autosized fields
+/// without a size.
 fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<(f64, Notes)> {
     let site = Site::read(weather)?;
     let mut notes = Notes::default();

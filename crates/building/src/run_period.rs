@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{Error, Result};
 
-/// The first year tried for the days of an episode; 2017 has the days of every generated building.
+/// The first year tried for the days of an episode; 2017 has the days of the week of every generated building.
 const FIRST_YEAR: u32 = 2017;
 pub(crate) const WEEKDAYS: [&str; 7] =
     ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];

@@ -97,7 +97,7 @@ impl Schema {
     }
 
     /// Returns whether EMS programs may call a function, which is named without `@` and in any case. True for
-    /// every function if the library was not searched.
+    /// every function if none is known.
     pub fn has_function(&self, function: &str) -> bool {
         self.functions.is_empty() || self.functions.contains(&function.to_uppercase())
     }

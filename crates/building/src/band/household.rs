@@ -1,7 +1,7 @@
 //! The bands of households, for houses whose thermostats have no setpoints.
 //!
 //! The generated houses are controlled through their air, so their thermostats are set to values that no zone reaches.
-//! The setpoints that people would choose are drawn from surveys, by the name of the house:
+//! The setpoints that people would choose are drawn from surveys, with the name of the house as the seed:
 //!
 //! | what | values | source |
 //! |---|---|---|
@@ -37,7 +37,7 @@ struct Household {
 }
 
 impl Household {
-    /// Draws the setpoints of a house by its name.
+    /// Draws the setpoints of a house, with its name as the seed.
     fn of(name: &str) -> Self {
         let mut random = stream(STREAM, seed_of(name), 0);
         let heating = step(&mut random, 20.0, 0.5, 5);

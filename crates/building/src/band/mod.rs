@@ -19,7 +19,7 @@ use thermostat::Thermostat;
 /// A zone's setpoints and presence during a part of a day.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
-    /// First hour of the part.
+    /// Hour of the day at which it begins.
     pub from: f64,
     /// Heating setpoint, °C; `None` without heating.
     pub heating: Option<f64>,
@@ -143,7 +143,7 @@ fn day_and_hour(day: u32, hour: f64) -> (i64, f64) {
 /// The years of a building's schedules.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Year {
-    /// The zones, in the order of their names.
+    /// The zones, in the given order.
     pub(crate) zones: Vec<ZoneYear>,
     /// Days, from 1 on 1 January of the first year and in order, that the model declares special, such as holidays.
     pub(crate) holidays: Vec<u32>,
@@ -161,7 +161,7 @@ pub(crate) struct Off {
 }
 
 /// Returns the years of zones and of switches, which are names of schedules, according to the schedules of a model. The
-/// setpoints of a house are drawn from surveys, by the name of the building.
+/// setpoints of a house are drawn from surveys, with the name of the building as the seed.
 ///
 /// A user's model has the year of its calendar and the following one; a generated building, which has no calendar, one
 /// default year.

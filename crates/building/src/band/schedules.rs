@@ -90,7 +90,7 @@ impl Values<'_> {
         self.0.get(index).or_else(|| self.0.last()).copied().unwrap_or(0.0)
     }
 
-    /// Returns the share of the time in which it is zero, over all and by month of the first year, `year`.
+    /// Returns the share of the time in which it is zero, overall and by month of the first year, `year`.
     pub(super) fn share_off(self, year: Calendar) -> Off {
         let of_month = |month: usize| {
             let first = year.month_start(month) as usize - 1;

@@ -1,6 +1,6 @@
 //! The facts about a building type, as data.
 
-/// The facts about a building type. A type is one file with these facts in this folder, and one line of the list in
+/// The facts about a building type. A type is one file with these facts in this folder, and a variant of the enum in
 /// `mod.rs`.
 #[derive(Debug)]
 pub struct TypeData {

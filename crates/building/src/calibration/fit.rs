@@ -20,7 +20,7 @@ const INCREASE: f64 = 1000.0;
 const MAX_FAILURES: usize = 2;
 /// Decrease of the sum of squares, relative to it, below which the fit ends.
 const MIN_DECREASE: f64 = 1e-3;
-/// Mean square of the residuals below which the fit ends: 0.01 % of the mean energy.
+/// Mean square of the residuals below which the fit ends: the square of 0.01 % of the mean energy.
 const EXACT: f64 = 1e-8;
 /// Variance inflation above which an unknown is nearly collinear: the others explain 96 % of its effect.
 const MAX_INFLATION: f64 = 25.0;
@@ -61,7 +61,8 @@ struct Best {
     cost: f64,
 }
 
-/// Minimizes the sum of squared residuals from the origin. `evaluate` returns the residuals of each point of a batch.
+/// Minimizes the sum of squared residuals, starting at the origin. `evaluate` returns the residuals of each point of a
+/// batch.
 ///
 /// # Errors
 /// Errors from `evaluate`.

@@ -1,7 +1,7 @@
 //! Calibration of a model against monthly metered energy.
 //!
-//! A [`Calibration`] reads [`Metered`] energy from a table; [`fit`] finds the multipliers of a model's parameters that
-//! make a simulation agree best with it, and [`Agreement`] has the statistics of ASHRAE Guideline 14.
+//! [`Metered`] is the energy in a table; a [`Calibration`] finds, with [`fit`], the multipliers of a model's parameters
+//! that make a simulation agree best with it, and [`Agreement`] has the statistics of ASHRAE Guideline 14.
 
 mod agreement;
 mod fit;

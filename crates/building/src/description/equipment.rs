@@ -14,7 +14,7 @@ pub struct SystemDescription {
     pub kind: KindName,
     /// The zones it serves, by number.
     pub zones: Vec<usize>,
-    /// Design flow of its fan, kg/s; 0 for a heater of the zone.
+    /// Design flow of its fan, kg/s; 0 for a heater and for a zone controlled through its setpoints.
     pub design_flow: f64,
     /// Heating capacity of its central coils, W, without reheat.
     pub heating_capacity: f64,

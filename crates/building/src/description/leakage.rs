@@ -17,7 +17,7 @@ pub const WIND: f64 = 3.0;
 pub(super) struct Measures {
     /// m².
     pub(super) floor: f64,
-    /// Outer walls and roofs, m².
+    /// Surfaces to the outdoors, m².
     pub(super) exterior: f64,
     /// m².
     pub(super) exterior_walls: f64,

@@ -34,9 +34,9 @@ pub struct Description {
     pub location: Location,
     /// Properties that the model does not contain.
     pub origin: Origin,
-    /// Floor area of the conditioned zones, m².
+    /// Floor area of the conditioned zones, m²; zones under their own controls do not count.
     pub conditioned_floor_area: f64,
-    /// Volume of the conditioned zones, m³.
+    /// Volume of the same zones, m³.
     pub conditioned_volume: f64,
     /// Size of the bounding box along the building's axes, m.
     pub size: Point,
@@ -90,9 +90,9 @@ pub struct Envelope {
     /// Mean U-factor of the roofs with the code's air films, W/m²K; for an attic or a plenum the lower U-factor of its
     /// roof and the ceiling below.
     pub roof_u: Option<f64>,
-    /// Mean U-factor of the glazing in walls, W/m²K.
+    /// Mean U-factor of the glazing in exterior walls of all zones, W/m²K.
     pub window_u: Option<f64>,
-    /// Mean solar heat gain coefficient of the glazing in walls.
+    /// Mean solar heat gain coefficient of the glazing in exterior walls of all zones.
     pub window_shgc: Option<f64>,
     /// Window-to-wall ratio of the whole building, including plenum walls.
     pub window_to_wall: f64,

@@ -14,7 +14,7 @@ use crate::{Error, Model, Result, import};
 /// `allow_external` is as for [`import::read`].
 ///
 /// # Errors
-/// The errors of [`import::read`], [`apply`] and [`write_aside`].
+/// The errors of [`check_output`], [`import::read`], [`apply`] and [`write_aside`].
 pub fn edit_file(
     model: &Path,
     output: &Path,

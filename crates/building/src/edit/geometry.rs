@@ -58,7 +58,7 @@ pub fn require_relative_coordinates(model: &Model) -> Result<()> {
     Err(Error::edit("GlobalGeometryRules", &name, why))
 }
 
-/// Checks that all surfaces have corners, in the building's axes.
+/// Checks that all surfaces have corners and, if `x` and `y` differ, that all zones have the building's axes.
 ///
 /// # Errors
 /// [`Error::Edit`] naming the first object that cannot be stretched.
@@ -85,8 +85,8 @@ pub(super) fn require_corners(model: &Model, classes: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes and slab edges
-/// that the model gives as numbers are scaled.
+/// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes, floor areas and
+/// slabs that the model gives as numbers are scaled.
 ///
 /// # Errors
 /// Same as [`zone::surfaces`].

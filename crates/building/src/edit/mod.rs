@@ -4,8 +4,8 @@
 //! modules on prototypes; [`Edits`] apply to any model: they also check for features that only users' models have, and
 //! give the changed surfaces their own constructions.
 //!
-//! The result depends only on the arguments, to the byte: only arithmetic and square roots, which IEEE 754 rounds
-//! exactly.
+//! The result depends only on the arguments, to the byte: it takes only arithmetic and square roots, which IEEE 754
+//! rounds correctly.
 
 mod change;
 mod copies;

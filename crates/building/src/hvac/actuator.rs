@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// Air mass flow from a unitary system to its zone, kg/s.
+    /// Air mass flow from a unitary system to its zones, kg/s.
     SupplyAirFlow,
     /// Air temperature at the outlet of a unitary system or of a central air handler, °C.
     SupplyAirTemperature,

@@ -14,7 +14,7 @@ use crate::{Error, Model, Result};
 /// The equipment of a zone or a system: its unit, its terminal, its air handler or its heater.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Equipment {
-    /// Design air flow, kg/s; 0 for a heater of the zone.
+    /// Design air flow, kg/s; 0 for a heater and for a zone controlled through its setpoints.
     pub design_flow: f64,
     /// Heating capacity of its coils, W.
     pub heating_capacity: f64,
@@ -64,7 +64,7 @@ impl Capacity {
         Ok(of_components(model, supply_components(model, air_loop)?))
     }
 
-    /// Capacity of the terminal coil or the heater of a zone.
+    /// Capacity of all equipment of a zone.
     pub(super) fn of_zone_equipment(model: &Model, zone: &str) -> Result<Self> {
         Ok(of_components(model, zone_equipment(model, zone)?))
     }

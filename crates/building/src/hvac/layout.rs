@@ -14,7 +14,7 @@ use crate::{Error, Result};
 pub struct SystemLayout {
     /// Range of its actuators in the action.
     pub actions: Range<usize>,
-    /// Zones it serves: one, or the zones of an air loop's terminals in their order.
+    /// Zones it serves, in the order of [`System::zones`].
     pub zones: Vec<ServedZone>,
 }
 

@@ -30,7 +30,7 @@ const PER_PERSON: f64 = 0.00944;
 pub struct Ventilation {
     /// Design minimum of the outdoor air flow, kg/s.
     pub min_outdoor_air: f64,
-    /// The damper that opens to the design minimum; `None` where outdoor air is an actuator of the system.
+    /// The damper that opens to the design minimum; `None` where outdoor air is an actuator or left to the model.
     pub damper: Option<MinimumDamper>,
     /// The engine's outdoor air mass flow, kg/s.
     pub outdoor_air: EngineVariable,

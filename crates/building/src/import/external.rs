@@ -62,6 +62,7 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
 /// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values
 /// that look like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile`
 /// opens by default.
+///
 /// # Errors
 /// The errors of reading the file.
 pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {

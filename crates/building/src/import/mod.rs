@@ -63,8 +63,8 @@ pub struct Options<'a> {
 /// code or names a file outside its own folder is rejected before the engine simulates it.
 ///
 /// # Errors
-/// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with
-/// the engine's messages when it cannot read an IDF.
+/// [`Error::Import`] with the problems; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with
+/// the engine's messages when it cannot read an IDF; [`Error::Io`].
 pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Model> {
     let options = Options { allow_external, ..Options::default() };
     Ok(read_with_notes(path, library, options)?.model)
@@ -153,7 +153,7 @@ fn refused(path: &Path, problems: Vec<String>) -> Error {
 /// Checks that a path is a file that may be a model.
 ///
 /// # Errors
-/// [`Error::Import`] for one that is missing or of another kind; [`Error::Io`].
+/// [`Error::Import`] for one that is missing or of another kind.
 pub fn check_file(path: &Path) -> Result<()> {
     let refuse = |problem: String| Err(refused(path, vec![problem]));
     if path.is_dir() {

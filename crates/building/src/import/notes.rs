@@ -22,9 +22,9 @@ pub struct Notes {
     /// The days of the week and 29 February, where they differ from generated buildings'.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calendar: Option<String>,
-    /// Autosized fields that the engine does not size and that were left to it.
+    /// Autosized fields for which the engine reports no size and that were left to it.
     pub left_autosized: Vec<String>,
-    /// Autosized fields that the engine does not size because their object does not use them; they got a number.
+    /// Autosized fields without a reported size that their object does not use; they got a number.
     #[serde(default)]
     pub unused_autosized: Vec<String>,
     /// What was removed or changed to control the model and to simulate episodes.
@@ -42,7 +42,7 @@ pub struct Notes {
 pub struct SwitchedOff {
     /// The schedule.
     pub schedule: String,
-    /// The share of the year in which it is zero.
+    /// The share of the time in which it is zero.
     pub share: f64,
     /// The share of each month, January first.
     #[serde(default)]
@@ -111,7 +111,7 @@ impl Notes {
         self.warnings.iter().cloned().chain(summary)
     }
 
-    /// Returns whether a schedule of the model switches off equipment of a zone for most of a month, from 0.
+    /// Returns whether a schedule of the model switches off equipment of a zone for most of a month; January is 0.
     pub fn is_mostly_off(&self, zone: &str, month: usize) -> bool {
         let mostly = self.switched_off.iter().filter(|off| off.by_month[month] >= MOSTLY);
         mostly.flat_map(|off| &off.zones).any(|other| other.eq_ignore_ascii_case(zone))

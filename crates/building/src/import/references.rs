@@ -1,7 +1,7 @@
 //! Dangling references.
 //!
 //! The engine stops at some dangling references and ignores others. The check covers `…_object_type` with `…_name`,
-//! schedules, and required fields, except in objects that only sizing reads. The engine's schema gives the groups of
+//! schedules, and required fields, except those of `Sizing:…` objects. The engine's schema gives the groups of
 //! references that a field may name, such as the surfaces that a window may be in.
 
 use std::collections::{HashMap, HashSet};

@@ -20,7 +20,7 @@ pub(super) fn without_setpoint(model: &Model) -> Vec<String> {
     [without_reference(model), without_humidity(model)].concat()
 }
 
-/// Returns a problem for every node from which a setpoint manager takes a setpoint.
+/// Returns a problem for every node from which a setpoint manager takes a setpoint that nothing gives it.
 fn without_reference(model: &Model) -> Vec<String> {
     let given = given(model, |_, _| true);
     let mut told = HashSet::new();
@@ -40,8 +40,8 @@ fn without_reference(model: &Model) -> Vec<String> {
     problems
 }
 
-/// Returns a problem for every node at which a water coil holds a humidity ratio. The engine ends the run and names the
-/// nodes only in warnings.
+/// Returns a problem for every water coil that holds a humidity ratio at a node that gets no humidity setpoint. The
+/// engine ends the run and names the nodes only in warnings.
 fn without_humidity(model: &Model) -> Vec<String> {
     let is_of_humidity = |class: &str, fields: &Fields| {
         is_about_humidity(class) || text(fields, "control_variable").is_some_and(is_about_humidity)

@@ -48,7 +48,7 @@ impl Model {
     /// Parses an epJSON text.
     ///
     /// # Errors
-    /// [`Error::Malformed`] when the text is not JSON, or not class → name → fields.
+    /// [`Error::Malformed`] when the text is not JSON, repeats a name, or is not class → name → fields.
     pub fn from_epjson(text: &str, path: &Path) -> Result<Self> {
         let malformed = |why: String| Error::Malformed { path: path.to_owned(), why };
         let Unique(classes) = serde_json::from_str(text).map_err(|e| malformed(e.to_string()))?;

@@ -24,7 +24,7 @@ const LEVEL: f64 = 0.5;
 pub struct Shape {
     /// Names of the zones, in model order.
     pub zones: Vec<String>,
-    /// Every surface, in model order.
+    /// Every surface of a known zone, in model order.
     pub faces: Vec<Face>,
     /// Angle from true north to the y axis, clockwise, degrees.
     pub north_axis: f64,

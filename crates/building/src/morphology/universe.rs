@@ -22,7 +22,7 @@ pub enum NodeType {
     VavZone,
     /// A zone with a heater only.
     HeatingOnlyZone,
-    /// A zone without equipment, such as an attic or a plenum. Observations only.
+    /// A zone without controlled equipment, such as an attic or a plenum. Observations only.
     UncontrolledZone,
     /// A zone whose equipment follows the heating and the cooling setpoint of its thermostat.
     SetpointZone,
@@ -51,11 +51,11 @@ pub enum Observed {
     NextCoolingSetpoint,
     /// Hours until the next change of a zone's setpoints.
     HoursToChange,
-    /// Electricity price of an hour ahead, currency/kWh.
+    /// Electricity price of a coming hour, currency/kWh.
     PriceAhead,
-    /// Outdoor temperature of an hour ahead, °C.
+    /// Outdoor temperature of a coming hour, °C.
     OutdoorTemperatureAhead,
-    /// Solar radiation of an hour ahead, W/m².
+    /// Solar radiation of a coming hour, W/m².
     SolarAhead,
     /// Whether a zone is occupied, 0 or 1.
     Occupancy,
@@ -154,7 +154,7 @@ pub enum Attribute {
 pub struct LocalSlot<Q> {
     /// The quantity.
     pub quantity: Q,
-    /// SI unit; 1 for ratios and counts.
+    /// Unit; 1 for ratios, counts and dates.
     pub unit: &'static str,
     /// Typical lowest value, for scaling; values may be lower.
     pub low: f64,

@@ -105,14 +105,14 @@ impl Sizes {
         self.sizes.iter().filter(is_of)
     }
 
-    /// Writes the sizes into every autosized field of the model, switches sizing off and removes what only
+    /// Writes the sizes into the autosized fields of the model, switches sizing off and removes what only
     /// sizing reads. Returns the autosized fields without a size.
     ///
-    /// An autosized field without a size does not depend on the design days:
+    /// There are three cases of an autosized field without a size:
     ///
     /// - The object was not sized at all: nothing uses it, and it stays as it is.
-    /// - Every size of the object belongs to another field: the object does not use this one. It gets the smallest
-    ///   number that the engine accepts, which has no effect.
+    /// - Every size of the object belongs to another field: the object does not use this one. It gets 0, or a small
+    ///   number where the engine excludes 0, which has no effect.
     /// - Otherwise it is left to the engine, which rejects the model if it cannot size the field.
     ///
     /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields
@@ -203,8 +203,8 @@ impl Sizes {
         }
     }
 
-    /// Returns what to write for a size of zero. The engine may size the air flow of a heater and its fan to zero, in a
-    /// zone that needs no heat, and then reject that.
+    /// Returns the minimum of a size that is not positive. The engine may size the air flow of a heater and its fan to
+    /// zero, in a zone that needs no heat, and then reject that.
     fn minimum(&self, class: &str, field: &str) -> f64 {
         let is_fan_flow = begins(class, "Fan:") && field.ends_with("maximum_flow_rate");
         let is_positive = self.schema.field(class, field).is_some_and(|field| field.positive);

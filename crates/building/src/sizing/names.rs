@@ -2,8 +2,8 @@
 //!
 //! Most descriptions are the name of the field. Others say the same in other words:
 //! `Supply Air Flow Rate During Cooling Operation` is `cooling_supply_air_flow_rate`. Within an object, the pairs with
-//! most words in common belong together. Fields with given values take part, so that an autosized field does not take
-//! the size of another.
+//! the most words in common belong together. Fields with given values take part, so that an autosized field does not
+//! take the size of another.
 
 use std::collections::BTreeSet;
 

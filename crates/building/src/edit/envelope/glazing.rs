@@ -18,7 +18,7 @@ use crate::{Error, Model, Result};
 const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
 /// Maximum visible transmittance.
 const MAX_TRANSMITTANCE: f64 = 0.99;
-/// Glass windows and doors that [`FENESTRATION`] does not list.
+/// Classes of windows and glass doors other than [`FENESTRATION`].
 const SIMPLE_GLASS: [&str; 2] = ["Window", "GlazedDoor"];
 
 /// A window or a glass door.

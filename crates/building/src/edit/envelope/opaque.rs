@@ -46,8 +46,8 @@ struct Requirement {
     resistance: f64,
 }
 
-/// Sets the assembly U-factor of every exterior wall and roof, W/m²K with the code's air films, through the resistance
-/// of its insulation.
+/// Sets the assembly U-factor of every exterior wall and roof, if given, W/m²K with the code's air films, through the
+/// resistance of its insulation.
 ///
 /// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A
 /// construction without insulation that needs more resistance gets a layer of it outside. Insulation that other

@@ -34,8 +34,8 @@ struct Window {
 /// such as a gable, windows do not grow. Returns the number of windows.
 ///
 /// # Errors
-/// [`Error::Parameter`] when the walls with windows are too small; [`Error::Edit`] for a window without corners or in a
-/// tilted wall.
+/// [`Error::Parameter`] when the walls with windows are too small or glass doors alone reach the ratio;
+/// [`Error::Edit`] for a window without corners or in a tilted wall.
 pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
     require_corners(model, &["Window", "GlazedDoor"])?;
     let surfaces = zone::surfaces(model)?;

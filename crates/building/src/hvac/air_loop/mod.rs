@@ -1,6 +1,6 @@
 //! Central air loops: supply temperature, outdoor air, dampers, reheat.
 //!
-//! [`make_controllable`] replaces the controls of a loop of variable-volume reheat terminals with actuators. The
+//! [`make_controllable`] replaces the controls of a loop of variable-volume terminals with actuators. The
 //! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are
 //! removed; the equipment and its capacities are kept. In a generated building, [`enlarge_heating_coil`] is called
 //! first.
@@ -42,7 +42,7 @@ use components::FANS;
 
 /// Makes a central air loop controllable and returns its actuators.
 ///
-/// The model must be hard-sized (no `Autosize` in the fan and the terminals). `air_density` (kg/m³) is the
+/// The model must be hard-sized (no `Autosize` in fans, heating coils and terminals). `air_density` (kg/m³) is the
 /// engine's standard density at the site, which turns design volume flows into mass flows.
 ///
 /// # Errors

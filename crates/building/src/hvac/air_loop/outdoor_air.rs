@@ -36,9 +36,9 @@ pub(super) fn release(
     })
 }
 
-/// Like [`release`], but through a schedule of the minimum outdoor air. Exhaust fans remove air from the zones of the
-/// loop. The engine supplies at least as much outdoor air, but not above an actuator's value: the missing air would be
-/// free.
+/// Like [`release`], but through a schedule of the minimum outdoor air, for a loop whose zones have exhaust fans. The
+/// engine makes up for the air that they remove with outdoor air, but not beyond the value of an actuator of its flow:
+/// the missing air would be free.
 pub(super) fn schedule(
     model: &mut Model,
     air_loop: &str,

@@ -35,8 +35,8 @@ pub(super) fn enlarge(model: &mut Model, coil: &Reference, fan_flow: f64) -> Res
     Ok(())
 }
 
-/// Returns the upper bound of the supply temperature, °C: what the coil reaches at the fan's design flow (kg/s) above
-/// [`NEUTRAL_SUPPLY_TEMPERATURE`].
+/// Returns the upper bound of the supply temperature, °C: what the coil reaches at the fan's design flow (kg/s) from
+/// [`NEUTRAL_SUPPLY_TEMPERATURE`], at most [`HIGHEST_SUPPLY_TEMPERATURE`].
 pub(super) fn heating_reach(model: &Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
     let capacity = match coil.class.eq_ignore_ascii_case(WATER_HEATING) {
         true => water_coil::capacity(model, coil)?,

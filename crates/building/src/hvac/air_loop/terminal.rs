@@ -47,8 +47,8 @@ fn coil(model: &Model, terminal: &Reference) -> Result<Option<Reference>> {
     Ok(reference(fields, "reheat_coil_object_type", "reheat_coil_name"))
 }
 
-/// Makes the damper of a terminal follow a schedule, and its reheat coil or the heater of the zone the zone's own
-/// heating setpoint.
+/// Makes the damper of a terminal follow a schedule, and its reheat coil, or else the heater of the zone, follow the
+/// zone's own heating setpoint.
 pub(super) fn make_controllable(model: &mut Model, served: ServedZone, air_density: f64) -> Result<Terminal> {
     let ServedZone { zone, unit, ref terminal } = served;
     put_first(model, &zone, &unit)?;

@@ -338,7 +338,8 @@ impl Search<'_> {
         Ok(system)
     }
 
-    /// Records a system or a piece of equipment that cannot be made controllable, or returns the error.
+    /// Records a system or a piece of equipment that cannot be made controllable, or returns the error unless its class
+    /// may stay uncontrolled.
     fn leave(&mut self, object: Reference, zones: Vec<String>, error: Error) -> Result<()> {
         match self.unsupported {
             Unsupported::LeftAlone => {

@@ -58,7 +58,7 @@ pub fn branches(model: &Model, air_loop: &str) -> Result<Vec<String>> {
 /// Returns the one branch of an air loop's supply side.
 ///
 /// # Errors
-/// [`Error::Unsupported`] when there are several; [`Error::MissingObject`] for a dangling reference.
+/// [`Error::Unsupported`] unless there is exactly one; [`Error::MissingObject`] for a dangling reference.
 pub fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
     let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
     match <[String; 1]>::try_from(branches(model, air_loop)?) {

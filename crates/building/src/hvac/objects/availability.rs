@@ -15,7 +15,7 @@ const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_opera
 /// coil. Otherwise, the fan would stop at night regardless of its command.
 ///
 /// # Errors
-/// [`Error::MissingObject`] when the loop or one of its components is not in the model.
+/// [`crate::Error::MissingObject`] when the loop or one of its components is not in the model.
 pub fn always_on(model: &mut Model, air_loop: &str) -> Result<()> {
     remove_availability_managers(model, air_loop)?;
     for component in supply_components(model, air_loop)? {
@@ -27,7 +27,7 @@ pub fn always_on(model: &mut Model, air_loop: &str) -> Result<()> {
 /// Makes a component, and the fans and coils that it refers to, always available.
 ///
 /// # Errors
-/// [`Error::MissingObject`] when it, or one that it refers to, is not in the model.
+/// [`crate::Error::MissingObject`] when it, or one that it refers to, is not in the model.
 pub fn switch_on(model: &mut Model, component: &Reference) -> Result<()> {
     constant_schedule(model, ALWAYS_ON, 1.0);
     let fields = model.require_mut(&component.class, &component.name)?;

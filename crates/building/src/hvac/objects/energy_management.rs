@@ -17,8 +17,8 @@ const ZERO: &str = "b2b Zero";
 /// The variable of a schedule.
 const SCHEDULE_VALUE: &str = "Schedule Value";
 
-/// Removes the EMS actuators whose fields satisfy `unwanted`, with every program that sets one of them and the calls of
-/// these programs. They would override controlled actuators.
+/// Removes the EMS actuators whose fields satisfy `unwanted`, with every program that mentions one of them and the
+/// calls of these programs. They would override controlled actuators.
 pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool) {
     let actuators: Vec<String> = model
         .objects("EnergyManagementSystem:Actuator")

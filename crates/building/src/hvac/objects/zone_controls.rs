@@ -1,4 +1,4 @@
-//! Controls of a zone beside its thermostat, which set its setpoints instead of it or shift them. They give way to
+//! Controls of a zone besides its thermostat, which set its setpoints instead of it or shift them. They give way to
 //! commanded setpoints, which are air temperatures.
 
 use serde_json::{Value, json};

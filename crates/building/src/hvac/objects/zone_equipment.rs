@@ -49,9 +49,9 @@ pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
         .collect())
 }
 
-/// Puts equipment of a zone ahead of all others except heaters, which deliver no more than the load. If another
-/// delivers warm air first, the engine sees a cooling load and adds flow to the terminal: the more, the nearer its
-/// supply air is to the zone's temperature.
+/// Puts equipment of a zone ahead of all others except exhaust fans, and heaters, which deliver no more than the load.
+/// If another delivers warm air first, the engine sees a cooling load and adds flow to the terminal: the more, the
+/// nearer its supply air is to the zone's temperature.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] when the equipment list that the zone names is not in the model.

@@ -30,8 +30,8 @@ const UNITS: [&str; 4] = [
     "AirLoopHVAC:UnitarySystem",
 ];
 
-/// Design flow, in air changes of the room per hour, above which the room responds within seconds. One command per step
-/// cannot hold it; the engine's own control can.
+/// Design flow, in air changes of the room per hour, above which the room responds within a minute. One command per
+/// step cannot hold it; the engine's own control can.
 const MOST_AIR_CHANGES: f64 = 60.0;
 
 /// A unit in the room that it serves.

@@ -25,7 +25,7 @@ pub(crate) struct Switch {
     is_whole: bool,
 }
 
-/// Returns the objects that are switched off all year. `shares` has the share of the year in which each switch is off.
+/// Returns the objects that are switched off all year. `shares` has the share of the time in which each switch is off.
 pub(crate) fn absent(switches: &[Switch], shares: impl Iterator<Item = f64>) -> Vec<Reference> {
     let is_absent = |(switch, share): &(&Switch, f64)| switch.is_whole && *share >= 1.0;
     let absent = switches.iter().zip(shares).filter(is_absent);

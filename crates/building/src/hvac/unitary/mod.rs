@@ -3,9 +3,9 @@
 //!
 //! Every packaged unit is rewritten as the same kind, which follows both commands exactly: a blow-through
 //! `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed or water cooling coil,
-//! feeding a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it. Capacities,
-//! efficiencies, pressures and curves are the original unit's; a coil with several speeds has the curves of its highest
-//! speed, and condensers are cooled by air.
+//! feeding a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it unless it has
+//! an economizer. Capacities, efficiencies, pressures and curves are the original unit's; a coil of several speeds has
+//! the curves of its highest speed, and condensers are cooled by air.
 
 mod assemble;
 mod commands;

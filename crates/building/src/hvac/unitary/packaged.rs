@@ -1,4 +1,4 @@
-//! What a rule-based controller must know of a packaged unit beside its actuators, read while the unit is made
+//! What a rule-based controller must know of a packaged unit besides its actuators, read while the unit is made
 //! controllable.
 
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use crate::model::{Fields, Model};
 
-/// The objects of a model, in the order of the file.
+/// The objects of a model, in the order of the IDF, or by class in model order for an epJSON.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Document {
     /// The objects.
@@ -150,7 +150,7 @@ impl Object {
         }
     }
 
-    /// Inserts a field before those at its position and after it. Returns whether the object changed.
+    /// Inserts a field; in an IDF, those from its position on move back. Returns whether the object changed.
     pub fn insert(&mut self, field: Field, value: &str) -> bool {
         match &mut self.body {
             Body::Positions(values) if values.len() >= field.at => {

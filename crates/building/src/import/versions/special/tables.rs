@@ -94,7 +94,7 @@ fn pairs(table: &Object) -> Vec<[String; 2]> {
     pairs
 }
 
-/// Appends values at the end of an object.
+/// Adds values to an object: at the end of an IDF's, in a list of an epJSON's.
 pub(super) fn with_values(mut object: Object, list: &str, field: &str, given: &[String]) -> Object {
     match &mut object.body {
         Body::Positions(values) => values.extend(given.iter().cloned()),

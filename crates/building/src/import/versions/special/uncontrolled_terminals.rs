@@ -58,7 +58,7 @@ pub(super) fn convert(document: &mut Document, version: &str, report: &mut Conve
     problems
 }
 
-/// Returns the names of the node lists that only air loops name, in lower case.
+/// Returns the names of the node lists that only objects of the classes [`UPSTREAM`] name, in lower case.
 fn upstream_lists(document: &Document) -> Vec<String> {
     let names: Vec<String> = document.of("NodeList").map(|list| list.name().to_lowercase()).collect();
     let named_by = |object: &Object, name: &str| {
@@ -77,7 +77,7 @@ fn upstream_lists(document: &Document) -> Vec<String> {
     names.into_iter().filter(is_upstream).collect()
 }
 
-/// Returns a problem if the ducts of an AirflowNetwork end at the terminals, which cannot be converted.
+/// Returns a problem if the model has ducts of an AirflowNetwork, whose ends at the terminals cannot be converted.
 fn airflow_network(document: &Document, terminals: &[Terminal]) -> Vec<String> {
     let has_ducts = document.of("AirflowNetwork:Distribution:Linkage").next().is_some();
     let ducts = terminals.first().filter(|_| has_ducts);
