@@ -66,7 +66,7 @@ pub enum Error {
         /// The controller.
         name: &'static str,
     },
-    /// A task without comfort bands or without a price.
+    /// A task without comfort bands or without a weight of energy.
     #[error(
         "the controller `{name}` minimizes cost at equal comfort, but the task `{task}` has no comfort bands or no energy weight; use operate"
     )]
@@ -76,7 +76,7 @@ pub enum Error {
         /// The task.
         task: String,
     },
-    /// A file of evaluations of another tuning run, or one that was edited.
+    /// A file of another tuning run or search, or one that was edited.
     #[error("{path} belongs to another tuning run: {why}; remove it or choose another folder")]
     OtherTuning {
         /// The file.

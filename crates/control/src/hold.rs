@@ -27,7 +27,7 @@ struct Parameters {
 }
 
 impl Parameters {
-    /// Returns the middle of a usual comfort band, 21 to 24 °C.
+    /// Returns parameters with the middle of a usual comfort band, 21 to 24 °C, as the target.
     fn with(reactive: ReactiveParameters) -> Self {
         Self { target: 22.5, reactive }
     }

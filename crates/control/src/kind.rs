@@ -28,8 +28,8 @@ pub trait Kind: Sync {
         false
     }
 
-    /// Returns what decides its actions beside an episode: its name, and for a kind with shipped schedules or rules
-    /// their digest, so that results of others are not reused.
+    /// Returns what decides its actions beside an episode: its name, and for some kinds a digest of their shipped
+    /// schedules or rules or a revision, so that results of others are not reused.
     fn identity(&self) -> String {
         self.name().to_owned()
     }
@@ -62,7 +62,7 @@ pub trait Kind: Sync {
     /// Returns `values` with changes by the names of parameters.
     ///
     /// # Errors
-    /// [`Error::UnknownParameter`]; [`Error::Parameter`] for a value out of bounds.
+    /// [`Error::NoParameters`]; [`Error::UnknownParameter`]; [`Error::Parameter`] for a value out of bounds.
     fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
         match changes.keys().next() {
             None => Ok(values),
@@ -73,7 +73,7 @@ pub trait Kind: Sync {
     /// Reads values from a JSON file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`]; [`Error::Parameter`].
+    /// [`Error::NoParameters`]; [`Error::Io`]; [`Error::ParameterFile`]; [`Error::Parameter`].
     fn read(&self, _path: &Path) -> Result<Value> {
         Err(Error::NoParameters { name: self.name() })
     }
@@ -81,14 +81,15 @@ pub trait Kind: Sync {
     /// Makes a controller for an episode.
     ///
     /// # Errors
-    /// [`Error::NeedsEpisode`] if the kind plans episodes; [`Error::Values`].
+    /// [`Error::NeedsEpisode`] if the kind must plan the episode; [`Error::OwnControls`]; [`Error::NotOperation`];
+    /// [`Error::Values`]; [`Error::Env`].
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>>;
 
     /// Plans an episode by running it, copies of it or days before it, for kinds that plan. Returns a controller that
     /// carries out the plan; `None` for other kinds. `step` is called as often as the episode has steps, for progress.
     ///
     /// # Errors
-    /// The errors of [`Episode`]; [`Error::Values`].
+    /// The errors of [`Episode`]; [`Error::Values`]; [`Error::NotOperation`].
     fn plan(
         &self,
         _case: &Case<'_>,
@@ -158,7 +159,7 @@ impl<T: Controller + Clone + Send + 'static> AnyController for T {
     }
 }
 
-/// Returns the kind with a name.
+/// Returns the kind with this name.
 pub fn kind(name: &str) -> Option<&'static dyn Kind> {
     KINDS.into_iter().find(|kind| kind.name() == name)
 }

@@ -28,12 +28,12 @@ pub struct Bill {
     month: usize,
     /// kWh that count for the blocks, this day or month.
     block_energy: f64,
-    /// kWh of the current quarter-hour, and its index.
+    /// Index of the current quarter-hour, and its kWh so far.
     quarter: usize,
     quarter_energy: f64,
     /// Largest quarter-hour mean of the month of each charge, kW.
     peaks: [f64; MAX_CHARGES],
-    /// Largest one on the ratchet's dates, kW.
+    /// Largest one of the episode on the ratchet's dates, kW.
     ratchets: [f64; MAX_CHARGES],
     /// Share of the current month's days that each charge covers.
     shares: [f64; MAX_CHARGES],

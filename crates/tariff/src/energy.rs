@@ -75,7 +75,7 @@ impl EnergyTable {
     /// Adds a class under a name and returns its index.
     ///
     /// # Errors
-    /// A fault at a place for prices that are negative or not finite, and for too many names.
+    /// A fault at a place for prices that are negative or not finite, and for too many names or classes.
     pub(crate) fn add(&mut self, name: &str, class: Class, place: usize) -> Result<u16, Fault> {
         if let Some(price) = class.prices.into_iter().find(|price| !price.is_finite() || *price < 0.0) {
             let why = format!(
@@ -102,7 +102,7 @@ impl EnergyTable {
         index.ok_or_else(|| Fault::at(place, "more than 65,000 energy prices"))
     }
 
-    /// Puts an entry at its times. An entry without `hours` or `hourly` skips times in `taken`.
+    /// Puts an entry at its times. An entry without `hours` and `hourly` skips times in `taken`.
     fn put(&mut self, entry: &Spanned<EnergyFile>, blocks: usize, taken: &[u16]) -> Result<(), Fault> {
         let place = entry.span().start;
         let entry = entry.get_ref();

@@ -125,8 +125,8 @@ impl ScheduleSearchOptions {
 /// every episode of the search.
 ///
 /// # Errors
-/// [`Error::NotOperation`]; [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of
-/// [`Episode`].
+/// [`Error::NotOperation`]; [`Error::Values`] if `block_hours` is not a divisor of 24; [`Error::OtherTuning`] for the
+/// record of another search; [`Error::Io`]; the errors of [`Episode`].
 pub fn plan(
     episode: &mut Episode,
     options: &ScheduleSearchOptions,

@@ -13,14 +13,14 @@ pub struct EpisodeUse {
 /// Resource use and discomfort of a day.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DayUse {
-    /// Use of the task's resource, usually cost, relative to the mean step of the building's class.
+    /// Use of the task's resource, usually cost, relative to the mean step of the building's class, times its weight.
     pub used: f64,
     /// Deviation outside the band integrated over time, K·h per zone.
     pub discomfort: f64,
 }
 
 impl EpisodeUse {
-    /// Returns the use of the resource, relative to the mean step of the building's class.
+    /// Returns the use of the resource, relative to the mean step of the building's class, times its weight.
     pub fn used(&self) -> f64 {
         self.days.iter().map(|day| day.used).sum()
     }

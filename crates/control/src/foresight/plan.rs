@@ -57,7 +57,7 @@ pub struct SchedulePlan {
     pub episodes: usize,
     /// Guideline 36 without supervision.
     pub guideline: EpisodeTotal,
-    /// The plan.
+    /// Guideline 36 under the schedule.
     pub result: EpisodeTotal,
     /// Saving of each shift: the score without it minus the score, as a share of the guideline's cost.
     pub savings: BTreeMap<String, f64>,

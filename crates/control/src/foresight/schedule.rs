@@ -80,7 +80,7 @@ impl Schedule {
         block.repeat(Self::blocks(block_hours))
     }
 
-    /// Checks the shape.
+    /// Checks the shape, and that all values are finite.
     ///
     /// # Errors
     /// [`Error::Values`] with what is wrong.
@@ -111,7 +111,7 @@ impl Schedule {
     /// Returns the values of the points of a building, one row per block of the episode.
     ///
     /// # Errors
-    /// [`Error::Values`] if the shape is wrong or a point's shift is missing.
+    /// [`Error::Values`] if [`Schedule::check`] fails or a point's shift is missing.
     pub(super) fn rows(&self, points: &[SupervisoryPoint]) -> Result<Vec<Vec<f64>>> {
         self.check()?;
         let number = |point: &SupervisoryPoint| {

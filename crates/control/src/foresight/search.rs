@@ -56,7 +56,7 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// Returns the episodes of a search in which points have `parts` that may be left out.
+    /// Returns the number of episodes of a search in which points have `parts` that may be left out.
     pub(super) fn episodes(self, parts: usize) -> usize {
         self.rounds * (1 + 2 * self.pairs + LENGTHS.len()) + 2 + parts
     }
@@ -85,7 +85,7 @@ struct ScheduleSearch<'a> {
     at_center: Option<EpisodeUse>,
     /// Length of the steps of each day.
     lengths: Vec<f64>,
-    /// Mirrored pairs of the last rounds by day, without prices.
+    /// Mirrored pairs of the last two rounds by day, without prices.
     tried: Vec<Vec<Tried>>,
     baseline: EpisodeUse,
     best: Best,
@@ -273,7 +273,7 @@ impl ScheduleSearch<'_> {
         values.map(|((center, slope), [low, high])| (center - step(*slope)).clamp(*low, *high)).collect()
     }
 
-    /// Returns the number of the best outcome of a day; the first, unless another is better.
+    /// Returns the number of the best outcome of a day; the first, unless another is better by [`RESOLUTION`].
     fn best_of(&self, day: usize, outcomes: &[EpisodeUse]) -> usize {
         let mut best = (0, self.objective(outcomes[0].days[day]) - RESOLUTION);
         for (number, outcome) in outcomes.iter().enumerate().skip(1) {

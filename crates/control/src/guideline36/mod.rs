@@ -249,7 +249,7 @@ impl Sequences {
 }
 
 /// Returns the points of a unit that serves several zones: the temperature of the first one, which has the thermostat,
-/// in the band of a zone with people.
+/// in the band of the first zone with people, if there is one.
 fn in_one<'z>(zones: impl Iterator<Item = &'z ZoneInput>) -> Option<ZoneInput> {
     zones.copied().reduce(|first, other| match other.people && !first.people {
         true => ZoneInput { temperature: first.temperature, ..other },

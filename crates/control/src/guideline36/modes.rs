@@ -12,7 +12,7 @@
 
 use super::points::Side;
 
-/// Temperatures at which freeze protection starts in any zone and ends in all, °C.
+/// Temperatures below which freeze protection starts in any zone, and from which it ends in all, °C.
 const FREEZE: [f64; 2] = [4.0, 7.0];
 
 /// Mode of a zone group, with the numbers of the Modelica Buildings Library (`Types/OperationModes`).
@@ -55,7 +55,7 @@ impl Mode {
         matches!(self, Self::WarmUp | Self::Setback | Self::FreezeProtection)
     }
 
-    /// Returns whether a zone heats and cools in this mode, given its calls.
+    /// Returns whether a zone may heat and cool in this mode, given its calls.
     pub(super) fn allows(self, calls: [bool; 2]) -> [bool; 2] {
         let [heating, cooling] = calls;
         match self {

@@ -1,4 +1,4 @@
-//! Parameters of the guideline's sequences, with bounds and units. The defaults are the guideline's figures.
+//! Parameters of the guideline's sequences, with bounds and units. Many defaults are the guideline's figures.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::parameter_set::{self, parameter};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Guideline36Parameters {
-    /// Longest optimum start, h; 0 to 6, 0 without. 5.4.6.
+    /// Longest optimum start, h; 0 to 6, 0 turns it off. 5.4.6.
     pub optimum_start: f64,
     /// Whether setpoints are relaxed in unoccupied hours, 0 or 1.
     pub setback: f64,
@@ -62,8 +62,8 @@ pub struct Guideline36AirLoopParameters {
     pub heating_margin: f64,
     /// Distance below the cooling setpoint at which the cooling loop aims, K; 0 to 1.
     pub cooling_margin: f64,
-    /// Minimum flow of a terminal in occupied mode, as a share of its design flow; 0 to 1. At least what ventilation
-    /// needs.
+    /// Minimum flow of a terminal in occupied mode, as a share of its design flow; 0 to 1. Raised to what
+    /// ventilation needs.
     pub min_flow: f64,
     /// Largest flow of a terminal that reheats (Vheat-max), as a share of its design flow; 0 to 1.
     pub heating_flow: f64,
@@ -175,7 +175,8 @@ impl Guideline36Parameters {
         Ok(parameters)
     }
 
-    /// Checks that every value is within the bounds of its parameter.
+    /// Checks that every value is within the bounds of its parameter, and the minimum supply air temperature at most
+    /// the maximum.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for the first that is not.

@@ -10,7 +10,7 @@ pub struct Setpoints {
 }
 
 impl Setpoints {
-    /// Returns the side of heating or of cooling.
+    /// Returns the setpoint of a side.
     pub(super) fn of(self, side: Side) -> f64 {
         match side {
             Side::Heating => self.heating,

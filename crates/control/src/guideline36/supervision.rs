@@ -2,8 +2,8 @@
 //! every step.
 //!
 //! A shift of 0 is the guideline's own choice. Setpoints of zones move out of their band by at most the tolerance with
-//! which hours count as too cold or too warm, and into it by up to 2 K. Levels of demand limiting need no point of
-//! their own: they are shifts of both setpoints of all zones.
+//! which hours count as too cold or too warm, and into it by up to 2 K. The first level of demand limiting needs no
+//! point of its own: it is a shift of both setpoints of all zones.
 
 use b2b_building::Conditioning;
 use b2b_building::morphology::Owner;

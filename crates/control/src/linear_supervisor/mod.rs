@@ -112,7 +112,7 @@ impl LinearSupervisor {
     /// Creates the sequences of a building under a rule for each day; the last one stays in effect.
     ///
     /// # Errors
-    /// [`Error::Values`] for an unknown shift, a weight that is not finite, and no rule.
+    /// [`Error::Values`] for an unknown shift, a weight that is not finite, or no rule.
     pub fn new(spaces: &Spaces, rules: &[Rule]) -> Result<Self> {
         let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
         let points = guideline.supervisory_points();

@@ -124,7 +124,7 @@ pub fn run(episode: &mut Episode, tried: &[Vec<Rule>]) -> Result<TriedEpisode> {
 /// Runs the episodes of a round: its number, and for each episode the lists of rules by day.
 pub type Tries<'a, E> = dyn FnMut(usize, &[Vec<Vec<Rule>>]) -> std::result::Result<Vec<TriedEpisode>, E> + 'a;
 
-/// Searches a rule for episodes of a number of days. With a record, a file and what the search depends on, an
+/// Searches for a rule in episodes of a number of days. With a record (a file and what the search depends on), an
 /// interrupted search resumes.
 ///
 /// # Errors
@@ -248,7 +248,7 @@ impl WeightSearch {
         }
     }
 
-    /// Moves the center to the lowest cost near it at which discomfort is the guideline's.
+    /// Moves the center to the lowest cost near it at which discomfort is at most the guideline's.
     fn improve(&mut self) -> Round {
         let points: Vec<&[f64]> = self.samples.iter().map(|sample| &sample.weights[..]).collect();
         let fit = |value: fn(&Sample) -> [f64; 2]| {
@@ -298,8 +298,8 @@ mod tests {
     use super::*;
     use crate::foresight::DayUse;
 
-    /// A day of a building in which warmer supply air saves up to a share of 0.5, and an earlier start costs energy and
-    /// adds comfort.
+    /// A day of a building in which warmer supply air saves up to a weight of 0.5, and an earlier start costs energy
+    /// and adds comfort.
     fn day(rule: Option<&Rule>) -> DayUse {
         let own = |name: &str| rule.and_then(|rule| rule.0.get(name)).copied().unwrap_or_default().constant;
         let (supply, start) = (own("supply air temperature shift"), own("earlier start"));

@@ -51,8 +51,8 @@ fn value_of((first, second): (usize, Option<usize>), point: &[f64]) -> f64 {
     point[first] * second.map_or(1.0, |second| point[second])
 }
 
-/// Returns a point with the lowest value of a function within bounds, from a point of theirs, by descent along one
-/// coordinate at a time. The function is quadratic in every coordinate on either side of the first point.
+/// Returns a point with the lowest value of a function within bounds, starting from a point in them, by descent along
+/// one coordinate at a time. The function is quadratic in every coordinate on either side of the first point.
 pub(super) fn lowest(start: &[f64], bounds: &[[f64; 2]], value: &dyn Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut point = start.to_vec();
     for _ in 0..SWEEPS {

@@ -59,7 +59,7 @@ impl DayPlan {
         self.shifts.iter().position(|own| own.name == name)
     }
 
-    /// Sets the drivers of an hour.
+    /// Predicts the effects of all levels in an hour from its drivers.
     pub(super) fn expect(&mut self, model: &Model, ahead: usize, of_day: usize, drivers: Drivers) {
         for (predicted, [cost, discomfort]) in self.predicted.iter_mut().zip(model.predict(of_day, drivers)) {
             let helps = cost < 0.0 || discomfort < 0.0;

@@ -6,9 +6,9 @@ use crate::guideline36::Shift;
 const COLD_TO_MILD: [f64; 2] = [-4.0, 6.0];
 /// Outdoor temperatures at which an hour is fully mild and fully warm, °C.
 const MILD_TO_WARM: [f64; 2] = [12.0, 20.0];
-/// Outdoor temperature below which it is cold, °C, and the difference that counts as 1.
+/// Outdoor temperature below which it is cold, °C, and the difference that counts as 1, K.
 pub(super) const COLD: [f64; 2] = [18.0, 20.0];
-/// Outdoor temperature above which it is warm, °C, and the difference that counts as 1.
+/// Outdoor temperature above which it is warm, °C, and the difference that counts as 1, K.
 pub(super) const WARM: [f64; 2] = [14.0, 10.0];
 /// Largest value of cold and warm.
 const MOST: f64 = 2.0;

@@ -30,7 +30,7 @@ pub(super) struct Hour {
     pub(super) zones: Vec<ZoneState>,
     /// Heat that each unit delivered, in several forms.
     pub(super) delivered: Vec<f64>,
-    /// The level of every shift: 0 is the guideline's choice, otherwise 1 plus its number.
+    /// The level of every shift: 0 is the guideline's choice, otherwise 1 plus the level's index.
     pub(super) levels: Vec<usize>,
     /// Penalty of the resource, usually cost.
     pub(super) cost: f64,

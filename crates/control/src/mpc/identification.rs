@@ -55,7 +55,7 @@ fn before(period: RunPeriod) -> RunPeriod {
     RunPeriod::new(Date::of_day(from), Date::of_day(to))
 }
 
-/// Runs an episode under points that are drawn every hour. Returns the shifts that were drawn, and the hours.
+/// Runs an episode under points that move at random. Returns the shifts that were drawn, and the hours.
 fn run(
     episode: &mut Episode,
     spaces: &Spaces,

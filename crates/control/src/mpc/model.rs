@@ -31,7 +31,7 @@ pub struct Model {
     pub cost: [Vec<f64>; 2],
     /// Expected discomfort, likewise.
     pub discomfort: [Vec<f64>; 2],
-    /// Effects of the levels that were tried.
+    /// Effects of the tried levels that may be chosen.
     pub effects: Vec<Effect>,
 }
 

@@ -1,5 +1,5 @@
 //! Ridge regression of hourly values whose errors are proportional to their usual size, by a factor that differs by the
-//! hour of the day, and are autocorrelated.
+//! hour of the day, and are correlated from hour to hour.
 
 use crate::search::least_squares::{dot, solve};
 

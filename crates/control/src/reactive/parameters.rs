@@ -86,7 +86,8 @@ impl ReactiveParameters {
         Ok(parameters)
     }
 
-    /// Checks that every value is within the bounds of its parameter.
+    /// Checks that every value is within the bounds of its parameter, and the minimum supply air temperature at most
+    /// the maximum.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for the first that is not.

@@ -47,7 +47,7 @@ impl Request {
 }
 
 impl TrimRespond {
-    /// Returns the reset of the setpoint after a step, K, within 0 and `max_reset`.
+    /// Returns the reset of the setpoint after a step, K, between 0 and `max_reset`.
     pub(super) fn step(&self, reset: f64, requests: f64, hours: f64, max_reset: f64) -> f64 {
         let counted = requests - self.ignored_requests;
         let change = if counted > 0.0 { self.respond * counted.min(self.max_requests) } else { -self.trim };

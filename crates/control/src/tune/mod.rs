@@ -7,9 +7,10 @@
 //! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by the
 //!    loss of the defaults, so buildings have equal weight; the score is the 75th percentile over the buildings (the
 //!    25th of the return, as in the paper, which tunes on its test buildings; no test building is used here),
-//!    multiplied by a factor if actuators hunt on the worst building. Buildings are simulated one after another, and a
-//!    proposal that cannot win is dropped: most are, after one building. The search ends early when it no longer lowers
-//!    the score. On central air loops, each building is also simulated with constant targets.
+//!    multiplied by a factor if actuators hunt or constant targets are not held on the worst building. Buildings are
+//!    simulated one after another, and a proposal that cannot win is dropped: most are, after one building. The search
+//!    ends early when it no longer lowers the score. On central air loops, each building is also simulated with
+//!    constant targets.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with
 //!    the lowest median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere. If none is eligible, the next best sets are validated.
@@ -46,7 +47,7 @@ const PATIENCE: usize = 20;
 const MIN_GAIN: f64 = 0.01;
 /// Number of sets validated at once.
 const FINALISTS: usize = 4;
-/// Maximum number of sets validated.
+/// Maximum number of sets validated, beside the defaults.
 const MAX_FINALISTS: usize = 12;
 
 /// A building of a plan.
@@ -63,7 +64,7 @@ pub enum PlanBuilding {
 /// Evaluates at most `evaluations` sets of parameters (including those in the file) until the search stalls, validates
 /// the best and returns the chosen one. The first set is the defaults, so that the result is at least as good.
 /// `simulate` returns the outcomes of a building: one for the search, one per setpoint mode for the validation. `done`
-/// is called after each evaluation with their number. `command` is stored in the result.
+/// is called after each evaluation with the number so far. `command` is stored in the result.
 ///
 /// # Errors
 /// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan;
@@ -209,7 +210,8 @@ fn validate(
     Ok(sets)
 }
 
-/// Returns the numbers of the complete evaluations within the limits of the search, best first, without the defaults.
+/// Returns the numbers of the complete evaluations within the limits of the search, best first, without the defaults
+/// and repetitions.
 fn ranked(plan: &TuningPlan, evaluations: &[ParameterEvaluation]) -> Vec<usize> {
     let defaults = &evaluations[0];
     let mut ranked: Vec<(f64, usize)> = Vec::new();

@@ -2,8 +2,8 @@
 
 use super::outcome::percentile_75;
 
-/// A proposal is dropped if its mean loss exceeds the best set's by this fraction, after one, two, three and more
-/// buildings.
+/// A proposal is dropped if the geometric mean of its losses exceeds the best set's by this fraction, after one, two,
+/// three and more buildings.
 const MARGINS: [f64; 4] = [0.10, 0.05, 0.03, 0.02];
 
 /// The best set so far.

@@ -33,7 +33,7 @@ impl ParameterEvaluation {
     }
 
     /// Returns the relative loss of each building: the loss by occupancy, times the resolved loss under constant
-    /// targets if simulated, times the square of the excess over the limits on the worst building.
+    /// targets if simulated, times the square of the worst building's ratio to the limits if above 1.
     pub(super) fn losses(&self, plan: &TuningPlan, defaults: &Self) -> Vec<f64> {
         let factor = self.worst_to_limit(plan, defaults).max(1.0).powi(2);
         let constant = resolved_losses(plan, &defaults.constant, &self.constant);

@@ -99,7 +99,7 @@ pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
     }
 }
 
-/// Returns parameters with little air flow and outdoor air at low demand, from which the energy search starts.
+/// Returns parameters with little air flow and no outdoor air at low demand, from which the energy search starts.
 pub(super) fn with_less_air(parameters: &ReactiveParameters) -> ReactiveParameters {
     let mut parameters = parameters.clone();
     parameters.unitary.min_flow = 0.1;

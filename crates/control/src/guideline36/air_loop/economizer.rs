@@ -3,13 +3,13 @@
 
 /// Distance below the limit at which the economizer is enabled again, K.
 const HYSTERESIS: f64 = 1.0;
-/// Shortest time between two switches, h: 10 min.
+/// Shortest time from closing to opening again, h: 10 min.
 const LEAST_STAY: f64 = 10.0 / 60.0;
 
 /// Outdoor temperature above which an economizer is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum HighLimit {
-    /// Fixed dry bulb, °C.
+    /// Fixed dry bulb, °C, or the return air where that is colder.
     Fixed(f64),
     /// The temperature of the return air.
     ReturnAir,
@@ -50,7 +50,7 @@ impl Economizer {
     }
 
     /// Returns whether the economizer may open at outdoor and return air temperatures, °C. `cools`: whether the air
-    /// handler runs to cool. Above the limit, it closes at once.
+    /// handler runs to cool. It closes at once.
     pub(super) fn step(&mut self, cools: bool, outdoor: f64, return_air: f64, hours: f64) -> bool {
         self.stayed += hours;
         let limit = match self.limit {

@@ -10,7 +10,7 @@ use super::super::trim_respond::{Guideline36Reset, Reset};
 
 /// Outdoor temperatures between which the setpoint falls from its reset value to its minimum, °C (OAT_Min, OAT_Max).
 const OUTDOOR: [f64; 2] = [16.0, 21.0];
-/// Setpoint in warm-up and setback, °C.
+/// Setpoint in warm-up, setback and freeze protection, °C.
 const WARM_UP: f64 = 35.0;
 
 /// Parameters of the setpoint.

@@ -21,7 +21,7 @@ const WARM: f64 = 3.0;
 /// Flows of a terminal as shares of its design flow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TerminalRules {
-    /// Minimum flow in occupied mode (Vmin): the larger one of ventilation and parameters.
+    /// Minimum flow in occupied mode (Vmin): the larger of what ventilation needs and the parameter.
     pub(super) minimum: f64,
     /// Maximum flow in heating (Vheat-max).
     pub(super) heating_max: f64,
@@ -50,7 +50,8 @@ pub(super) struct TerminalInput {
 pub(super) struct TerminalCommand {
     /// Damper opening, 0 to 1.
     pub(super) opening: f64,
-    /// Temperature to which the zone is to be heated, °C: the setpoint of its coil. `None` where the coil is off.
+    /// Temperature to which the zone is to be heated, °C: the setpoint of its coil, if it has one. `None` where it is
+    /// not to be heated, or by the supply air.
     pub(super) heat: Option<f64>,
 }
 

@@ -16,7 +16,7 @@
 //! both coils are off: the setpoint is the temperature that the mixed air has. The loops begin there, so that outdoor
 //! air is heated or cooled only as far as the zone needs it, and a coil never works against its loop. (The guideline
 //! holds supply air of 21 to 24 °C between the loops.) Where outdoor air would make the supply air colder than 10 °C,
-//! the fan recirculates more, up to half of its flow, before the coil tempers it. Without outdoor air or without
+//! the fan recirculates more, up to half of its design flow, before the coil tempers it. Without outdoor air or without
 //! people, the fan is off between the loops (DeadbandSpeed 0).
 //!
 //! In a room with exhaust fans, the unit supplies what they take while its fan runs in cold weather: the rest would
@@ -151,7 +151,7 @@ impl SingleZone {
         }
     }
 
-    /// Forgets everything.
+    /// Forgets everything but its own shifts.
     pub(super) fn reset(&mut self) {
         self.group = ZoneGroup::default();
         self.zone.reset();
@@ -218,8 +218,8 @@ impl SingleZone {
         (self.unit.supply[1] - self.zone.setpoints().heating).max(0.0)
     }
 
-    /// Returns the reaches of the loops. During optimum start, heating reaches what the compressor gives, or without
-    /// one the stages before the last.
+    /// Returns the reaches of the loops. During optimum start, heating reaches what the compressor gives above its
+    /// cutoff, or without one the stages before the last.
     fn reaches(&self, mode: Mode, outdoor: f64) -> [Reach; 2] {
         let flow = self.least_flow(mode, outdoor);
         let aims = self.zone.aims_in(mode);

@@ -38,7 +38,7 @@ pub(super) struct ZoneRules {
     pub(super) gains: [LoopGains; 2],
     /// Distances inside the band at which the heating and the cooling loop aim, K.
     pub(super) margins: [f64; 2],
-    /// Longest optimum start, h; 0 without.
+    /// Longest optimum start, h; 0 turns it off.
     pub(super) optimum_start: f64,
     /// Whether the setpoints are relaxed in unoccupied hours.
     pub(super) setback: bool,

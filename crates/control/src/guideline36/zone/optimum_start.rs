@@ -62,7 +62,7 @@ pub(in super::super) struct OptimumStart {
     side: Side,
     /// Longest time ahead of the change, h.
     limit: f64,
-    /// Rates of the last starts without losses, K/h, the oldest first.
+    /// Rates that the last starts would have had without losses, K/h, the oldest first.
     rates: [f64; MEMORY],
     starts: usize,
     /// Setpoint for which the zone has been started ahead.
