@@ -56,8 +56,8 @@ impl fmt::Display for Confinement {
     }
 }
 
-/// Irreversibly confines this thread, and all threads and processes that it starts later, to writing in the temporary
-/// folder and the cache of this package.
+/// Irreversibly confines this thread, and all threads and processes that it starts later: they can write only in the
+/// temporary folder and the cache of this package, run no programs and not connect.
 pub fn confine() -> Confinement {
     CONFINED.set(true);
     confine_to(None)
@@ -89,7 +89,7 @@ pub(crate) fn confined_to_program<T: Send>(
     in_thread(|| restrict(writable.into_iter(), None, programs), function)
 }
 
-/// Runs a function in a thread of its own that is confined first, and returns how far and its result.
+/// Runs a function in a thread of its own that is confined first. Returns how far it was confined, and the result.
 fn in_thread<T: Send>(
     confine: impl FnOnce() -> Confinement + Send,
     function: impl FnOnce() -> T + Send,

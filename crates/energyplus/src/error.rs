@@ -42,7 +42,7 @@ pub enum Error {
         /// Messages of EnergyPlus.
         messages: Messages,
     },
-    /// A process in which EnergyPlus crashed, or that took too long and was killed.
+    /// A process in which EnergyPlus crashed, that failed otherwise, or that took too long and was killed.
     #[error(
         "EnergyPlus {end} while {doing}{last_messages}\n\
          Correct the objects of the model or the lines of the weather file that the messages name, or remove objects until it runs"

@@ -70,7 +70,8 @@ impl Run {
     /// Starts the run and advances it to [`Event::Started`]: input read, systems sized, handles ready.
     ///
     /// # Errors
-    /// [`Error::MissingFile`] if an input file does not exist; [`Error::Engine`] if EnergyPlus rejects the input.
+    /// [`Error::MissingFile`] if an input file does not exist; [`Error::Engine`] if EnergyPlus rejects the input;
+    /// [`Error::Ended`] if the model has no run period.
     pub fn start(self, library: &Library) -> Result<Simulation> {
         let mut simulation = self.prepare(library)?;
         match simulation.advance()? {

@@ -122,7 +122,8 @@ fn count(folder: &str) -> io::Result<usize> {
     Ok(std::fs::read_dir(folder)?.count())
 }
 
-/// Gives every open regular file its own position. Shared memory and pipes stay shared.
+/// Reopens files that are read, at the same position, and redirects the others, except the kept one, to `/dev/null`.
+/// Shared memory and pipes stay shared.
 fn reopen_files(kept: Option<KeptFile<'_>>) -> io::Result<()> {
     let null = File::options().write(true).open("/dev/null")?;
     let descriptors: Vec<RawFd> = std::fs::read_dir("/proc/self/fd")?

@@ -19,7 +19,8 @@ pub trait Environment {
     /// Starts an episode and returns its first observation; an episode in progress ends.
     ///
     /// # Errors
-    /// [`Error::Engine`](crate::Error::Engine) with the engine's messages.
+    /// [`Error::Engine`](crate::Error::Engine) with the engine's messages, or, in a worker process,
+    /// [`Error::Lost`](crate::Error::Lost).
     fn reset(&mut self) -> Result<&[f64]>;
 
     /// Applies an action for one zone time step.

@@ -24,7 +24,7 @@ pub enum Error {
     ActionLength {
         /// Number of given values.
         given: usize,
-        /// Number of actuators.
+        /// Number of expected values.
         expected: usize,
     },
     /// A step without an episode in progress.
@@ -33,7 +33,7 @@ pub enum Error {
     /// A number of steps per hour that EnergyPlus does not support.
     #[error("unsupported number of steps per hour {0}; expected 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30 or 60")]
     StepsPerHour(u32),
-    /// A run that ended before or after its run period.
+    /// A run with fewer or more steps than its run period.
     #[error("EnergyPlus ended the episode after {done} steps; expected {expected}")]
     EpisodeLength {
         /// Completed steps.
@@ -90,7 +90,7 @@ pub enum Error {
         /// Largest number.
         maximum: usize,
     },
-    /// A snapshot of another building or episode.
+    /// A snapshot of another building, configuration of the episode or set of workers.
     #[error(
         "snapshot of {taken} does not match this environment of {here}: building, run period, weather and task must be equal"
     )]
@@ -106,7 +106,7 @@ pub enum Error {
     /// A vector environment of size 0.
     #[error("a vector environment needs at least one environment")]
     NoEnvironment,
-    /// A weight of a sampler that is not a probability, or weights that sum to 0.
+    /// A weight of a sampler that is negative or not finite, or weights that sum to 0.
     #[error(
         "a weight of the sampler is {0}; expected finite weights of 0 or more, at least one of them above 0"
     )]
@@ -174,7 +174,7 @@ pub enum Error {
     WeatherRows {
         /// The weather file.
         weather: std::path::PathBuf,
-        /// Its rows of an hour.
+        /// Its rows per hour.
         rows: u32,
     },
     /// A weather file that does not cover the episode.
@@ -190,7 +190,7 @@ pub enum Error {
     /// An error of a tariff or an emission profile.
     #[error(transparent)]
     Tariff(#[from] b2b_tariff::Error),
-    /// A band whose setpoints cross.
+    /// A band whose setpoints cross or are too close.
     #[error(
         "the band `{name}` heats to {heating} °C and cools to {cooling} °C; expected a cooling setpoint at least {least} K \
          above the heating setpoint"

@@ -62,7 +62,7 @@ pub(super) fn wait(episodes: &mut [Episode], count: usize) -> Result<()> {
 }
 
 /// Sleeps until `count` of these episodes are idle or another event has happened since `done`, which must be read
-/// before checking any of them. Returns the number of idle episodes, not counting items without an episode.
+/// before checking any of them. Returns the number of idle episodes; items without an episode count as idle.
 pub(super) fn rest<T>(
     workers: &Workers,
     items: &mut [T],

@@ -1,7 +1,7 @@
 //! Environments in worker processes: single, in batches, and with mid-episode copies.
 //!
 //! Only one engine runs at a time in a process, and a crash ends the process, so every episode has its own worker
-//! process. A set of [`Workers`] has a template for every building, which waits at the end of warm-up; an [`Episode`]
+//! process. A set of [`Workers`] has a template for every setting, which waits at the end of warm-up; an [`Episode`]
 //! is a copy of the template by `fork`, within milliseconds, and a [`Snapshot`] is a copy of an episode. [`VecEnv`] is
 //! a batch of N environments, and [`recv`] waits for several episodes at once.
 

@@ -115,7 +115,7 @@ impl Order {
     /// Reads an order.
     ///
     /// # Errors
-    /// A text that names an unknown order and lists the known ones.
+    /// A text that says what is wrong; for an unknown order, it lists the known ones.
     pub(super) fn parse(text: &[u8]) -> Result<Self, String> {
         serde_json::from_slice(text).map_err(|error| format!("unknown or damaged order: {error}"))
     }

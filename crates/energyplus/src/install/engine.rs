@@ -58,13 +58,13 @@ pub struct Engine {
 pub enum Source {
     /// Installed by the user and named by `B2B_ENERGYPLUS`.
     Installed,
-    /// Installed in the cache by this crate.
+    /// The packaged EnergyPlus: in the cache, or installed by the package client.
     Cached,
 }
 
 impl Engine {
     /// Returns the EnergyPlus named by `$B2B_ENERGYPLUS` (the folder of an installation or its shared library),
-    /// otherwise the cached one. Never downloads.
+    /// otherwise the packaged one. Never downloads.
     ///
     /// # Errors
     /// [`Error::NoLibrary`] if there is none at the variable, [`Error::NotInstalled`] if there is none in the cache,

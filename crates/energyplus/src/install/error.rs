@@ -64,7 +64,7 @@ pub enum Error {
         /// The SHA-256 of the download.
         found: String,
     },
-    /// A wheel that cannot be unpacked.
+    /// A wheel that cannot be unpacked, or whose files differ from the pinned ones.
     #[error("cannot unpack {file}: {why}")]
     BadWheel {
         /// The wheel's file name.

@@ -1,8 +1,8 @@
 //! Installation of EnergyPlus, its example models and weather files from the Python package registry.
 //!
 //! 1. A [`Package`] is pinned: name, version and the SHA-256 of its wheel for each platform.
-//! 2. [`Package::find`] looks in the user's [`Cache`]. Files that changed since they were last verified are read again
-//!    and compared with the SHA-256 of this crate.
+//! 2. [`Package::find`] looks in the user's [`Cache`]. If a file changed since they were last verified, all are read
+//!    again and compared with the pinned SHA-256.
 //! 3. [`Package::ensure`] downloads missing packages with the user's Python package client, verifies the wheel, unpacks
 //!    the wanted files to a temporary folder and moves them into place by one rename.
 //! 4. [`Engine`] locates the shared library and its files, in the cache or in an installation of the user.

@@ -64,7 +64,7 @@ impl Package {
     }
 
     /// Returns the package from the folder of the package client or from the cache, if all files have the right
-    /// content. Files are read only if they changed since they were last verified.
+    /// content. Files are read only if any changed since they were last verified.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
         let wheel = self.wheel();
         self.copies(cache).find(|found| self.is_whole(found, wheel, cache))

@@ -89,7 +89,7 @@ impl Package {
         self.native_wheel().unwrap_or(&self.wheels[0])
     }
 
-    /// Errors if there is no wheel for this machine: its libraries cannot be loaded.
+    /// Returns an error if there is no wheel for this machine: its libraries cannot be loaded.
     pub(super) fn require_native(&self) -> Result<()> {
         self.native_wheel().map(|_| ()).ok_or_else(|| Error::NoWheel {
             package: self.to_string(),

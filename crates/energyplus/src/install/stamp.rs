@@ -1,7 +1,7 @@
 //! Stamps of verified packages: the file system's metadata of every file when its contents were last verified.
 //!
-//! Reading a package takes a tenth of a second or more; reading metadata takes microseconds. A file whose size, time of
-//! modification or, on Unix, time of change and inode number differ from the stamp is read again.
+//! Reading a package takes a tenth of a second or more; reading metadata takes microseconds. If the size, a time or the
+//! inode number of any file differs from the stamp, the package is read again.
 
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};

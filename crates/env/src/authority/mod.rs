@@ -71,7 +71,7 @@ const STEPS_PER_HOUR: u32 = 12;
 /// Checks the response of every actuator of a building.
 ///
 /// # Errors
-/// The errors of [`Env::reset`] and [`Env::step`].
+/// The errors of [`Env::new`], [`Env::reset`] and [`Env::step`].
 pub fn measure(library: &Library, building: &Arc<PreparedBuilding>, weather: &Path) -> Result<Report> {
     let mut rows = Vec::new();
     for season in [Season::Winter, Season::Summer] {

@@ -33,13 +33,14 @@ pub struct Row {
     /// engine ended the run, for which JSON has null.
     #[serde(deserialize_with = "or_nan")]
     pub lowest: f64,
-    /// Mean response.
+    /// Mean response; for a setpoint the response at the end of the hold.
     #[serde(deserialize_with = "or_nan")]
     pub mean: f64,
     /// Highest response.
     #[serde(deserialize_with = "or_nan")]
     pub highest: f64,
-    /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
+    /// Largest deviation from the command, for a setpoint the last: relative for flows (to the highest command at
+    /// zero), otherwise K.
     #[serde(deserialize_with = "or_nan")]
     pub error: f64,
     /// Tolerance of the error; infinite for setpoints, which are evaluated by their effect on the zone. JSON has null

@@ -60,7 +60,7 @@ pub(super) struct Engine {
     ventilated: Vec<Option<Ventilated>>,
     /// Quantities driven by the actuators, if observed.
     pub(super) effects: Vec<Variable>,
-    /// Heat called for by heating setpoints, if observed.
+    /// Heating or cooling rates under setpoints, if observed.
     pub(super) heats: Vec<Option<Variable>>,
 }
 

@@ -104,8 +104,8 @@ impl Env {
     /// Creates an environment. [`Env::reset`] starts its first episode.
     ///
     /// # Errors
-    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary
-    /// folder.
+    /// [`Error::StepsPerHour`]; the errors of [`Task::check`]; [`Error::Io`] when the model cannot be written to the
+    /// temporary folder; errors of the building or the weather file.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
         building.check_period(episode.period).map_err(Error::building)?;
@@ -174,7 +174,7 @@ impl Env {
     /// midnight of the first day, with zero energy.
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's messages.
+    /// [`Error::Engine`] with the engine's messages; [`Error::ObservationNotFinite`].
     pub fn reset(&mut self) -> Result<&[f64]> {
         // Other threads may start and end episodes.
         let _exclusive = exclusive();
@@ -207,8 +207,8 @@ impl Env {
     /// Applies an action for one zone time step.
     ///
     /// # Errors
-    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode unchanged; [`Error::Engine`] ends it;
-    /// [`Error::NotReset`].
+    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode unchanged; [`Error::NotReset`]; all
+    /// others, such as [`Error::Engine`], end it.
     pub fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
         let mut engine = self.engine.take().ok_or(Error::NotReset)?;
         match self.spaces.action.clamp_into(action, &mut self.action) {

@@ -74,8 +74,8 @@ impl Env {
         engine.effects.get(actuator).map(|variable| engine.simulation.read(*variable))
     }
 
-    /// The heat called for by a heating setpoint in the last step, W. `None` for other actuators and in the cases of
-    /// [`Env::effect`].
+    /// The heating rate under a heating setpoint, or the cooling rate under a cooling setpoint, in the last step, W.
+    /// `None` for actuators without one and in the cases of [`Env::effect`].
     pub fn heat(&self, actuator: usize) -> Option<f64> {
         let engine = self.engine.as_ref()?;
         engine.heats.get(actuator).copied().flatten().map(|variable| engine.simulation.read(variable))

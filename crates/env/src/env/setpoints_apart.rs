@@ -3,7 +3,7 @@
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{Sequence, setpoints};
 
-/// The thermostats of a building with two setpoints.
+/// The thermostats with two setpoints in a building.
 ///
 /// The engine ends its run when a heating setpoint is above the cooling setpoint. Whatever is commanded, the cooling
 /// setpoint in use is at least [`setpoints::LEAST_GAP`] above the heating setpoint in use.
@@ -14,7 +14,7 @@ pub(super) struct SetpointsApart {
 }
 
 impl SetpointsApart {
-    /// Returns the thermostats of a building.
+    /// Returns the thermostats with two setpoints in a building.
     pub(super) fn new(building: &PreparedBuilding) -> Self {
         let pair = |first: usize, sequence: Sequence<'_>| match sequence {
             Sequence::Setpoints { cooling: Some(_), .. } => Some([first, first + 1]),

@@ -34,7 +34,8 @@ impl Env {
     /// other processes. On Linux, an `Episode` of `b2b-workers` does it in milliseconds.
     ///
     /// # Errors
-    /// [`Error::OtherSnapshot`] for a snapshot of another building or episode; the errors of [`Env::reset`].
+    /// [`Error::OtherSnapshot`] for a snapshot of another building or episode; the errors of [`Env::reset`] and
+    /// [`Env::step`].
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
         let spaces = &self.spaces;
         if snapshot.building != spaces.building.name || snapshot.episode != spaces.episode {

@@ -17,7 +17,7 @@ pub struct Kpis {
     discomfort: f64,
     /// Temperatures of the zones at the end of the last step, °C.
     temperatures: Vec<f64>,
-    /// Electric demand, gas demand and district demand.
+    /// Demands of electricity, of gas and other fuels, and of district heat.
     demands: [Demand; 3],
     /// Air quality, in a task with the CO₂ balance.
     #[serde(default)]
@@ -58,7 +58,7 @@ impl Kpis {
         Self { air: Some(AirQuality { limit, above: 0.0, concentrations }), ..self }
     }
 
-    /// Adds a step: the zones at its end, and electricity, gas and district energy, Wh/m².
+    /// Adds a step: the zones at its end, and electricity, gas with other fuels, and district heat, Wh/m².
     pub fn add(&mut self, zones: &[ZoneStep], energy: [f64; 3], hours: f64) {
         for (zone, last) in zones.iter().zip(&mut self.temperatures) {
             let before = ZoneStep { temperature: *last, ..*zone };
@@ -83,7 +83,8 @@ impl Kpis {
         Some(self.air.as_ref()?.above / zones.max(1) as f64)
     }
 
-    /// Returns the peak demand of electricity (0), gas (1) or district energy (2), kW/m²; `None` if none was used.
+    /// Returns the peak demand of electricity (0), gas and other fuels (1) or district heat (2), kW/m²; `None` if none
+    /// was used.
     pub fn peak(&self, carrier: usize) -> Option<f64> {
         let peak = self.demands[carrier].peak;
         (peak > 0.0).then_some(peak / 1000.0)

@@ -11,7 +11,7 @@ use crate::reward::{Reward, StepView, ZoneStep};
 use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
 
-/// Predicted mean vote up to which people are comfortable (ASHRAE 55).
+/// Absolute predicted mean vote up to which people are comfortable (ASHRAE 55).
 const NEUTRAL_VOTE: f64 = 0.5;
 
 /// Deviation of one zone from its target over an episode.
@@ -181,14 +181,14 @@ impl Metrics {
         zone.steps_outside as f64 * self.hours_per_step
     }
 
-    /// Returns the share of the occupied zone-hours below the task's comfort band; `None` if no controlled zone is ever
-    /// occupied.
+    /// Returns the share of the occupied zone-hours that were too cold, by the predicted mean vote where it is known,
+    /// otherwise by the task's comfort band; `None` if no controlled zone is ever occupied.
     pub fn occupied_too_cold(&self) -> Option<f64> {
         self.share_of_occupied(|zone| zone.cold_steps)
     }
 
-    /// Returns the share of the occupied zone-hours above the task's comfort band, without zones that have no cooling;
-    /// `None` if no controlled zone is ever occupied.
+    /// Returns the share of the occupied zone-hours that were too warm, as [`Metrics::occupied_too_cold`]; zones
+    /// without cooling never are.
     pub fn occupied_too_warm(&self) -> Option<f64> {
         self.share_of_occupied(|zone| zone.warm_steps)
     }
@@ -264,7 +264,8 @@ impl Metrics {
         Some(self.operation_total(Term::Emissions)? / 1000.0)
     }
 
-    /// Returns the largest quarter-hour demand of operation, kW/m²: electricity (0), gas (1), district heat (2).
+    /// Returns the largest quarter-hour demand of operation, kW/m²: electricity (0), gas and other fuels (1), district
+    /// heat (2).
     pub fn operation_peak(&self, carrier: usize) -> Option<f64> {
         self.kpis.as_ref()?.peak(carrier)
     }

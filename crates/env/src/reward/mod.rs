@@ -61,7 +61,7 @@ pub struct StepView<'a> {
     pub zones: &'a [ZoneStep],
     /// The observation at the end of the step.
     pub observation: &'a [f64],
-    /// The action that was applied, after clamping.
+    /// The action that was applied, after clamping, the ventilation interlock and faults.
     pub action: &'a [f64],
     /// Energy, cost, emissions and the other terms of the step: `terms[Term::Cost]`.
     pub terms: Amounts,

@@ -46,7 +46,8 @@ pub fn rollout(
     run(environment, controller, observer)
 }
 
-/// Runs another episode in the same building, as [`rollout`] does after [`Controller::next_episode`].
+/// Runs another episode in the same building: like [`rollout`], but with [`Controller::next_episode`] instead of
+/// [`Controller::reset`].
 ///
 /// # Errors
 /// The errors of the environment and of the observer.

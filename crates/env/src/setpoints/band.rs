@@ -150,8 +150,8 @@ impl Bands {
         Self { band, scheduled, calendar, zones: zones.collect() }
     }
 
-    /// Returns the setpoints of a controlled zone. `people` is whether any are present, for zones without schedules and
-    /// for random presence: an observation has the people of the step before.
+    /// Returns the setpoints of a controlled zone. `people` is whether any are present; it matters only with pairs by
+    /// presence, in zones without schedules and under random presence. An observation has those of the step before.
     pub fn at(&self, zone: usize, day_of_year: u32, hour: f64, people: bool) -> Pair {
         let (zone, day) = (&self.zones[zone], self.calendar.count(day_of_year));
         match &self.band {

@@ -217,7 +217,7 @@ impl Asked {
         Self { occupied: false, target: f64::NAN, pair: Pair { heating: f64::NAN, cooling: f64::NAN } };
 }
 
-/// The targets of an episode: a function of zone, moment and, by occupancy, the people in the simulation.
+/// The targets of an episode: a function of zone, moment and, unless drawn at random, the people in the simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets {
     setpoints: Setpoints,

@@ -41,7 +41,7 @@ impl EpisodeConfig {
     /// Checks that the engine can run the episode and that the values of the task are valid.
     ///
     /// # Errors
-    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Building`] if the weather file cannot be read;
+    /// [`Error::StepsPerHour`]; the errors of [`Task::check`]; [`Error::Building`] if the weather file cannot be read;
     /// [`Error::WeatherRows`] and [`Error::WeatherDays`] if the file does not fit the episode.
     pub fn check(&self) -> Result<()> {
         if !STEPS_PER_HOUR.contains(&self.steps_per_hour) {

@@ -17,10 +17,10 @@ const MAX_POWER: f64 = 1000.0;
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of
 /// every controlled zone follow, in model order.
 ///
-/// With bands, whether the day is a holiday follows the energy, and a heating and a cooling setpoint replace the
-/// target. Where the task needs them, these slots of every controlled zone follow: mean radiant temperature and
-/// humidity, CO₂. With a preview: the next setpoints of every controlled zone with the hours until then, and 24
-/// electricity prices, outdoor temperatures and solar radiations of the hours ahead.
+/// With bands, a flag for holidays follows the energy, and a heating and a cooling setpoint replace the target. Where
+/// the task needs them, these slots of every controlled zone follow: mean radiant temperature and humidity, CO₂. With a
+/// preview: the next setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor
+/// temperatures and solar radiations of the hours ahead.
 ///
 /// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
@@ -177,7 +177,7 @@ impl ObservationSpace {
         self.shared(Shared::DayOfYear)
     }
 
-    /// Slot of whether the day is a holiday, in a task with bands.
+    /// Slot of the holiday flag, in a task with bands.
     pub fn holiday(&self) -> Option<usize> {
         self.holiday
     }

@@ -31,8 +31,7 @@ pub use tariff::DataFile;
 
 /// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
 ///
-/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation][+presenceH][+FAULT…]`, such as
-/// `constant`, `occupancy+energy0.5` or `random:7+pmv+cost2`:
+/// Its short text form is `SETPOINTS[+PART…]`, such as `constant`, `occupancy+energy0.5` or `random:7+pmv+cost2`:
 ///
 /// | part | values |
 /// |---|---|
@@ -193,10 +192,10 @@ impl Task {
         Ok(self)
     }
 
-    /// Checks that every number is finite and within its limits.
+    /// Checks that every number is finite and within its limits, and that files and combinations of parts are valid.
     ///
     /// # Errors
-    /// [`Error::TaskValue`] for the first number that is not.
+    /// [`Error::TaskValue`] for the first number that is not; [`Error::NeedsBands`]; the errors of the other parts.
     pub fn check(&self) -> Result<()> {
         within("energy_weight", self.energy_weight, 0.0, LARGEST)?;
         within("energy_scale", self.energy_scale.unwrap_or(1.0), 1.0 / LARGEST, LARGEST)?;

@@ -161,7 +161,7 @@ fn spelled_band(band: &Band) -> String {
     }
 }
 
-/// Every word of a text form.
+/// Every word of a text form but the names of tariffs.
 const WORDS: [&str; 20] = [
     PREVIEW,
     CARBON_DIOXIDE,
@@ -213,7 +213,7 @@ fn of_preset(text: &str) -> Option<String> {
     Some(format!("{setpoints}{rest}"))
 }
 
-/// Splits `deadband0.5` into word and number. The number is `None` if the rest of the text is not a number.
+/// Splits `deadband0.5` into word and number, if it has one. Returns `None` if the rest of the text is not a number.
 fn word_and_number(part: &str) -> Option<(&str, Option<f64>)> {
     let word = part.trim_end_matches(|c: char| c.is_ascii_digit() || ".-".contains(c));
     match &part[word.len()..] {

@@ -1,4 +1,5 @@
-//! Comfort penalties: squared deviation as in the paper, squared deviation outside a deadband, or predicted mean vote.
+//! Comfort penalties: squared deviation as in the paper or outside a deadband, predicted mean vote, or deviation from a
+//! band.
 
 use serde::{Deserialize, Serialize};
 

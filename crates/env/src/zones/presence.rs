@@ -2,8 +2,8 @@
 //!
 //! Each person is a Markov chain of two states, present and absent, whose probability of presence is the scheduled
 //! share of people in the model (Page et al., *A generalised stochastic model for the simulation of occupant presence*,
-//! Energy and Buildings 40(2), 2008). They set a constant ratio of changes to stays; here, the correlation time is set
-//! instead.
+//! Energy and Buildings 40(2), 2008). The authors set a constant ratio of changes to stays; here, the correlation time
+//! is set instead.
 
 use b2b_base::random::uniform;
 use b2b_building::people::{self, PeopleGroup};

@@ -197,7 +197,7 @@ impl Pool {
         places.iter().try_for_each(|place| self.wait_until_ready(place.slot))
     }
 
-    /// Errors if a worker has reported a failure.
+    /// Returns an error if a worker has reported a failure.
     fn check_status(&self, slot: u32) -> Result<()> {
         match self.region.status(slot) {
             Status::Running | Status::Truncated => Ok(()),

@@ -157,7 +157,7 @@ impl Pool {
         self.restart(id);
     }
 
-    /// Replaces a ready template that has died: waiting slots get copies of its successor.
+    /// Replaces a ready template that has died or hung: waiting slots get copies of its successor.
     pub(super) fn replace(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         template.attempts = 0;

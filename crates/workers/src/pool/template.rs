@@ -29,7 +29,7 @@ pub(super) struct Template {
     pub(super) memory: u64,
     /// Number of its copies, waiting episodes and reservations.
     pub(super) users: usize,
-    /// Whether an episode waits for its preparation.
+    /// Whether its preparation comes before those that nobody waits for.
     pub(super) is_urgent: bool,
     /// Time of the last request.
     pub(super) used: u64,
@@ -105,7 +105,7 @@ impl Template {
             || !self.copying.is_empty()
     }
 
-    /// Its process and the process's worker slot.
+    /// The id of its process, if it has one.
     pub(super) fn process_id(&self) -> Option<u32> {
         self.process.as_ref().map(|process| process.child.id())
     }

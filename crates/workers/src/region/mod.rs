@@ -96,7 +96,7 @@ impl Ticket {
 /// Marks an exit status as known.
 const EXITED: u32 = 1 << 31;
 
-/// The futexes that both sides wait on.
+/// The first page of the region: the futex that the owner waits on, and counts.
 #[repr(C, align(64))]
 struct SlotBell {
     /// Number of commands executed by all workers; a futex.

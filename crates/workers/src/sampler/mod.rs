@@ -31,7 +31,7 @@ pub trait Sampler: Send {
     /// then lost, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
 
-    /// Discards earlier draws and restarts the random streams.
+    /// Discards earlier draws, because the random streams restart.
     fn restart(&mut self) {}
 }
 

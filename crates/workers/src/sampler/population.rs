@@ -16,7 +16,7 @@ use b2b_env::EpisodeConfig;
 use b2b_env::Task;
 use b2b_env::{Error, Result};
 
-/// Number of generated buildings searched for every set of zones.
+/// Number of generated buildings among which one with each set of zones is sought.
 const REPRESENTED: usize = 64;
 
 /// A population from which the building of every episode is drawn, generated on demand.

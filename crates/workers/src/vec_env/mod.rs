@@ -185,7 +185,8 @@ impl VecEnv {
         self.reset_after(seed, &[])
     }
 
-    /// Like [`VecEnv::reset`], but every environment draws and skips its first `skipped` episodes.
+    /// Like [`VecEnv::reset`], but every environment first draws and skips its number of episodes in `skipped`; those
+    /// without a number skip none.
     ///
     /// # Errors
     /// Same as [`VecEnv::reset`].
@@ -223,8 +224,8 @@ impl VecEnv {
     /// each, of the width of [`VecEnv::widths`].
     ///
     /// # Errors
-    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any action is sent; [`Error::NotReset`];
-    /// [`Error::Interrupted`].
+    /// [`Error::ActionLength`], [`Error::ActionNotFinite`], [`Error::NotReset`] and [`Error::Busy`] before any action
+    /// is sent; [`Error::Interrupted`].
     pub fn step(&mut self, actions: &[f64]) -> Result<()> {
         let width = self.widths.0;
         // Determined by the first reset.
@@ -338,9 +339,9 @@ impl VecEnv {
         self.environments[environment].form.as_deref()
     }
 
-    /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the
-    /// building's, the rest is padding. [`Decomposition::padded`](b2b_env::Decomposition::padded) splits a row into
-    /// arrays of nodes.
+    /// Observations, one row each; unless a form arranges them otherwise, the first
+    /// [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's, the rest is padding.
+    /// [`Decomposition::padded`](b2b_env::Decomposition::padded) splits a row into arrays of nodes.
     pub fn observations(&self) -> &[f64] {
         &self.observations
     }

@@ -1,9 +1,9 @@
 //! The worker's side: an environment that executes the commands in its slot.
 //!
-//! A process that is started as a program prepares a building, warms it up and waits: a template. All others are copies
-//! of a waiting process: an episode is a copy of a template, and a snapshot a copy of an episode. A copy attaches to
-//! its own slot and takes commands there like its original. The standard error of a worker goes to a log in the pool's
-//! folder, for error messages.
+//! A process that is started for an episode prepares a building, warms it up and waits: a template. All others are
+//! copies of a waiting process: an episode is a copy of a template, and a snapshot a copy of an episode. A copy
+//! attaches to its own slot and takes commands there like its original. The standard error of a worker goes to a log in
+//! the pool's folder, for error messages.
 
 pub(crate) mod action;
 pub(crate) mod entry;

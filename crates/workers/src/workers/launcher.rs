@@ -37,9 +37,9 @@ impl Launcher {
         self
     }
 
-    /// Starts a worker with an order; its standard input is the shared memory of an episode. Its temporary files go to
-    /// `folder`. It has its own process group, so that signals from a terminal or a job scheduler reach only the owner,
-    /// which ends its workers.
+    /// Starts a worker with an order; for an episode, `input` is the shared memory. Its temporary files go to `folder`.
+    /// It has its own process group, so that signals from a terminal or a job scheduler reach only the owner, which
+    /// ends its workers.
     pub(crate) fn start(&self, input: Stdio, order: &Path, folder: &Path, log: File) -> io::Result<Child> {
         self.command(order, folder)
             .env("GLIBC_TUNABLES", tunables())

@@ -12,7 +12,7 @@ pub struct WorkerOptions {
     pub launcher: Launcher,
     /// The engine's library.
     pub library: PathBuf,
-    /// Memory limit of templates without episodes, bytes. The least recently used ends first.
+    /// Memory limit of templates, bytes. Above it, templates without episodes end, the least recently used first.
     pub template_memory: u64,
     /// Number of templates prepared at the same time. Others are queued; templates that an episode waits for come
     /// first.
