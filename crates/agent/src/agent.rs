@@ -30,7 +30,7 @@ impl Agent {
     /// Reads an agent's folder.
     ///
     /// # Errors
-    /// [`Error::NotAnAgent`]; [`Error::Damaged`] when the hash or the shape of a file is wrong; [`Error::Io`].
+    /// [`Error::NotAnAgent`] without a readable description; [`Error::Damaged`] when a file has a wrong hash or shape.
     pub fn read(path: &Path) -> Result<Self> {
         let folder::Contents { info, actor, sha256 } = folder::read(path)?;
         let identity = format!("agent {sha256}");
@@ -78,7 +78,7 @@ impl Agent {
         &self.sha256
     }
 
-    /// Returns one line that identifies the agent's behavior: agents with the same identity act alike.
+    /// Returns one line that identifies the agent: agents read from folders act alike if they have the same identity.
     pub fn identity(&self) -> &str {
         &self.identity
     }
@@ -181,7 +181,7 @@ fn difference(what: &str, agent: &[String], building: &[String]) -> Option<Strin
 }
 
 /// A controller that runs an agent in one building, without exploration. A network with a memory keeps its state in
-/// [`Controller::next_episode`], for as many episodes as in training. A step allocates nothing.
+/// [`Controller::next_episode`], for as many episodes as in training. Steps after the first allocate nothing.
 #[derive(Clone, Debug)]
 pub struct AgentController {
     pilot: Pilot,
@@ -200,8 +200,8 @@ impl AgentController {
         Self { row, scratch, pilot, actor, memory: MemorySpan::new(None) }
     }
 
-    /// Returns the number of its actions: actuators that it controls or corrects, or shifts of what Guideline 36
-    /// chooses.
+    /// Returns the number of its actions: actuators that it controls or corrects, or shifts of targets or of what
+    /// Guideline 36 chooses.
     pub fn actions(&self) -> usize {
         self.row.len()
     }

@@ -43,7 +43,8 @@ impl ControllerDescription {
     /// Makes the controller.
     ///
     /// # Errors
-    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] if the agent has changed since.
+    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] if the agent has changed since;
+    /// [`Error::Control`] for a built-in controller that cannot be made.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
         Ok(match self {
             Self::BuiltIn(description) => description.controller(spaces)?,

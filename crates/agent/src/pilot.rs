@@ -26,7 +26,7 @@ pub struct Pilot {
     /// The last action of the driver, in [-1, 1]; 0 without a network action.
     previous: Vec<f32>,
     row: Vec<f32>,
-    /// Sum of the rewards since the last decision; 0 before it.
+    /// Sum of the rewards since the last decision; 0 before the first one.
     reward: f64,
     /// Whether the network has not acted in the episode yet.
     is_first: bool,

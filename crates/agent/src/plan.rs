@@ -36,7 +36,7 @@ pub struct PlannedNode {
     pub node_type: usize,
     /// Its name.
     pub name: String,
-    /// Number of its zone or system.
+    /// Number of its zone or system; 0 for other nodes.
     pub number: usize,
     /// Scaled attributes, if observed.
     pub attributes: Vec<f64>,

@@ -21,7 +21,7 @@ pub trait Collector {
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()>;
 }
 
-/// Number of consecutive lost episodes of one environment after which the collection fails.
+/// Largest number of consecutive lost episodes of one environment with which the collection goes on.
 const LOST_IN_A_ROW: u32 = 5;
 
 /// Counts an episode that was lost.

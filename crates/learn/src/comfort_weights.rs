@@ -10,7 +10,7 @@ use crate::error::Result;
 /// Discomfort added to both sides of a ratio, so that values near 0 count as equal, K·h per zone and day: half the free
 /// allowance of a score at comfort.
 const RESOLVED: f64 = 0.05;
-/// Largest change of a multiplier by one evaluation, as a factor.
+/// Largest change of a multiplier by one evaluation at a rate of 1, as a factor.
 const LARGEST_CHANGE: f64 = 2.0;
 /// Limits of a multiplier.
 const LIMITS: [f32; 2] = [0.03, 30.0];
@@ -73,7 +73,7 @@ impl ComfortWeights {
         &self.weights
     }
 
-    /// Restores the multipliers of a checkpoint. Another number of them changes nothing.
+    /// Restores the multipliers of a checkpoint, unless it has a different number of them.
     pub fn set(&mut self, weights: &[f32]) {
         if weights.len() == self.weights.len() {
             self.weights.copy_from_slice(weights);

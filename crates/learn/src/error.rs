@@ -82,7 +82,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A configuration with incompatible values.
+    /// A configuration, a dataset or a folder that is not valid.
     #[error("{0}")]
     Invalid(String),
     /// A run's folder that cannot be resumed, or that belongs to another run.

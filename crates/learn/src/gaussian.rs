@@ -34,7 +34,7 @@ pub struct Squashed {
 
 /// Returns tanh(mean + σ × normal) and its log density (Haarnoja et al. 2018, appendix C, eq. 21).
 ///
-/// ln(1 - tanh² u) is computed as 2 (ln 2 - u - softplus(-2 u)), which stays finite far from 0.
+/// ln(1 - tanh² u) is computed as 2 (ln 2 - |u| - softplus(-2 |u|)), which stays finite far from 0.
 pub fn squash(mean: f32, log_std: f32, normal: f32) -> Squashed {
     let value = mean + log_std.exp() * normal;
     let size = value.abs();

@@ -64,7 +64,7 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Returns the steps of each environment between updates.
     fn steps_per_rollout(&self) -> usize;
 
-    /// Returns the discount γ per step, by default 1. The rewards of the steps of a held decision are added with it.
+    /// Returns the discount γ per step, by default 1. It also applies between the steps of a held decision.
     fn discount(&self) -> f32 {
         1.0
     }

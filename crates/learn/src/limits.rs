@@ -30,7 +30,7 @@ pub(crate) fn check_counts<const N: usize>(values: [Named<usize>; N]) -> Result<
     check(values, |value| *value >= 1, "it must be at least 1")
 }
 
-/// Checks that hidden layers have widths.
+/// Checks that the widths of hidden layers are at least 1.
 pub(crate) fn check_widths(values: [Named<&[usize]>; 2]) -> Result<()> {
     values.into_iter().try_for_each(|(name, widths)| {
         let narrowest = widths.iter().min().copied().unwrap_or(1);

@@ -159,8 +159,8 @@ impl LockstepCollector {
         self.times.map(|time| time.as_secs_f64())
     }
 
-    /// Observes the first state of an episode. Its building must have the observation and actuators of the first
-    /// building.
+    /// Observes the first state of an episode. Its building must have the widths of the first building or, for a graph
+    /// network, no larger ones than there is room for.
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
         let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
@@ -270,7 +270,7 @@ impl LockstepCollector {
         self.check_and_observe(environment)
     }
 
-    /// Ends the episode that was lost at its last step, and begins another.
+    /// Ends a lost episode at its last step, and begins another.
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
         let env = &mut self.progress[environment];

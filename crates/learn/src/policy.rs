@@ -41,7 +41,7 @@ impl Default for RecurrentPolicy {
     }
 }
 
-/// The graph networks of a run: actor and critic have the same shape.
+/// The graph networks of a run: actor and critic have the same shape, except for their outputs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphPolicy {

@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine, with a state that can be saved.
+//! Random numbers with a state that can be saved. Uniform ones are the same on every machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -14,8 +14,8 @@ pub(crate) struct TravelCost {
 
 impl TravelCost {
     /// Returns the cost for a building whose rewards have this number of parts; `places` are the indices of the
-    /// controlled zones' and energy's parts. An actuator is charged to its own zone, or in equal shares to the zones
-    /// that it serves, so that it is credited with its own travel.
+    /// controlled zones' and energy's parts. An actuator is charged to its own zone, in equal shares to the zones that
+    /// it serves, or to energy if it serves none, so that it is credited with its own travel.
     pub(crate) fn new(spaces: &Spaces, places: &[usize], parts: usize) -> Self {
         let actuators = spaces.action.len();
         let mut shares = vec![0.0; actuators * parts];

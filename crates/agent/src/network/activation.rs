@@ -45,7 +45,7 @@ const NUMERATOR: [f32; 7] = [
     -2.760_768_5e-16,
 ];
 const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.198_258_4e-6];
-/// Input from which tanh is 1 in single precision.
+/// Input from which the approximation is constant.
 const SATURATED: f32 = 7.905_311;
 
 /// Returns the hyperbolic tangent, within 5e-7, by Eigen's rational approximation. It makes no calls, so that loops are

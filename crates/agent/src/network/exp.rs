@@ -1,6 +1,6 @@
 //! The exponential function.
 
-/// Inputs beyond which results are not normal numbers.
+/// Limits of inputs, within which results are normal numbers.
 const LOWEST: f32 = -87.0;
 const HIGHEST: f32 = 88.0;
 /// 1.5 × 2²³: adding a number to it rounds the number to an integer in the low bits.

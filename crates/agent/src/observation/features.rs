@@ -75,7 +75,7 @@ impl ControlledZone {
     }
 }
 
-/// The temperature of an uncontrolled zone.
+/// The temperature of a zone, for one without a target that varies.
 pub(super) fn temperature(slot: usize) -> Source {
     Source::Deviation { slot, center: COMFORTABLE, scale: 10.0, limit: 5.0 }
 }

@@ -93,8 +93,8 @@ impl NodeSpaces {
 }
 
 impl AgentObservation {
-    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled to [-1, 1]
-    /// by bounds that all buildings share; with `features`, the features of the node's own zone or actuators.
+    /// Returns the observation of a building node by node: with `raw` or `roles`, the observation of each node, scaled
+    /// to [-1, 1] by bounds that all buildings share; with `features`, the features of its own zone or actuators.
     ///
     /// # Errors
     /// [`Error::Graph`] for a building with an actuator that belongs to no node, or that its node's type does not have.

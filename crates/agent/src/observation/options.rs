@@ -17,8 +17,8 @@ pub enum ObservationForm {
     Raw,
     /// Like `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
-    /// Features for control: errors at several scales, their change and recent mean, targets, the calendar as sines,
-    /// the previous action and the base controller's action. See `docs/training_reference.md`.
+    /// Features for control: errors at several scales and their recent mean, changes of temperatures, targets, the
+    /// calendar as sines and hours, the previous action and the base controller's. See `docs/training_reference.md`.
     #[default]
     Features,
 }

@@ -24,7 +24,7 @@ impl File {
         output
     }
 
-    /// Adds an operator of one output with a name.
+    /// Adds an operator with one output of this name.
     pub(super) fn named(&mut self, operator: &str, inputs: &[&str], attributes: &[Vec<u8>], output: &str) {
         let mut node: Vec<u8> = inputs.iter().flat_map(|input| text(1, input)).collect();
         node.extend(text(2, output));

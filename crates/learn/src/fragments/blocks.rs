@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::rollout::Widths;
 
-/// Numbers of [`Block::times`].
+/// How many numbers [`Block::times`] has.
 const TIMES: usize = 2;
 
 /// The block of an environment: the observations, actions and rewards of consecutive steps, the observation after the
-/// last step, and the state of a recurrent actor before and after a fragment.
+/// last step, two times, and the state of a recurrent actor before and after a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     place: usize,

@@ -38,7 +38,7 @@ impl GraphBuilding {
         Ok(Some(Self { plan, graph: Arc::new(graph), credit: Arc::new(credit) }))
     }
 
-    /// Returns the widths of its observation, of its actions and of the parts of a reward.
+    /// Returns the widths of its observations, actions and rewards, and its number of nodes.
     pub(crate) fn widths(&self) -> Widths {
         let Self { graph, credit, .. } = self;
         let (observation, action) = (graph.width(), graph.actions.len());

@@ -3,8 +3,8 @@
 //! 1. The owner writes the actor's parameters to shared memory, once for all workers.
 //! 2. Each worker runs its fragment ([`RUNNERS`]) and leaves observations, actions and rewards in its block of that
 //!    memory.
-//! 3. When an episode ends within a fragment, the next episode begins in a new worker, which runs the rest of the
-//!    fragment.
+//! 3. A fragment ends with its episode. The next episode begins in a new worker, whose fragment makes the steps that
+//!    the rollout still needs.
 //! 4. The owner copies the blocks to the rollout.
 
 mod blocks;

@@ -165,7 +165,7 @@ impl CellPass {
     }
 
     /// Returns the states after the tokens of the last forward pass, and the buffer of their gradients. Before a
-    /// backward pass, it gets the gradients that do not come through later steps.
+    /// backward pass, the caller fills it with the gradients that do not come through later steps.
     pub fn gradients(&mut self, cell: &Layer) -> (&[f32], &mut [f32]) {
         let numbers = self.order.len() * cell.inputs;
         (&self.after[..numbers], sized(&mut self.gradients.after, numbers))

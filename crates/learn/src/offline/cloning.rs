@@ -59,12 +59,13 @@ pub struct Cloned {
     pub errors: [f64; 2],
 }
 
-/// Learns the actions of a dataset. `spaces` finds the spaces of an episode, of a building with its model; `progress`
-/// is called with the number of updates so far, and returns `false` to stop.
+/// Learns the actions of a dataset. `spaces` finds the spaces of an episode, whose building must still have its model;
+/// `progress` is called with the number of updates so far, and returns `false` to stop.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if `progress` returns `false`; [`Error::Invalid`] for buildings whose observations or
-/// actuators differ, and for a dataset without steps; errors from [`Dataset::read`], [`Pilot::new`] and `spaces`.
+/// [`Error::Interrupted`] if `progress` returns `false`; [`Error::Invalid`] for several types or tasks, for buildings
+/// whose observations or actuators differ or do not match the recorded ones, and for no episode or step to learn from;
+/// errors from [`Dataset::read`], [`Pilot::new`] and `spaces`.
 pub fn clone_policy(
     dataset: &Dataset,
     config: &CloneConfig,

@@ -106,11 +106,12 @@ struct Metadata {
 }
 
 impl Dataset {
-    /// Reads the description of a dataset that [`collect`](super::collect) wrote.
+    /// Reads the description of a dataset that [`collect`](super::collect) or
+    /// [`collect_corpus`](super::collect_corpus) wrote.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read or was changed; [`Error::Invalid`] for the metadata of another kind
-    /// of dataset.
+    /// [`Error::Io`] for a file that cannot be read or was changed; [`Error::Invalid`] for invalid metadata or another
+    /// kind of dataset.
     pub fn open(path: &Path) -> Result<Self> {
         let digests = DigestList::read(path).map_err(at(path))?;
         let name = format!("data/{METADATA}");

@@ -22,8 +22,8 @@ struct Penalty {
 }
 
 /// Sets the logarithm of the standard deviation of actions, and returns it: the largest whose noise costs no more than
-/// [`NoiseConfig::noise_cost`](super::NoiseConfig::noise_cost) allows, on average over the environments' first day.
-/// Training then begins with the same day.
+/// [`NoiseConfig::noise_cost`](super::NoiseConfig::noise_cost) allows, on average over the environments' first day, or
+/// the smallest if all cost more. Training then begins with the same day.
 ///
 /// # Errors
 /// The errors of the collector.

@@ -202,7 +202,7 @@ impl Measures {
 }
 
 impl Default for Rating {
-    /// Returns the rating that any agent is better than.
+    /// Returns the rating that any agent with a score is better than.
     fn default() -> Self {
         Self { score: f64::INFINITY, relative_travel: f64::INFINITY }
     }

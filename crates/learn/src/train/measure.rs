@@ -1,4 +1,4 @@
-//! The speed of training: updates without a folder, evaluations and checkpoints.
+//! The speed of training: updates alone, without a folder, evaluations or checkpoints.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -48,14 +48,15 @@ pub struct TrainingLoop {
     rollout: Rollout,
 }
 
-/// The wall-clock time of an update, s.
+/// The steps of an update and its wall-clock time, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UpdateTimes {
     /// Steps of all environments.
     pub steps: u64,
     /// Time of the environments: all of the collection but inference.
     pub environment: f64,
-    /// Time of the actor. In the workers it is their share of the collection.
+    /// Time of the actor: the collection times the share of acting in the time of the workers or, in lockstep, of the
+    /// owner.
     pub inference: f64,
     /// Time of the learner.
     pub learner: f64,

@@ -3,7 +3,8 @@
 //! 1. A [`TrainConfig`] says what to train on, what the agent observes and how it acts, and how it learns.
 //! 2. [`train`] collects rollouts in worker processes, updates the learner, evaluates the agent now and then against
 //!    the baseline, and writes checkpoints, so that a killed run resumes and ends with the same weights.
-//! 3. The folder of a run is an agent's: the best one so far. `last/` has the last one.
+//! 3. The folder of a run is an agent's: the best one so far, or in the end the last one with [`Keep::Last`]. `last/`
+//!    has the last one.
 
 mod calibration;
 mod checkpoint;

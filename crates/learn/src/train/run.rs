@@ -29,7 +29,8 @@ use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
 use crate::rollout::Rollout;
 
-/// Limit to which the cost of travel grows: at this cost, five strokes a day cost 174 times the baseline's penalty.
+/// Limit to which the cost of travel grows: at this cost and 12 steps per hour, five strokes a day cost 174 times the
+/// baseline's penalty.
 const LARGEST_TRAVEL_COST: f32 = 1e4;
 
 /// Where and how a run is carried out. None of it changes the result.
@@ -93,7 +94,7 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<RunSummary
     run.finish(whole.as_ref())
 }
 
-/// Checks that the folder holds a run of this configuration, or writes the configuration to a new folder.
+/// Checks that a run already in the folder has this configuration, except for the number of steps, and writes it.
 fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     let path = out.join(CONFIG);
     if path.exists() {
@@ -122,7 +123,7 @@ struct Run<'a> {
     /// Description of its agents.
     info: AgentInfo,
     steps: u64,
-    /// The best agent of the evaluations.
+    /// Rating of the best agent of the evaluations.
     best: Rating,
     /// Seconds spent on collection and learning.
     seconds: f64,
@@ -288,8 +289,8 @@ impl<'a> Run<'a> {
         ProgressRow { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
     }
 
-    /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend
-    /// on it.
+    /// Scores the agent as it is now, adapts the rewards to its travel and discomfort, and keeps it if it is the best
+    /// and the best is kept. A failure is a warning: training goes on.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut ProgressRow) {
         let (info, actor) = (self.info(), self.learner.averaged_actor());
         self.monitor.evaluating(self.steps);
@@ -353,8 +354,8 @@ impl<'a> Run<'a> {
         checkpoint.write(self.out)
     }
 
-    /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the
-    /// result.
+    /// Writes the last agent to the run's folder if that one is kept or none is rated, scores the kept agent over the
+    /// whole run period if there is a judge, and writes the result.
     fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<RunSummary> {
         if self.config.checkpoints.keep == Keep::Last || self.best == Rating::default() {
             Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;

@@ -23,7 +23,7 @@ pub(super) struct TrainingSide {
     pub(super) listed: Option<Vec<BuildingId>>,
     /// Description of the buildings.
     pub(super) buildings: String,
-    /// Errors unless a building may be trained on.
+    /// Returns an error for a building that may not be trained on.
     pub(super) check_building: Box<dyn Fn(BuildingId) -> Result<()>>,
     /// Tasks.
     pub(super) tasks: Vec<Task>,

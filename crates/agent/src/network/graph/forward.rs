@@ -49,7 +49,7 @@ impl<'a> Batch<'a> {
 
 /// Intermediate results of a forward pass, for the backward pass. Buffers grow to the largest batch and are reused.
 ///
-/// All nodes of all buildings of a batch are one list of tokens, building after building.
+/// The nodes of all rows of a batch are one list of tokens, row after row.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
     /// Tokens of each row.

@@ -2,7 +2,7 @@
 //! Amorpheus, Kurin et al. 2021).
 //!
 //! 1. A linear encoder per node type maps the features of each node to the embedding.
-//! 2. A transformer (pre-norm, no causal mask) lets nodes attend to each other, within [`Edges`].
+//! 2. A transformer (pre-norm, no causal mask) lets every node attend to every other, or only along [`Edges`].
 //! 3. With a memory, a gated recurrent unit that all nodes share maps the embedding of each node to its next state.
 //! 4. A linear decoder per node type maps the embedding or the state of each node to its outputs.
 //!

@@ -20,7 +20,7 @@ pub enum LogStd {
     OfState,
 }
 
-/// The configuration of PPO. Defaults follow Stable-Baselines3, except `normalize_values`.
+/// The configuration of PPO. Defaults follow Stable-Baselines3, except `normalize_values` and `minimum_log_std`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {

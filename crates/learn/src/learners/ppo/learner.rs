@@ -42,7 +42,7 @@ pub struct Ppo {
     /// Number of consecutive updates, up to the last, that skipped steps.
     pub(super) failures: u64,
     pub(super) threads: usize,
-    /// Steps of the rollout and of the minibatch.
+    /// Steps of the rollout.
     pub(super) samples: Samples,
     /// Buildings of the scenes of the rollout.
     pub(super) graphs: Vec<Arc<Graph>>,
@@ -81,8 +81,8 @@ impl Ppo {
     }
 
     /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
-    /// same shape. With a memory, they learn from sequences of this number of steps. `widths` are the largest
-    /// building's. With `normalize`, features are scaled to mean 0 and deviation 1 over all nodes of a type.
+    /// same shape with a value per node. With a memory, they learn from sequences of this number of steps. `widths` are
+    /// the largest building's. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
     ///
     /// # Errors
     /// Same as [`Ppo::new`], and when there is a credit matrix.

@@ -11,7 +11,7 @@ use crate::state::State;
 /// Smallest deviation of returns.
 const SMALLEST: f64 = 1e-3;
 
-/// Running mean and deviation of the returns of each kind of part. The critic learns returns minus mean over deviation.
+/// Running mean and deviation of the returns of each kind of part. The critic learns (return - mean) / deviation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueScale {
     rate: f64,

@@ -20,7 +20,7 @@ pub(super) const BLOCK: usize = 256;
 const FAILURES: u64 = 3;
 /// Multiple of the target divergence at which an update stops, as in Stable-Baselines3.
 const KL_FACTOR: f64 = 1.5;
-/// Factor by which the learning rate adapts, and its limits as shares of the configured rate.
+/// Factor by which the learning rate adapts, and its limits as shares of the scheduled rate.
 const RATE_FACTOR: f64 = 1.5;
 const RATES: std::ops::RangeInclusive<f64> = 0.01..=3.0;
 

@@ -3,10 +3,10 @@
 //!
 //! An update adds a rollout to the replay buffer ([`replay`]) and learns from minibatches of it. Each has these stages:
 //!
-//! 1. Critics: returns of several steps, and the value of the target critics after them.
-//! 2. Actor: a squashed Gaussian, through the smaller value of the critics ([`loss`]).
-//! 3. Temperature, toward a target entropy.
-//! 4. Target critics, which follow the critics.
+//! 1. Critics: returns of one or several steps, and the value of the target critics after them.
+//! 2. Target critics, which follow the critics.
+//! 3. Actor: a squashed Gaussian, through the smaller value of the critics ([`loss`]).
+//! 4. Temperature, toward a target entropy.
 //!
 //! Rewards are the sums of their parts.
 

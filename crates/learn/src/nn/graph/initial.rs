@@ -11,9 +11,9 @@ use crate::random::RandomStream;
 /// Standard deviation of initial encoder biases; they alone distinguish node types without features.
 const TYPE_DEVIATION: f32 = 0.5;
 
-/// Returns initial parameters: orthogonal matrices, scaled by `last` in the decoders and, in layers that add to the
-/// embedding, by 1/√(number of such layers) (Radford et al. 2019). Biases are 0, except in the encoders and in a
-/// memory, which remembers for up to `memory` steps.
+/// Returns initial parameters: orthogonal matrices, scaled by √2 in the encoders and the hidden layers, by `last` in
+/// the decoders and, in layers that add to the embedding, by 1/√(number of such layers) (Radford et al. 2019). Biases
+/// are 0, except in the encoders and in a memory, which remembers for up to `memory` steps.
 pub fn initialize(network: &GraphNetwork, last: f32, memory: usize, random: &mut RandomStream) -> Vec<f32> {
     let places = network.places();
     let mut parameters = vec![0.0; places.parameters()];

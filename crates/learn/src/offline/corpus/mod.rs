@@ -28,7 +28,7 @@ use crate::Result;
 pub struct CorpusPart<'a> {
     /// Name of the dataset, such as `b2b/corpus-quick-v0`.
     pub id: &'a str,
-    /// Name of the definition.
+    /// Name of the definition, or a TOML file with one.
     pub name: &'a str,
     /// The buildings to run, by number.
     pub shard: Shard,

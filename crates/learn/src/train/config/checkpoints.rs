@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Keep {
-    /// The one with the best score in the evaluations during training.
+    /// The one with the best score in the evaluations during training, among those within the travel limit if any is.
     #[default]
     Best,
     /// The last one.

@@ -46,8 +46,8 @@ pub struct TrainConfig {
 }
 
 impl TrainConfig {
-    /// Returns the configuration with the learner of this name, and with options that it does not support turned off. A
-    /// different learner than before has its default options.
+    /// Returns the configuration with the learner of this name, and with options of rewards and noise that it does not
+    /// support turned off. A different learner than before has its default options.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name.
@@ -66,7 +66,7 @@ impl TrainConfig {
     }
 
     /// Returns the configuration for the training side of a benchmark problem, by name or JSON file: its buildings,
-    /// tasks, run period, steps per hour, training budget and attributes.
+    /// tasks, run period, steps per hour, training budget, attributes and, for houses, roles instead of raw slots.
     ///
     /// # Errors
     /// [`Error::Evaluation`](crate::Error::Evaluation) for an unknown problem;

@@ -18,7 +18,7 @@ use crate::limits::require;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TrainingSet {
-    /// Training buildings by name, in turn for the environments. Empty: the buildings of `building_type` in the
+    /// Training buildings by name, assigned to the environments in turn. Empty: the buildings of `building_type` in the
     /// training split.
     pub buildings: Vec<String>,
     /// Place of `buildings`, such as `Miami`. Empty: their own.
@@ -59,7 +59,7 @@ pub struct TrainingSet {
     /// Days of a training episode, which begins on one of `window_starts` days of the run period. 0: the whole run
     /// period.
     pub window_days: u32,
-    /// Number of days on which training episodes may begin.
+    /// Number of days of each run period on which training episodes may begin.
     pub window_starts: u32,
 }
 

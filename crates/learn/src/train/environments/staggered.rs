@@ -36,8 +36,8 @@ impl<S: Sampler> Sampler for Staggered<S> {
     }
 }
 
-/// Returns the steps of the first episode of an environment: at least a day, and a part of a day that differs between
-/// environments.
+/// Returns the steps of the first episode of an environment: whole days and a part of a day that differs between
+/// environments, but no more than the whole episode.
 fn first_length(whole: usize, day: usize, environment: usize, environments: usize) -> usize {
     let days = (whole / day).saturating_sub(1) * environment / environments;
     let part = day * (environment + 1) / environments;

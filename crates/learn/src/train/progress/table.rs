@@ -40,8 +40,8 @@ pub(crate) struct ProgressFiles {
 }
 
 impl ProgressFiles {
-    /// Opens the files in a run's folder, dropping rows after `steps` from an earlier part of the run. The second value
-    /// is a warning about a file that cannot be written.
+    /// Opens the files in a run's folder, dropping the table's rows after `steps` from an earlier part of the run. The
+    /// second value is a warning about events that cannot be written.
     pub(crate) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
