@@ -1,6 +1,6 @@
 //! Building blocks for all crates: atomic file writes, folder locks, folders that are removed with their owner or if
-//! they stay empty, lists of work in parallel and in parts, digests, random streams, even samples, the calendar, energy
-//! carriers, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
+//! they stay empty, lists of work in parallel and in parts, digests, random streams, evenly spread samples, the
+//! calendar, energy carriers, suggestions for misspelled names, and the fingerprint of the machine's arithmetic.
 
 #[cfg(not(target_os = "linux"))]
 compile_error!("building2building runs on Linux only");

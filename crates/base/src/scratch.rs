@@ -1,5 +1,5 @@
-//! Temporary folders and files that are removed with their owner: on drop, or when the next one is created after the
-//! owner was killed.
+//! Temporary folders and files that are removed with their owner: on drop or, if the owner was killed, when another is
+//! created after an hour.
 //!
 //! A name identifies its owner. In `b2b-pool-4242.891.5f0c9a1e-x7Pq2a` it is process 4242, started at clock tick 891,
 //! in the process numbering `5f0c9a1e`. Containers that share a folder have separate numberings and do not touch each
@@ -46,7 +46,7 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir, TemporaryFolderError> {
     folder_in(&parent, prefix).map_err(|error| cannot(error.to_string()))
 }
 
-/// Like [`temporary_folder`], in any folder.
+/// Like [`temporary_folder`], in any folder and without a check of its space.
 ///
 /// # Errors
 /// Errors of the operating system.
@@ -86,8 +86,9 @@ pub(crate) fn owned(prefix: &str) -> String {
     }
 }
 
-/// Removes folders and files with a prefix whose owner has ended. Keeps what it cannot remove, such as another user's
-/// files, and what comes from another container or from before the last boot, because its owner is unknown here.
+/// Removes folders and files with a prefix whose owner has ended and that have not changed for an hour. Keeps what it
+/// cannot remove, such as another user's files, and what comes from another container or from before the last boot,
+/// because its owner is unknown here.
 pub(crate) fn sweep(parent: &Path, prefix: &str) {
     let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {

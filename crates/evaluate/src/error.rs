@@ -129,7 +129,7 @@ pub enum Error {
     /// An empty list of episodes.
     #[error("the list of episodes is empty; select at least one building, task, run period and seed")]
     NoEpisode,
-    /// A table could not be written.
+    /// A table could not be written or read.
     #[error("{path}: {source}")]
     Table {
         /// The file.

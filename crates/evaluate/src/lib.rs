@@ -1,12 +1,12 @@
-//! Evaluation of policies: episodes in many buildings, scores against the reactive controllers, and reports.
+//! Evaluation of policies: episodes in many buildings, scores against baseline controllers, and reports.
 //!
 //! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any
 //!    other implementation.
-//! 2. [`Evaluation`] runs a list of [`EpisodePlan`]s under a policy, in parallel worker processes, and keeps each as it
-//!    ends.
+//! 2. [`Evaluation`] runs a list of [`EpisodePlan`]s under a policy, in parallel worker processes, and passes each on
+//!    as it ends.
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed.
-//!    [`normalized_score`] is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs, in
-//!    tasks of operation.
+//!    [`normalized_score`] is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs plus a
+//!    penalty for discomfort, in tasks of operation.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
 //! 5. A [`problem`] names the episodes that agents may be trained on, and those that they are tested on.
 

@@ -2,7 +2,8 @@
 //! and Bellemare, "Deep Reinforcement Learning at the Edge of the Statistical Precipice", NeurIPS 2021 (rliable): the
 //! interquartile mean in addition to median and mean, and percentile intervals of a stratified bootstrap.
 //!
-//! A stratum here is a building type: buildings are resampled within their type, which preserves the mix of types.
+//! A stratum here is a building type, in a benchmark under one task and run period: buildings are resampled within
+//! their stratum, which preserves the mix of strata.
 
 use std::fmt;
 
@@ -34,7 +35,7 @@ pub struct Interval {
 /// Aggregated scores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aggregate {
-    /// Number of scores; with several seeds, number of buildings under a task.
+    /// Number of scores, or of buildings under a task in a run period if the scores of seeds are averaged.
     pub episodes: usize,
     /// Arithmetic mean.
     pub mean: Interval,
@@ -80,7 +81,7 @@ pub fn score_text(score: f64) -> String {
     }
 }
 
-/// Writes the value, and the interval in brackets unless it is empty.
+/// Writes the value, and the interval in brackets unless its ends are equal.
 impl fmt::Display for Interval {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [value, low, high] = [self.value, self.low, self.high].map(score_text);

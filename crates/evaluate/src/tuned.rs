@@ -1,4 +1,5 @@
-//! The tuned reactive controllers and the energy scale of a building's class: the reference of all scores.
+//! The tuned reactive controllers and the energy scale of a building's class: the reference of all scores in tasks with
+//! targets.
 
 use b2b_control::{Objective, ReactiveParameters};
 use b2b_env::Task;

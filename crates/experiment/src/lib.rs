@@ -2,9 +2,10 @@
 //!
 //! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few actions in its
 //! own folder: a training run and the evaluation of its agent, the training runs for a benchmark problem and their
-//! entry, an evaluation of a controller, or a measurement. A [`Runner`] runs them, one per core at a time, each action
-//! in a process that a [`Program`] carries out, and resumes after an interruption. [`Results`] reads the folder,
-//! [`report`] writes a page that compares them with the paper's results, and [`claims`] judges the paper's claims.
+//! entry, an evaluation of a controller, or a measurement. A [`Runner`] runs them, several at a time, each action in a
+//! process of its own in which a [`Program`] carries it out, and resumes after an interruption. [`Results`] reads the
+//! folder, [`report`] writes a page that compares them with the paper's results, and [`claims`] judges the paper's
+//! claims.
 
 mod absolute;
 pub mod claims;

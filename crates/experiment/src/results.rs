@@ -64,7 +64,8 @@ impl Results {
     /// [`Folder::keep`] kept.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) and errors from the benchmark's reader, for a job that is marked as done.
+    /// [`Error::OtherJob`](crate::Error::OtherJob); [`Error::Io`](crate::Error::Io) and errors from the benchmark's
+    /// reader, for a job that is marked as done.
     pub fn read(folder: &Folder, experiment: &Experiment, budget: &Budget) -> Result<Self> {
         let mut results = Self::none(budget.clone());
         let jobs = experiment.jobs(budget);
@@ -79,7 +80,8 @@ impl Results {
         Ok(results)
     }
 
-    /// Returns every scored episode as JSON, the same whether jobs ran on one machine or in shards on several.
+    /// Returns every episode that was not lost, with measurements and the failed and missing jobs, as JSON, the same
+    /// whether jobs ran on one machine or in shards on several.
     pub fn json(&self) -> Value {
         let measured = |done: &JobResult| (!done.measured.is_null()).then(|| done.measured.clone());
         serde_json::json!({
@@ -130,7 +132,7 @@ impl Results {
     }
 }
 
-/// Returns the scored episodes of a job.
+/// Returns the episodes of a job that were not lost.
 fn episodes(done: &JobResult) -> Vec<Episode<'_>> {
     let mut episodes = Vec::new();
     for (agent, rows, _) in done.policies() {

@@ -149,8 +149,8 @@ impl EntryPolicy {
     /// Reads the policy of a result whose ONNX files or agents are in a folder, named by their hashes.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); [`Error::Modified`] for a file with another hash;
-    /// errors from [`OnnxPolicy::read`] and [`Agent::read`].
+    /// [`Error::UnknownPolicy`](b2b_evaluate::Error::UnknownPolicy); [`Error::Modified`] for a file with another hash,
+    /// or a hash that is no SHA-256; errors from [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
         let (pattern, format, files) = match description {
             PolicyDescription::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),

@@ -39,7 +39,8 @@ pub struct EpisodeDifference {
 }
 
 impl EpisodeDifference {
-    /// Returns the difference in the episodes of a curve; `None` if the two have no episode in common.
+    /// Returns the difference in the episodes of a curve; `None` unless both have a scored row of one building, task
+    /// and seed in all of them.
     pub fn of(curve: &EpisodeCurve, rows: &[EpisodeResult], reference: &[EpisodeResult]) -> Option<Self> {
         let periods: Vec<&str> = curve.points.iter().map(|point| point.period.as_str()).collect();
         // The difference in the same building, with the same task and seed, in some periods; `None` if one is missing.
@@ -61,7 +62,8 @@ impl EpisodeDifference {
 }
 
 impl EpisodeCurve {
-    /// Returns the curve over rows of consecutive run periods; `None` without such periods.
+    /// Returns the curve over rows of consecutive run periods; `None` without such periods, or if one of them has no
+    /// score.
     pub(super) fn of(rows: &[EpisodeResult], periods: &[Period]) -> Option<Self> {
         let (mut points, mut days_before) = (Vec::new(), 0);
         for period in periods {

@@ -7,7 +7,7 @@ use b2b_control::Controller;
 use crate::Error;
 use b2b_evaluate::{EpisodeContext, Policy};
 
-/// A policy in the author's own program. When read from a result, only its name is known and it cannot act.
+/// A policy in the author's own program. When read from a result, it is only described and cannot act.
 pub struct External {
     /// Its name.
     pub name: String,

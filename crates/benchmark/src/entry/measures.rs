@@ -16,9 +16,9 @@ use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, dif
 /// The measures of a run.
 ///
 /// A *score* belongs to one building, task and run period: the return divided by the tuned reactive controllers'
-/// return, averaged over seeds, as in the paper. Lower is better, and below 1 beats the baseline. Measures also have
-/// the resolved score, RMS deviation and energy; profile, gap and adaptation use the paper's score. A stratum of the
-/// bootstrap is a building type under a task in a run period.
+/// return, averaged over seeds, as in the paper; in a task of operation it is the score at comfort. Lower is better,
+/// and below 1 beats the baseline. Measures also have the resolved score, RMS deviation and energy; profile, gap and
+/// adaptation use the paper's score. A stratum of the bootstrap is a building type under a task in a run period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Zero-shot performance on the test environments.
@@ -104,7 +104,7 @@ impl Stratum {
 
 /// Returns the interquartile mean of scores on the scale where random actions are at 0 and the baseline is at 1:
 /// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if no building of the rows was run
-/// under random actions.
+/// under random actions that are worse than the baseline.
 pub fn mean_from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Option<Interval> {
     let scores = aggregate_clusters(&clusters(&from_random(rows, random)), SEED)?;
     Some(scores.interquartile_mean)

@@ -33,7 +33,7 @@ pub struct Score {
     pub relative_energy: Option<f64>,
 }
 
-/// Performance over a set of episodes. In JSON, the fields of the paper's score are flattened into the set.
+/// Performance over a set of episodes. In JSON, the fields of the paper's score stand next to the others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Performance {
     /// Scores as in the paper.
@@ -135,7 +135,7 @@ pub(super) fn by_building<'a>(
 
 /// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the
 /// penalty from random actions, divided by the baseline's decrease. Scores and resolved scores give the same. Leaves
-/// out buildings that were not run under random actions, or where random actions are as good as the baseline.
+/// out buildings that were not run under random actions, or where random actions are at least as good as the baseline.
 pub(super) fn from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Vec<SeedScores> {
     let random = by_building(random, EpisodeResult::score);
     let scaled = |group: SeedScores| {

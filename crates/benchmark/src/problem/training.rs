@@ -17,7 +17,7 @@ pub struct TrainingForm {
     restriction: Option<Restriction>,
     attributes: bool,
     arrangement: Arrangement,
-    /// Numbers in a row of actions, and in a row of observations without attributes.
+    /// Number of values in a row of actions, and in a row of observations without attributes.
     widths: (usize, usize),
 }
 
@@ -88,7 +88,7 @@ struct TrainingEpisode {
     actions: ActionSpace,
     restricted: Option<RestrictedAction>,
     attributes: Vec<f64>,
-    /// Numbers in a row of observations without attributes.
+    /// Number of values in a row of observations without attributes.
     width: usize,
 }
 

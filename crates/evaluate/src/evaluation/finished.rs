@@ -50,7 +50,7 @@ pub struct EpisodeRecord {
     /// Its model and weather.
     #[serde(flatten)]
     pub inputs: Inputs,
-    /// SHA-256 of every observation, action and penalty, as `b2b run` prints it.
+    /// SHA-256 of the observation, action and penalties of every step, as `b2b run` prints it.
     pub trajectory_hash: String,
 }
 

@@ -47,7 +47,7 @@ impl Folder {
     ///
     /// # Errors
     /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`];
-    /// [`Error::NoEpisode`]; [`Error::Io`].
+    /// [`Error::NoEpisode`]; [`Error::Damaged`]; [`Error::Io`].
     pub fn open(path: &Path, policy: &dyn Policy, episodes: &[EpisodePlan]) -> Result<Self> {
         if episodes.is_empty() {
             return Err(Error::NoEpisode);
@@ -110,7 +110,8 @@ impl Folder {
         Ok(true)
     }
 
-    /// Carries out work in the folder; after an error, a folder in which nothing has finished is left as it was before.
+    /// Carries out work in the folder; after an error, a folder in which nothing has finished loses its definition, and
+    /// is removed if it is new.
     ///
     /// # Errors
     /// The errors of the work.

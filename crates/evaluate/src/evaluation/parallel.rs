@@ -32,7 +32,7 @@ pub(super) struct Work<'a> {
     pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),
     /// Called with every recorded episode before it is kept.
     pub(super) recorded: &'a (dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
-    /// Set when an episode fails, to stop the others.
+    /// Set after an error that ends the evaluation, to stop the other threads.
     pub(super) halt: Halt,
     pub(super) interrupted: fn() -> bool,
 }

@@ -25,8 +25,8 @@ impl Evaluation<'_> {
     /// memory runs the [sequences](super::sequences) of the list.
     ///
     /// # Errors
-    /// [`Error::ObservationShape`], [`Error::ActionShape`] and [`Error::InvalidPolicy`] for an incompatible policy;
-    /// [`Error::Interrupted`]; errors of `keep`.
+    /// [`Error::ObservationShape`], [`Error::ActionShape`], [`Error::InvalidPolicy`], [`Error::Agent`],
+    /// [`Error::Policy`] and [`Error::Problem`] for an incompatible policy; [`Error::Interrupted`]; errors of `keep`.
     pub fn run(
         &self,
         episodes: &[(usize, &EpisodePlan)],

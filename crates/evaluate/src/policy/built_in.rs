@@ -42,12 +42,12 @@ impl BuiltIn {
         self.0
     }
 
-    /// Returns uniformly random actions.
+    /// Returns the controller with uniformly random actions.
     pub fn random() -> Self {
         Self::shipped("random")
     }
 
-    /// Returns the middle of every actuator's range.
+    /// Returns the controller that keeps every actuator at the middle of its range.
     pub fn constant() -> Self {
         Self::shipped("constant")
     }
@@ -82,7 +82,7 @@ impl BuiltIn {
     /// their bounds.
     ///
     /// # Errors
-    /// Errors from [`Kind::make`].
+    /// Errors from [`Kind::make`] and [`ActionSpace::clamp_into`](b2b_env::ActionSpace::clamp_into).
     pub fn labels(self, recorded: &Recorded<'_>) -> Result<Vec<f64>> {
         let Recorded { subject, site, spaces, first_observation, trajectory } = recorded;
         let (values, width) = (self.values(subject, site, spaces), spaces.action.len());

@@ -64,7 +64,8 @@ pub enum PolicyForm {
 
 impl PolicyForm {
     /// Returns the form with this width for a policy; `default` if the width is unknown or no form has it. In a house,
-    /// one width means the form by roles, and any greater width means padding with zeros.
+    /// [`RoleObservation::WIDTH`] means the form by roles, and any other width that holds the observation means padding
+    /// with zeros.
     pub fn of_width(spaces: &Spaces, width: Option<usize>, default: Self) -> Self {
         let slots = spaces.observation.len();
         match (RoleObservation::of(spaces), width) {

@@ -70,8 +70,8 @@ pub trait Policy: Sync {
     /// the state it needs.
     ///
     /// # Errors
-    /// [`Error::ObservationShape`](crate::Error::ObservationShape) and
-    /// [`Error::ActionShape`](crate::Error::ActionShape) end the evaluation; any other error loses the episode.
+    /// Those that [`Evaluation::run`](crate::Evaluation::run) lists end the evaluation; any other error loses the
+    /// episode.
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>>;
 }
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::interface::{EpisodeContext, Policy};
 use crate::{Error, Result};
 
-/// Between the name of a policy and the level of its noise.
+/// Separator of the name of a policy and the level of its noise.
 const SEPARATOR: &str = "+noise";
 
 /// A policy with noise that is drawn every hour from the seed of the episode: `reactive+noise0.2`.
@@ -33,7 +33,7 @@ impl NoisyPolicy {
     /// Adds noise to a policy.
     ///
     /// # Errors
-    /// [`Error::NoiseWithoutActuators`] for a policy whose buildings have none.
+    /// [`Error::NoiseWithoutActuators`] for a policy that commands no actuators.
     pub(super) fn new(policy: Box<dyn Policy>, level: f64) -> Result<Self> {
         match policy.controls() {
             Controls::Own => Err(Error::NoiseWithoutActuators { policy: policy.name() }),

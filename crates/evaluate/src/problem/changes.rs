@@ -36,7 +36,7 @@ pub struct Changes {
     pub test_tasks: Vec<Task>,
     /// The test task among the six standard tasks; the other five are the training tasks.
     pub left_out: Option<String>,
-    /// Run periods of training and test.
+    /// Run periods of the test; the first, if it is a range of days, is also that of training.
     pub windows: Vec<Period>,
     /// How long a policy with memory keeps it.
     pub memory: Option<Memory>,
@@ -97,7 +97,8 @@ impl Problem {
         Ok(self)
     }
 
-    /// Returns the paths of the fields that differ from the shipped problem of the same name; `None` if there is none.
+    /// Returns the paths of the fields but `question` that differ from the shipped problem of the same name; `None` if
+    /// there is none.
     pub fn changes(&self) -> Option<Vec<String>> {
         let shipped = Self::all().iter().find(|problem| problem.name == self.name)?;
         let value = |problem: &Self| serde_json::to_value(problem).expect("plain data always serializes");

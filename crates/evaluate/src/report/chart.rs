@@ -81,8 +81,8 @@ pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
     wide
 }
 
-/// Makes an axis logarithmic, with whole numbers as labels: at powers of ten, and at 2 and 5 times these where there is
-/// room. By default, plotly writes a 2 and a 5 between any two powers.
+/// Makes an axis logarithmic, with numbers written out as labels: at powers of ten, and at 2 and 5 times these where
+/// there is room. By default, plotly writes a 2 and a 5 between any two powers.
 pub fn label_logarithmic(axis: &mut Value, (low, high): (f64, f64)) {
     let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let factors = if high / low > DECADES { &[1][..] } else { &[1, 2, 5] };

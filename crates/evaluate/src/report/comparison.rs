@@ -48,7 +48,7 @@ impl Compared {
 /// Writes the page.
 ///
 /// # Errors
-/// [`Error::OtherEpisodes`] unless all policies ran the same episodes, none of them lost.
+/// [`Error::OtherEpisodes`] unless all policies ran the same episodes, none of them lost; [`Error::Io`].
 pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
     check_same(all)?;
     let episodes = all.first().map_or(0, |compared| compared.rows.len());

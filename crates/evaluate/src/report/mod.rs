@@ -1,4 +1,5 @@
-//! `report.html` and the leaderboard: pages made with [`b2b_page`], with charts written as plotly's JSON.
+//! The pages of evaluations and comparisons, made with [`b2b_page`], and charts for all reports, written as plotly's
+//! JSON.
 
 mod chart;
 mod comparison;

@@ -33,6 +33,7 @@ pub fn excess_discomfort(discomfort: f64, baseline: f64, days: f64) -> f64 {
 /// | positive | any | own / baseline |
 /// | 0 | 0 | 1: as good as the baseline |
 /// | 0 | positive | ∞ |
+/// | 0 | negative | none |
 /// | negative | any | none: it would reverse the order of costs |
 pub fn score_at_comfort(own: Operated, baseline: Operated, days: f64) -> Option<f64> {
     let ratio = match baseline.used {

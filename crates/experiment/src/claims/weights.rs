@@ -79,7 +79,7 @@ fn degenerate(rows: &[&EpisodeResult]) -> Judged {
     claim.judge(relative, &remark.unwrap_or_default())
 }
 
-/// Returns the change of a value with the weight, one list per building and kind of targets.
+/// Returns the change of a value with the weight: one list per building, with an item per kind of targets.
 fn changes(
     rows: &[&EpisodeResult],
     value: fn(&Scored) -> Option<f64>,

@@ -150,7 +150,8 @@ impl Experiment {
         self.agents.iter().filter(|agent| budget.has(&agent.name))
     }
 
-    /// Returns the policies with results in a budget: its agents, each followed by its best version by held-out days.
+    /// Returns the policies with results in a budget: its agents, each followed by its best version by held-out days if
+    /// the budget evaluates both.
     pub fn policies(&self, budget: &Budget) -> Vec<Policy<'_>> {
         let mut policies = Vec::new();
         for agent in self.agents_of(budget) {
@@ -162,7 +163,7 @@ impl Experiment {
         policies
     }
 
-    /// Returns `count` test buildings of a type, evenly spaced in the list of the dataset.
+    /// Returns at most `count` test buildings of a type, evenly spaced in the list of the dataset.
     pub fn buildings(&self, building_type: BuildingType, count: usize) -> Vec<BuildingId> {
         let is_in_zone = |row: &&Row| {
             self.climate_zones.is_empty()

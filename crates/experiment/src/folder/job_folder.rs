@@ -21,7 +21,7 @@ pub const MEASURED: &str = "result.json";
 /// The file that a finished training run leaves in its agent's folder.
 const TRAINED: &str = "summary.json";
 const STATE: &str = "job.json";
-/// Wall-clock time of a job that has not ended, s.
+/// Wall-clock time of a job so far, s.
 const SECONDS: &str = "seconds.json";
 const LOG: &str = "log.txt";
 

@@ -53,7 +53,7 @@ pub struct JobResult {
 /// The evaluation of one agent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluated {
-    /// SHA-256 of the agent; `None` for the reactive controllers.
+    /// SHA-256 of the agent; `None` for a controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub agent_sha256: Option<String>,
     /// See [`JobResult::machine`].

@@ -83,7 +83,7 @@ impl Folder {
     /// Opens a folder with results, and returns it with its experiment and budget.
     ///
     /// # Errors
-    /// [`Error::NoResults`]; errors from [`Experiment::named`] and [`Experiment::budget`].
+    /// [`Error::NoResults`]; [`Error::Io`]; errors from [`Experiment::named`] and [`Experiment::budget`].
     pub fn open(path: &Path) -> Result<(Self, Experiment, Budget)> {
         let identity = read_identity(path)?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
         let experiment = Experiment::named(&identity.experiment)?;

@@ -15,7 +15,7 @@ pub const LAST_AGENT: &str = "agent/last";
 /// An independent part of an experiment: actions in a folder, one after another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// Name of its folder, `AGENT/SUBJECT_TASK_PERIOD_SEED` or `AGENT/PROBLEM`.
+    /// Name of its folder: `AGENT/SUBJECT_TASK_PERIOD_SEED`, `AGENT/PROBLEM`, `CONTROLLER/TYPE` or `measure/all`.
     pub key: String,
     /// Its actions, in order.
     pub actions: Vec<Action>,
@@ -110,7 +110,7 @@ impl Job {
         self.actions.iter().map(steps).sum()
     }
 
-    /// Returns the number of agents that the job trains: one, or on a benchmark problem one for each seed.
+    /// Returns the number of agents that the job trains: none, one, or on a benchmark problem one for each seed.
     pub fn trainings(&self) -> usize {
         self.actions.iter().filter(|action| matches!(action, Action::Train { .. })).count()
     }
@@ -123,7 +123,7 @@ impl Job {
         })
     }
 
-    /// Returns the evaluated episodes of one seed, all policies together.
+    /// Returns the number of evaluated episodes of one seed, all policies together.
     pub fn episode_count(&self) -> usize {
         let count = |action: &Action| match action {
             Action::Evaluate(episodes)

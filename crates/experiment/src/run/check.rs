@@ -109,7 +109,7 @@ fn subjects<'a>(
     [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand(experiment)).collect()
 }
 
-/// Returns why a result does not match its agent; `None` if it does.
+/// Returns why a result does not match its agent or controller; `None` if it does.
 fn fault(
     runner: &Runner<'_>,
     subject: &Subject<'_>,

@@ -119,7 +119,7 @@ impl Runner<'_> {
     }
 
     /// Carries out an order in a folder. Appends the command that does the same and the output to a log; the result
-    /// goes to the log, too, or to a file. Calls `waiting` several times a second until then. Returns why it failed.
+    /// goes to the log, too, or to a file. Calls `waiting` several times a second while it runs. Returns why it failed.
     pub(super) fn carry_out(
         &self,
         order: &Order,

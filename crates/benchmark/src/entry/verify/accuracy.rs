@@ -38,7 +38,7 @@ impl std::fmt::Display for Accuracy {
     }
 }
 
-/// Returns the first metric that differs: comparing all bit for bit, or only averages within the tolerance.
+/// Returns the first metric that differs: comparing all bit for bit, or only sums and means within the tolerance.
 pub(super) fn different_metric(
     there: &EpisodeMetrics,
     here: &EpisodeMetrics,

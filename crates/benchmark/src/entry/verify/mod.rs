@@ -24,8 +24,8 @@ use b2b_evaluate::{EpisodePlan, EpisodeResult, Evaluation, Outcome, Progress, se
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
-/// Relative tolerance of returns and energies on a machine whose libm rounds differently. Without fused multiply-add,
-/// returns of a season differ by 4e-9.
+/// Relative tolerance of sums and means from machines that round differently. Without fused multiply-add, returns of a
+/// season differ by 4e-9.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// The outcome of one check.
@@ -35,7 +35,7 @@ pub struct Check {
     pub name: &'static str,
     /// A description, or the fault.
     pub outcome: CheckOutcome,
-    /// Whether nothing was verified, because the policy is not in the result and its episodes cannot be run again.
+    /// Whether the episodes were not verified, because the policy that ran them is not in the result.
     pub unverified: bool,
 }
 
@@ -53,9 +53,9 @@ impl Check {
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: runs the checks of [`check`] and, if all of them pass, reruns a sample of the episodes and their
-/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Reruns are compared bit for bit on a
+/// baselines; of a policy that keeps its memory, a sample of the [`sequences`]. Episodes are compared bit for bit on a
 /// machine that rounds like the one that produced the result ([`fingerprint`](b2b_base::machine::fingerprint)), and
-/// within [`TOLERANCE`] on another.
+/// within [`TOLERANCE`] on another; baselines always within [`TOLERANCE`].
 ///
 /// # Errors
 /// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].

@@ -12,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 /// verification is repeated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Number of episodes; by default enough to include a forged episode with probability [`Sample::PROBABILITY`] if
-    /// [`Sample::FORGED`] of all episodes are forged.
+    /// Number of episodes, or of sequences of a policy that keeps its memory; by default enough to include a forged
+    /// episode with probability [`Sample::PROBABILITY`] if [`Sample::FORGED`] of all episodes are forged.
     pub episodes: Option<NonZeroUsize>,
     /// Seed of the sample.
     pub seed: u64,

@@ -32,7 +32,7 @@ pub struct Scored {
     pub step_rewards: StepRewards,
     /// Its model and weather.
     pub inputs: Inputs,
-    /// SHA-256 of every observation, action and penalty.
+    /// SHA-256 of the observation, action and penalties of every step.
     pub trajectory_hash: String,
     /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a
     /// task of operation.
@@ -120,7 +120,7 @@ impl Scored {
     }
 
     /// Returns whether discomfort in a task of operation exceeds the baseline's by more than the free allowance; `None`
-    /// in a task with targets.
+    /// in a task with targets, or if the baseline's is unknown.
     pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
         let days = self.days(steps_per_hour);
         Some(excess_discomfort(self.metrics.tdis_tot?, self.baseline_discomfort?, days) > 0.0)
@@ -138,7 +138,7 @@ impl Scored {
     }
 
     /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
-    /// [`RESOLUTION`] to both; `None` if theirs is unknown. Their energy penalty follows from the amounts of the
+    /// [`RESOLUTION`] to both; `None` if that is unknown. The baseline's energy penalty follows from the amounts of the
     /// resource, to which penalties are proportional.
     pub fn relative_comfort(&self) -> Option<f64> {
         let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
@@ -159,14 +159,14 @@ impl Scored {
     }
 }
 
-/// Returns total HVAC energy divided by the baseline's total; `None` if theirs is unknown or 0. A ratio of
-/// sums gives almost no weight to an episode that uses almost no energy.
+/// Returns total HVAC energy divided by the baseline's total, over the rows with a known baseline; `None` if that total
+/// is 0. A ratio of sums gives almost no weight to an episode that uses almost no energy.
 pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
 }
 
-/// Returns the total of the task's resource divided by the baseline's total, for rows of one task; `None` if
-/// theirs is unknown or not above 0.
+/// Returns the total of the task's resource divided by the baseline's total, over the rows of one task in which both
+/// are known; `None` if the baseline's total is not above 0.
 pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> Option<f64> {
     ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
 }

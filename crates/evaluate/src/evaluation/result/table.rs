@@ -44,7 +44,7 @@ fn write(file: &mut (impl Write + Send), table: &RecordBatch) -> Result<()> {
     Ok(())
 }
 
-/// Returns the table: rows in the order given, without any time or speed.
+/// Returns the table: rows in the order given, without wall-clock times and speeds.
 ///
 /// # Errors
 /// The errors of the Parquet library.
