@@ -60,7 +60,7 @@ impl Controller {
         locked(&self.controller).reset();
     }
 
-    /// Begins another episode in the same building: an agent with memory keeps it.
+    /// Begins another episode in the same building: an agent keeps its memory, if it has one.
     fn next_episode(&self) {
         locked(&self.controller).next_episode();
     }

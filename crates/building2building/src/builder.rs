@@ -21,7 +21,7 @@ const STEPS_PER_HOUR: u32 = 12;
 /// Names a building: a type (`OfficeSmall`), a building of the dataset (`OfficeSmall-0042`) or a model file (`my.idf`).
 ///
 /// # Errors
-/// [`Error::Dataset`] if there is no such building.
+/// [`Error::Dataset`] for an unknown type or id. A model file is first read when an environment is built.
 pub fn make(name: &str) -> Result<EnvBuilder> {
     Ok(EnvBuilder {
         name: name.parse()?,

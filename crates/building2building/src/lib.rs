@@ -22,11 +22,11 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`mod@env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
+//! | [`mod@env`] | environments, spaces, tasks, rewards, metrics |
 //! | [`control`] | controllers that do not learn (reactive, Guideline 36, MPC, planner) and their tuning |
 //! | [`agent`] | trained agents: what they observe, how they act, their folders |
 //! | [`learn`] | training of agents: PPO and SAC |
-//! | [`workers`] | environments in worker processes |
+//! | [`workers`] | environments in worker processes, and batches of them |
 //! | [`evaluation`] | evaluation of policies, baselines, scores and reports |
 //! | [`benchmark`] | benchmark problems, entries, verification, leaderboard |
 //! | [`dataset`] | building types, generators, the 6,000 buildings of the dataset |

@@ -15,7 +15,7 @@ use crate::{Error, Result};
 
 /// One row per region: name, station and the reason for its choice.
 const REGIONS: &str = include_str!("../data/quebec_regions.csv");
-/// SHA-256 of the morphed file of each station.
+/// SHA-256 of the morphed file of each station of a region, except the base's.
 const MORPHED: &str = include_str!("../data/morphed_sha256.csv");
 /// The place whose weather file is the base of the morphed files.
 const BASE: &str = "Montréal";

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 /// One row per station and month: means over the station's CWEC year.
 const MONTHLY: &str = include_str!("../data/quebec_monthly_climate.csv");
-/// One row per station: the ASHRAE design conditions of its CWEC file.
+/// One row per station with ASHRAE design conditions in its CWEC file.
 const DESIGN: &str = include_str!("../data/quebec_design_days.csv");
 
 /// Days of each month.

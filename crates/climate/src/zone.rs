@@ -12,9 +12,9 @@ const DRY: f64 = 60.0;
 ///
 /// The thermal digit follows ANSI/ASHRAE Standard 169, by degree-days. The standard's letters depend on yearly
 /// precipitation, which weather files rarely have: here a climate is dry (B) if the mean relative humidity is below
-/// 60 %, marine (C) if the standard's three conditions on monthly means hold, and humid (A) otherwise. With this rule
-/// the 19 known places have the zones of the standard. A typical year can differ from the standard's own table by
-/// county: Las Vegas is 3B there and 2B by its TMY3 file.
+/// 60 %, marine (C) if it is in zones 3 to 5 and the standard's three conditions on monthly means hold, and humid (A)
+/// otherwise. With this rule the 19 known places have the zones of the standard. A typical year can differ from the
+/// standard's own table by county: Las Vegas is 3B there and 2B by its TMY3 file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClimateYear {
     /// Heating degree-days below 18 °C, K·d.

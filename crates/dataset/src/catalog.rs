@@ -61,7 +61,7 @@ pub struct Found {
     pub name: BuildingName,
     /// Its class; `None` for a user's model.
     pub class: Option<Class>,
-    /// Whether its model is an unmodified prototype that ships with the engine.
+    /// Whether its model is a prototype that ships with the engine ([`Placement::is_prototype`]).
     pub prototype: bool,
     /// Name of the place, or of the weather file.
     pub place: String,
@@ -277,8 +277,8 @@ impl From<Found> for Preparation {
 }
 
 impl Placement {
-    /// Returns whether a building is an unmodified prototype that ships with the engine: a base model at its default
-    /// place or with a weather file. Houses are generated, and other types are adapted to the code at other places.
+    /// Returns whether a building is a prototype that ships with the engine: unmodified at its default place, or sized
+    /// for a weather file. Houses are generated, and other types are adapted to the code at other places.
     pub fn is_prototype(&self, name: &BuildingName) -> bool {
         match name {
             BuildingName::Type(BuildingType::SingleFamilyHouse) => false,

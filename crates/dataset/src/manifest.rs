@@ -16,7 +16,7 @@ pub struct Column {
     pub name: &'static str,
     /// The type of its values.
     pub kind: Kind,
-    /// Unit; empty for text, 1 for ratios and counts.
+    /// Unit; empty for text and flags, 1 for ratios and counts.
     pub unit: &'static str,
 }
 

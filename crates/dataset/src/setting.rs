@@ -39,7 +39,8 @@ impl Setting {
         CommercialParameters::NAMES.to_vec()
     }
 
-    /// Returns the number at a relative position in the range, rounded to `decimals` unless it is fixed.
+    /// Returns the number at a relative position in the range, rounded to `decimals` unless it is fixed or no rounded
+    /// number is in the range.
     pub(super) fn number(&self, share: f64, decimals: i32, bound: Parameter) -> Result<f64> {
         let [low, high] = self.within(bound)?;
         if low == high {

@@ -336,7 +336,7 @@ impl Setting {
 }
 
 impl Setting {
-    /// Returns the run period in the calendar of the building, whose environment exists.
+    /// Returns the run period, in the building's calendar once its model is prepared.
     fn period(&self) -> RunPeriod {
         let period = self.setting.episode.period;
         match &*self.building.source() {

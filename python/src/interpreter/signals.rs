@@ -13,7 +13,8 @@ thread_local! {
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Set to end the running evaluation, training or calibration: on Ctrl-C, or on an exception of the policy or callback.
+/// Set to end the running evaluation, training or calibration: on Ctrl-C, on an exception of the policy or callback, or
+/// when the callback returns `False`.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Returns whether the running evaluation, training or calibration must end.

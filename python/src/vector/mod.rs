@@ -290,7 +290,7 @@ impl VecEnv {
         })
     }
 
-    /// Width of a row of actions and of a row of observations; 0 before the first reset.
+    /// Width of a row of actions and of a row of observations, padding included.
     #[getter]
     fn widths(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
         self.owner.with(py, &self.state, |state| Ok(state.envs()?.widths()))

@@ -198,7 +198,7 @@ fn zones(source: &Source) -> Vec<String> {
 pub struct WeatherAndDays {
     /// Weather files to use instead of the buildings' own.
     pub weather_years: Vec<PathBuf>,
-    /// Days of an episode and number of first days; whole run periods if `None`.
+    /// Days of an episode and number of possible first days; whole run periods if `None`.
     pub window: Option<(u32, u32)>,
 }
 

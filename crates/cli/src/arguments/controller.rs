@@ -104,7 +104,7 @@ impl Chosen<'_> {
         !matches!(self.choice, Choice::Kind(_))
     }
 
-    /// Returns the control that the building gets.
+    /// Returns who controls the building, and through what.
     pub fn controls(&self) -> Controls {
         match &self.choice {
             Choice::Kind(kind) => kind.controls(),

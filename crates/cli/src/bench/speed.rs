@@ -56,7 +56,7 @@ const SINGLE_STEPS: u32 = 10_000;
 /// Number of ways to run the model.
 const MODES: usize = 4;
 
-/// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
+/// CPU time of a step of one building, ms, and its ratios to the bare engine; medians over the days.
 #[derive(Serialize)]
 struct StepCost {
     #[serde(rename = "type")]

@@ -65,7 +65,7 @@ const STEPS_PER_HOUR: u32 = 12;
 /// Steps of each environment per round.
 const ROUND: usize = 96;
 
-/// Measurements of one building type.
+/// Measurements of one building.
 #[derive(Serialize)]
 struct MeasuredBatch {
     #[serde(rename = "type")]

@@ -28,7 +28,7 @@ pub struct Recorded {
     pub zones: Vec<ZoneRecord>,
     /// Outdoor air temperature at the end of each step, °C.
     pub outdoor: Vec<f64>,
-    /// HVAC electricity and gas of each step, Wh/m².
+    /// HVAC electricity and non-electric HVAC energy of each step, Wh/m².
     pub energy: [Vec<f64>; 2],
 }
 

@@ -138,7 +138,7 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     text + &files.join("\n")
 }
 
-/// Formats a ratio of energies; a dash without a baseline.
+/// Formats a number with two decimals, such as a ratio of energies; a dash if there is none.
 pub fn ratio(relative_energy: Option<f64>) -> String {
     relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }

@@ -10,7 +10,7 @@ use b2b_energyplus::install::Cache;
 use crate::terminal::interrupt;
 use crate::terminal::progress::Download;
 
-/// Downloads the weather of dataset buildings that is not in the cache.
+/// Downloads or generates the weather of buildings that is not in the cache.
 pub fn fetch<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<()> {
     let (mut download, cache) = (Download::new(quiet), Cache::from_env()?);
     let mut fetched = HashSet::new();

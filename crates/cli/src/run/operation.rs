@@ -105,7 +105,7 @@ impl View<'_> {
         ZoneView { comfort, in_use: self.in_use(index, name).collect() }
     }
 
-    /// Returns the setpoint of each step, from a slot of the observation.
+    /// Returns the setpoint or the occupancy of each step, from a slot of the observation.
     fn asked(&self, slot: usize) -> Vec<f64> {
         asked(self.trajectory.observed(slot).collect())
     }

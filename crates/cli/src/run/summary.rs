@@ -47,7 +47,7 @@ pub struct Summary {
     /// state one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub currency: Option<String>,
-    /// Parts of the bill of the whole building; none without a tariff.
+    /// Parts of the bill of the whole building's HVAC; none without a tariff.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bill: Vec<BillPart>,
     /// Energy carriers used by its HVAC; all but electricity count as gas in the metrics.
@@ -64,7 +64,7 @@ pub struct Summary {
     pub engine_severes: usize,
     /// The first 100 warnings.
     pub warning_messages: Vec<String>,
-    /// The first severe messages.
+    /// The first severe and fatal messages.
     pub severe_messages: Vec<String>,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,

@@ -20,7 +20,7 @@ const GRACE: u32 = 10;
 static PATIENT: AtomicBool = AtomicBool::new(false);
 
 /// Installs the handlers. An interrupt or a termination request only sets the flag; a second one, or [`GRACE`] after
-/// the first, ends the process and its workers immediately.
+/// the first unless [`be_patient`] was called, ends the process and its workers immediately.
 pub fn listen() -> Result<()> {
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::clone(&TOO_LARGE))
         .context("cannot install the handler of file sizes")?;
@@ -76,7 +76,7 @@ fn is_orphan() -> bool {
     OWNER.get().is_some_and(|owner| std::os::unix::process::parent_id() != *owner)
 }
 
-/// Errors if the user asked to stop.
+/// Errors if the user asked to stop, or the owner has ended.
 pub fn check() -> Result<()> {
     if requested() {
         bail!("interrupted");

@@ -13,7 +13,7 @@ use serde_json::Value;
 /// Maximum number of points of a series: the hours of a leap year.
 const MAX_POINTS: usize = 8784;
 const SCRIPT: &str = concat!(include_str!("time_series.js"), include_str!("steps.js"));
-/// Resolution of [`Steps`] in parts of a unit: hundredths of a cent of a price.
+/// Number of parts into which [`Steps`] resolve a unit: a price to a hundredth of a cent.
 const STEPS_PER_UNIT: f64 = 1e4;
 const STYLE: &str = include_str!("time_series.css");
 

@@ -1,4 +1,5 @@
-//! `b2b tune`: parameters of the reactive controllers, optimized on training buildings.
+//! `b2b tune`: parameters of the reactive controllers, optimized on training buildings; schedules, rules and models of
+//! other controllers.
 
 mod ablations;
 mod check;

@@ -83,7 +83,7 @@ pub fn operation(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Returns the training buildings of every class, and the first of each type.
+    /// Returns the training buildings of every class, and the first of each type, in climate zone 5 if it has zones.
     fn draw(&self) -> Result<(Vec<BuildingId>, Vec<BuildingId>)> {
         let (mut all, mut first) = (Vec::new(), Vec::<BuildingId>::new());
         for class in self.classes.list()? {

@@ -35,7 +35,8 @@ impl<'a> TrainingRollouts<'a> {
         Self { catalog, buildings, periods, constant_targets, search: None, validation: None }
     }
 
-    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
+    /// Returns the outcomes of a building: one for the search, one under constant setpoints, or one per setpoint mode
+    /// for the validation.
     pub fn simulate(
         &mut self,
         parameters: &ReactiveParameters,

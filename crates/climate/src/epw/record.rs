@@ -111,7 +111,7 @@ impl Record {
         }
     }
 
-    /// Returns the first and the last day of the year in the order of the file.
+    /// Returns the days of the year, from 1 and without 29 February, on which the file begins and ends.
     pub fn span(&self) -> Option<[u32; 2]> {
         let with_start = self.days.iter().zip(1..).filter_map(|(start, day)| Some(((*start)?, day)));
         let of = |best: Option<(usize, u32)>| best.map(|(_, day)| day);

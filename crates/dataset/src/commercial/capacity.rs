@@ -24,8 +24,8 @@ const SPEED_SIZES: [&str; 3] =
 const DOORS_ON_DESIGN_DAY: f64 = 0.75;
 
 /// Sizing factor of zones with a unit heater. The code's semi-heated storage is designed for about 15 °C; a task may
-/// request 21 °C: at -42 °C outdoors 10 % more, and with the usual 25 % 1.38. The factor of dataset v1 has another 9 %
-/// in reserve.
+/// request 21 °C, which takes 10 % more heat at -42 °C outdoors: a factor of 1.38 with the usual 25 %. The factor of
+/// dataset v1 has another 9 % in reserve.
 const UNIT_HEATER_SIZING_FACTOR: f64 = 1.5;
 
 /// Resets every size computed for Denver to `Autosize`, and makes sizing consider two loads that the prototypes

@@ -15,7 +15,7 @@ pub struct CommercialParameters {
     pub roof_u: f64,
     /// U-factor of the windows, W/m²K: 0.8 to 1.3 times the code's.
     pub window_u: f64,
-    /// Solar heat gain coefficient of the windows: 0.15 to 0.10 above the code's.
+    /// Solar heat gain coefficient of the windows: from 0.15 to the code's plus 0.10.
     pub window_shgc: f64,
     /// Window and glass door area over gross exterior wall area of the whole building, plenum walls included: 0.5 to
     /// 1.5 times the prototype's, and at most 0.40 as in the code.
@@ -31,7 +31,7 @@ pub struct CommercialParameters {
 }
 
 /// Wall and roof U-factors relative to the maximum of the code in the climate zone. Values above 1 represent older
-/// stock; half the maximum is about the code's requirement for walls three zones further north.
+/// stock; half the maximum is less than the code's maximum for walls three zones further north.
 const OPAQUE_U: [f64; 2] = [0.5, 1.3];
 /// Window-to-wall ratio relative to the prototype.
 const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);

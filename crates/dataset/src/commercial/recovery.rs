@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// Enthalpy recovery ratio that the code requires at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
 const RATIO: f64 = 0.5;
-/// Outdoor temperature of frost control, °C; below it, less air is exhausted through the wheel.
+/// Outdoor temperature of frost control, °C; below it, supply air bypasses the wheel part of the time.
 const FROST: f64 = -23.3;
 
 const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";

@@ -21,7 +21,7 @@ pub struct Preparation {
     pub name: String,
     /// Building type and climate zone, if known.
     pub class: Option<Class>,
-    /// Whether the model is an unmodified prototype that ships with the engine.
+    /// Whether the model is a prototype that ships with the engine ([`crate::Placement::is_prototype`]).
     pub prototype: bool,
     /// Whether it is a user's model, whose unsupported systems keep their own controls.
     pub own: bool,

@@ -165,7 +165,7 @@ fn nth<T>(list: &[T], share: f64) -> &T {
     &list[((share * list.len() as f64) as usize).min(list.len() - 1)]
 }
 
-/// Rounds the numbers of a house; bounds are not checked because drawn values are far from them.
+/// Rounds the numbers of a house; bounds are not checked because rounding takes no drawn value past them.
 fn round(house: &mut House) {
     for number in &NUMBERS {
         number.field.set(house, rounded(number.field.of(house), number.decimals));

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 use super::answer::Refusal;
 
-/// Characters of a body or a value in a message.
+/// Maximum number of characters of a body, a name or a value that a message quotes.
 const SHOWN: usize = 60;
 
 /// The arguments of a request.
@@ -83,7 +83,7 @@ impl Arguments {
     /// Returns a finite number.
     ///
     /// # Errors
-    /// A refusal if it is missing or not a number.
+    /// A refusal if it is missing or not a finite number.
     pub fn number(&self, name: &str, remedy: &str) -> Result<f64, Refusal> {
         let value = self.any_number(name, remedy)?;
         match value.is_finite() {

@@ -31,7 +31,7 @@ pub(crate) enum Call {
     Forecast,
     /// Key performance indicators.
     Kpi,
-    /// Publishes results on BOPTEST's dashboard.
+    /// Publishes results on BOPTEST's dashboard; always refused.
     Submit,
 }
 

@@ -55,7 +55,7 @@ impl Sessions {
     /// Begins a test and returns its id.
     ///
     /// # Errors
-    /// A refusal while the maximum number of tests is in progress.
+    /// A refusal while the maximum number of tests is in progress and none has been idle for long.
     pub(super) fn select(&self) -> Result<String, Refusal> {
         let id = random_id()?;
         self.add(&mut self.lock(), &id, true)?;

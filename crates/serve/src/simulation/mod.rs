@@ -29,7 +29,7 @@ const MOST_FORECASTS: f64 = 2e6;
 /// Tolerance on multiples of a control step.
 const EPSILON: f64 = 1e-6;
 
-/// The start, the warm-up and the end of a test, s of the year.
+/// The start and the end of a test, s of the year, and the duration of its warm-up, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Span {
     start: f64,

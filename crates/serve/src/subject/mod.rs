@@ -58,7 +58,7 @@ impl Subject {
     ///
     /// # Errors
     /// [`Error::NoBands`], [`Error::TaskPart`], [`Error::Plans`] and [`Error::LeapDay`] for tasks, controllers and
-    /// years that BOPTEST's interface cannot express; the errors of the weather file.
+    /// years that BOPTEST's interface cannot express; the errors of the weather file and of [`EpisodeConfig::check`].
     pub fn new(options: SubjectOptions) -> Result<Self> {
         check(&options)?;
         let SubjectOptions { building, weather, task, steps_per_hour, .. } = options.clone();

@@ -99,8 +99,7 @@ fn unit(model: &mut Model, capacities: &Capacities) {
         "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
         "cooling_coil_name": COOLING_COIL,
         "maximum_supply_air_temperature": 80.0,
-        // Backup heat is allowed at any outdoor temperature: the agent chooses the supply temperature and bears its
-        // cost.
+        // Backup heat is allowed up to 21 °C outdoors: the agent chooses the supply temperature and bears its cost.
         "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation": 21.0,
     });
     for mode in ["cooling_supply", "heating_supply", "no_load_supply"] {

@@ -34,7 +34,8 @@ impl Capacities {
     /// Sizes equipment to hold 21 °C on the cold design day with furnace or backup only and 24 °C on the hot one, with
     /// the oversizing of the house.
     ///
-    /// The flow carries the backup's heat at 45 °C; a heat pump of 400 cfm per ton goes with it.
+    /// The flow carries the backup's heat at 45 °C and the cooling at 400 cfm per ton; cooling and heat pump have the
+    /// capacity of that flow at 400 cfm per ton.
     pub fn for_design_days(house: &House, site: &Site) -> Self {
         let backup = house.heating_oversizing * heat_loss(house, site);
         let cooling = house.cooling_oversizing * heat_gain(house, site) / SENSIBLE;

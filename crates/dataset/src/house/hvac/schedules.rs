@@ -12,7 +12,7 @@ const ANY_NUMBER: &str = "Any Number";
 /// A schedule that is 1.
 pub(crate) const ALWAYS: &str = "Always On";
 
-/// Adds the schedule types that other schedules refer to.
+/// Adds the type of every schedule, and the schedule that is always 1.
 pub(crate) fn add(model: &mut Model) {
     let limits = json!({"numeric_type": "Continuous"});
     model.insert("ScheduleTypeLimits", ANY_NUMBER, limits);

@@ -168,8 +168,8 @@ impl House {
         self.attic_resistance * ATTIC_EFFECTIVENESS
     }
 
-    /// Resistance of the basement walls, or of the floor over the crawlspace, with thermal bridges and films,
-    /// without soil, m²K/W.
+    /// Resistance of the basement walls, of the insulation at the edge of the slab, or of the floor over the
+    /// crawlspace, with thermal bridges and films, without soil, m²K/W.
     pub fn effective_foundation_resistance(&self) -> f64 {
         self.foundation_resistance * FOUNDATION_EFFECTIVENESS
     }

@@ -97,8 +97,8 @@ fn openings(model: &mut Model, zone: &str, name: &str, area: f64) {
     model.insert("ZoneInfiltration:EffectiveLeakageArea", name, openings);
 }
 
-/// Fans with the flow whose heat is not recovered, and the fan energy of the whole flow. The ventilator also recovers
-/// all vapor; real ones recover part of it.
+/// Fans with the flow whose heat is not recovered, and the fan energy of the whole flow. The ventilator thus recovers
+/// the same share of the vapor as of the heat; real ones recover less.
 fn exhaust(model: &mut Model, house: &House) {
     let flow = house.unrecovered_ventilation();
     if flow <= 0.0 {

@@ -14,7 +14,7 @@ pub(crate) enum Faces<'a> {
     Outdoors,
     /// The ground.
     Ground,
-    /// A surface of another zone.
+    /// Another surface, in another zone or the same.
     Surface(&'a str),
 }
 
