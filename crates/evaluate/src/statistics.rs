@@ -97,7 +97,7 @@ pub type Cluster = Vec<f64>;
 pub struct Share {
     /// A score.
     pub score: f64,
-    /// Share of scores at or below it.
+    /// Share of buildings' mean scores over seeds at or below it.
     pub share: Interval,
 }
 

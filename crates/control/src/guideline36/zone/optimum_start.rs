@@ -60,7 +60,7 @@ struct Measurement {
 #[derive(Clone, Debug)]
 pub(in super::super) struct OptimumStart {
     side: Side,
-    /// Longest time ahead of the change, h.
+    /// Longest time ahead of the change, before a supervisor's `earlier`, h.
     limit: f64,
     /// Rates that the last starts would have had without losses, K/h, the oldest first.
     rates: [f64; MEMORY],
