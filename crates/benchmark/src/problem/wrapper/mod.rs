@@ -3,6 +3,7 @@
 mod previous_step;
 
 use b2b_base::digest::sha256;
+use b2b_building::Controls;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
@@ -69,7 +70,9 @@ impl<'a> WrappedPolicy<'a> {
             None => spaces.action.clone(),
         };
         let (form, previous) = self.form(spaces, attributes.len(), &action)?;
-        if let Some(building_type) = subject.name.building_type()
+        // Own controls have no interface.
+        if self.policy.controls() != Controls::Own
+            && let Some(building_type) = subject.name.building_type()
             && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
         {
             return Err(self.problem.error(why).into());
@@ -130,6 +133,10 @@ impl Policy for WrappedPolicy<'_> {
     fn is_baseline(&self, task: &Task) -> bool {
         let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
         self.policy.is_baseline(task) && !pinned
+    }
+
+    fn controls(&self) -> Controls {
+        self.policy.controls()
     }
 
     fn has_memory(&self) -> bool {

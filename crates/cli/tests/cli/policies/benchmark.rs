@@ -350,6 +350,16 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
 }
 
 #[test]
+fn a_models_own_controls_enter_a_problem_and_are_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem =
+        "operate-house --test SingleFamilyHouse-0018 --train SingleFamilyHouse-0001 --period 01-10..01-10";
+    run(folder.path(), &format!("{problem} --policy own --out own"));
+    let verified = b2b(folder.path(), "benchmark verify own");
+    assert!(verified.status.success(), "{}", both_outputs(&verified));
+}
+
+#[test]
 fn invalid_arguments_are_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |arguments: &str, words: &[&str]| assert_refused(folder.path(), arguments, words);
