@@ -18,6 +18,7 @@ from ..env import BuildingEnv
 from ..errors import EpisodeError, SettingError
 from ..rollouts import ControlledEnv, PhysicalController
 from ..vector import BuildingVectorEnv
+from ..wrappers.observation_wrapper import VectorWrapper
 
 Array = NDArray[Any]
 
@@ -68,7 +69,7 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         return observation, total, terminated, truncated, info
 
 
-class ActingVectorEnv(gymnasium.vector.VectorWrapper):
+class ActingVectorEnv(VectorWrapper):
     """A batch of buildings for an agent with an *acting*; ``make_vec(acting=...)`` makes one.
 
     Steps are decisions, as in :class:`ActingEnv`. All buildings must have the same observation and actions. An
@@ -94,12 +95,6 @@ class ActingVectorEnv(gymnasium.vector.VectorWrapper):
         self.observation_space = batch_space(self.single_observation_space, env.num_envs)
         self.action_space = batch_space(self.single_action_space, env.num_envs)
         self.metadata = _named(env.metadata, first)
-
-    def __getattr__(self, name: str) -> Any:
-        """Returns an attribute of the batch without acting, such as ``layout_of``."""
-        if name.startswith("_") or name == "env":
-            raise AttributeError(name)
-        return getattr(self.env, name)
 
     def action_mask(self) -> Array:
         """Mask of the actions, ``[N, actions]``: all are read."""

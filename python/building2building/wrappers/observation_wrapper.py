@@ -54,6 +54,15 @@ class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.
         return self.observation(observation), reward, terminated, truncated, info
 
 
+class VectorWrapper(gymnasium.vector.VectorWrapper):
+    """A wrapper of a batch that also has the attributes of the batch, such as ``layout_of``."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "env":
+            raise AttributeError(name)
+        return getattr(self.env, name)
+
+
 def box_of(env: Env) -> Box:
     if not isinstance(env.observation_space, Box):
         raise SettingError(f"expected observations in a Box; got {env.observation_space}")

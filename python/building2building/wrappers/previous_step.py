@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SettingError
-from .observation_wrapper import Env, ObservationWrapper, Stepped
+from .observation_wrapper import Env, ObservationWrapper, Stepped, VectorWrapper
 
 if TYPE_CHECKING:
     from ..learning.acting import ActingVectorEnv
@@ -73,7 +73,7 @@ class PreviousStepObservation(ObservationWrapper):
         return self.observation(observation), reward, terminated, truncated, info
 
 
-class PreviousStepVectorObservation(gymnasium.vector.VectorWrapper):
+class PreviousStepVectorObservation(VectorWrapper):
     """:class:`PreviousStepObservation` for the environments of a batch. Slots of padded actions are 0."""
 
     env: BuildingVectorEnv | ActingVectorEnv
@@ -92,17 +92,11 @@ class PreviousStepVectorObservation(gymnasium.vector.VectorWrapper):
             names = [*env.metadata["observation_names"], *_names(env.metadata)]
             self.metadata = {**env.metadata, "observation_names": names}
 
-    def __getattr__(self, name: str) -> Any:
-        """Returns an attribute of the batch, such as ``layout_of``."""
-        if name.startswith("_") or name == "env":
-            raise AttributeError(name)
-        return getattr(self.env, name)
-
     def reset(
         self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
         observations, infos = self.env.reset(seed=seed, options=options)
-        begun = (options or {}).get("reset_mask", np.ones(self.num_envs, bool))
+        begun = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs)), bool)
         self._begin(begun)
         self._ended = self._ended & ~begun
         return self._seen(observations), infos

@@ -48,7 +48,7 @@ pub fn calibrate(
             max_iterations: iterations,
             jobs: if catalog.library().is_hosted() { jobs } else { 1 },
         };
-        wait_for(|| calibration.run(catalog.library(), &out, &()), || true).map_err(of_building)
+        wait_for(|| calibration.run(catalog.library(), &out, &()), || true, of_building)
     })?;
     Ok(serde_json::to_string(&report).expect("a report is plain data"))
 }

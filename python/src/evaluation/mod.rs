@@ -169,13 +169,13 @@ pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)
             let site = episode.subject.locate(&catalog, &mut Quiet)?;
             Baselines::open()?.baseline(&evaluation, &episode, &site, &counter)
         };
-        let baseline = wait_for(run, || true).map_err(of_evaluation)?;
+        let baseline = wait_for(run, || true, of_evaluation)?;
         Ok((baseline.episode_return, baseline.energy, episode.steps()))
     })
 }
 
-/// Runs episodes of a policy while handling signals and reporting progress. An exception raised by the policy or by a
-/// signal handler takes precedence over the error in which the run ends.
+/// Runs episodes of a policy while handling signals and reporting progress. An exception raised by the policy takes
+/// precedence over the error that results from it.
 pub fn run_policy<T: Send>(
     py: Python<'_>,
     jobs: usize,
@@ -188,13 +188,9 @@ pub fn run_policy<T: Send>(
     py.detach(|| {
         let catalog = catalog::catalog()?;
         let run = || run(&Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped }, &counter);
-        // Of an earlier call that ended before its handler.
-        drop(take_raised());
-        let outcome = wait_for(run, || counter.report(progress));
+        let outcome = wait_for(run, || counter.report(progress), of_evaluation);
         // Even if the run has ended, because the policy may have raised in its last episode.
-        let exception = locked(raised).take();
-        let error_of = |error| take_raised().unwrap_or_else(|| of_evaluation(error));
-        exception.map_or_else(|| outcome.map_err(error_of), Err)
+        locked(raised).take().map_or(outcome, Err)
     })
 }
 
@@ -215,8 +211,13 @@ pub fn running() -> PyResult<MutexGuard<'static, ()>> {
 }
 
 /// Calls `run` on another thread while this one handles signals and calls `report`, which returns whether to continue.
-/// The last call of `report` is after the end of `run`.
-pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut() -> bool) -> T {
+/// The last call of `report` is after the end of `run`. An exception raised by a signal handler takes precedence over
+/// the outcome.
+pub fn wait_for<T: Send, E: Send>(
+    run: impl FnOnce() -> Result<T, E> + Send,
+    mut report: impl FnMut() -> bool,
+    of_error: impl FnOnce(E) -> PyErr,
+) -> PyResult<T> {
     std::thread::scope(|scope| {
         let waiting = std::thread::current();
         let running = scope.spawn(move || {
@@ -233,7 +234,8 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
         report();
         let outcome = running.join();
         set_stopped(false);
-        outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let outcome = outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        take_raised().map_or_else(|| outcome.map_err(of_error), Err)
     })
 }
 

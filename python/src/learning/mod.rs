@@ -50,10 +50,10 @@ pub fn train(
         let trained = wait_for(
             || b2b_learn::train::train(&config, options),
             || listener.report(std::mem::take(&mut *locked(&events.0)), &raised),
+            of_training,
         );
         // Checked even after a complete run, because the callback may have raised at the last update.
-        let exception = locked(&raised).take();
-        exception.map_or_else(|| trained.map_err(of_training), Err)
+        locked(&raised).take().map_or(trained, Err)
     });
     Ok(serde_json::to_string(&outcome?).expect("a summary is plain data"))
 }

@@ -8,7 +8,8 @@ use super::unitary::packaged::Packaged;
 /// them, so that several kinds may have the same.
 #[derive(Clone, Copy, Debug)]
 pub enum Sequence<'a> {
-    /// A zone with supply air, which others may share: actuator 0 is the supply air flow, actuator 1 the supply air temperature.
+    /// A zone with supply air, which others may share: actuator 0 is the supply air flow, actuator 1 the supply air
+    /// temperature.
     SingleZone {
         /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
         flow: &'a Actuator,

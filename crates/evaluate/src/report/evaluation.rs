@@ -29,9 +29,9 @@ pub fn write(
 ) -> std::io::Result<()> {
     let mut charts = evaluation_charts::all(results, &deviations(results, read));
     charts.extend(
-        worst(results).into_iter().filter_map(|(number, row)| {
-            Some(hourly_chart::worst(&row.info, row.score(), &read(number)?.hours))
-        }),
+        worst(results)
+            .into_iter()
+            .filter_map(|(number, row)| hourly_chart::worst(&row.info, row.score(), &read(number)?.hours)),
     );
     let data = json!({
         "title": format!("{} on {} episodes", summary.policy, summary.episodes),

@@ -1,6 +1,7 @@
 //! The hourly chart of one episode.
 
 use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
+use b2b_building::RunPeriod;
 use serde_json::{Value, json};
 
 use super::chart::Chart;
@@ -8,16 +9,18 @@ use crate::evaluation::{EpisodeInfo, Hours};
 
 const HOUR_MS: i64 = 3_600_000;
 
-/// Returns the chart of one of the worst episodes: zones, outdoor air and HVAC power.
-pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Value {
+/// Returns the chart of one of the worst episodes: zones, outdoor air and HVAC power. `None` if its dates are unknown:
+/// files of earlier versions do not have those of two weeks chosen from the weather.
+pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Option<Value> {
     let score = score.map_or("no score".to_owned(), |score| format!("score {score:.2}"));
     let EpisodeInfo { building, place, period, task, seed, .. } = info;
+    let first_day = hours.first_day.or_else(|| Some(period.parse::<RunPeriod>().ok()?.first_day()))?;
     let chart = Chart {
         title: format!("Worst episodes: {building} in {place}"),
         note: format!("{score}, {period}, task {task}, seed {seed}; hourly means, drag to zoom"),
         height: 460,
         wide: true,
-        data: traces(&times(hours.first_day, hours.mean.len()), hours),
+        data: traces(&times(first_day, hours.mean.len()), hours),
         layout: json!({
             "xaxis": {"type": "date", "anchor": "y3", "hoverformat": "%a %e %b %H:00",
                       "tickformatstops": [{"dtickrange": [null, 86_399_999], "value": "%H:%M\n%e %b"},
@@ -28,7 +31,7 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Va
             "hovermode": "x unified",
         }),
     };
-    chart.json()
+    Some(chart.json())
 }
 
 /// Returns the start of each hour from a first day on, in milliseconds of Unix time. The chart does not show the year.

@@ -72,7 +72,7 @@ pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<
 
 /// Returns as many rows of numbers as given as lists of one length, with zeros in the rows after them.
 fn lists(numbers: &[f32], given: usize, rows: usize) -> ArrayRef {
-    let width = numbers.len() / given;
+    let width = numbers.len() / given.max(1);
     let mut numbers = numbers.to_vec();
     numbers.resize(rows * width, 0.0);
     let field = Arc::new(Field::new_list_field(DataType::Float32, true));

@@ -8,9 +8,8 @@ use crate::evaluation::recording::{ControlledZone, Recording};
 /// Hourly values of an episode in hundredths: a year fits in a small file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hours {
-    /// Year, month and day of the first hour, in a year with the same days of the week; zeros in files without it.
-    #[serde(default)]
-    pub first_day: [u32; 3],
+    /// Year, month and day of the first hour, in a year with the same days of the week; `None` in files without it.
+    pub first_day: Option<[u32; 3]>,
     /// Temperature of the coldest controlled zone, °C/100.
     pub coldest: Vec<i32>,
     /// Mean temperature of the controlled zones, °C/100.
@@ -42,7 +41,7 @@ impl Hours {
             spaces.observation.gas(),
         );
         let all: Vec<_> = recording.steps().collect();
-        let mut hours = Self { first_day: spaces.episode.period.first_day(), ..Self::default() };
+        let mut hours = Self { first_day: Some(spaces.episode.period.first_day()), ..Self::default() };
         for hour in all.chunks(per_hour) {
             let temperatures = || hour.iter().flat_map(|(_, end)| zones.iter().map(|zone| end[zone.slot]));
             let setpoints =

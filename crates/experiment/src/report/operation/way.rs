@@ -50,7 +50,7 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
     ]
     .map(str::to_owned)
     .to_vec();
-    header.extend(others.iter().map(|controller| format!("share of it, {controller} (%)")));
+    header.extend(others.iter().map(|controller| format!("share of the saving, {controller} (%)")));
     Some(json!({
         "name": "Savings of foresight, and the share that others reach",
         "title": "medians over the episodes; shares are of the cost that foresight saves",
