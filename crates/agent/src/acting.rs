@@ -105,7 +105,7 @@ impl Acting {
             Self::Direct => None,
             Self::Residual { authority } => Some(format!("reactive controllers, authority {authority}")),
             Self::Targets { every, shift } => {
-                Some(format!("reactive controllers, targets shifted by at most {shift} K every {every} min"))
+                Some(format!("reactive controllers, targets shifted every {every} min by at most {shift} K"))
             }
             Self::Supervisory { every, .. } => Some(format!("guideline36, shifted every {every} min")),
         }

@@ -1,9 +1,9 @@
-//! An agent above the reactive controllers: it shifts the targets that they follow.
+//! The reactive controllers with targets that an agent shifts.
 
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, Target};
 
-/// The reactive controllers with targets that an agent shifts, one for each controlled zone.
+/// The reactive controllers, which follow the shifted target of each controlled zone.
 #[derive(Clone, Debug)]
 pub struct ShiftedTargets {
     reactive: Reactive,
@@ -18,7 +18,7 @@ pub struct ShiftedTargets {
 }
 
 impl ShiftedTargets {
-    /// Creates the controllers of a building, with the parameters tuned for it and its task.
+    /// Creates the controllers of a building, with the parameters tuned for its class and task.
     pub(crate) fn new(shift: f64, spaces: &Spaces) -> Self {
         let space = &spaces.observation;
         let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);

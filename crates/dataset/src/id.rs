@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn an_invalid_id_is_rejected_with_valid_ones() {
+    fn the_error_of_an_invalid_id_names_valid_ones() {
         for (text, words) in [
             ("OfficeSmall", ["`OfficeSmall`", "OfficeSmall-0042"]),
             ("OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),

@@ -20,7 +20,7 @@ pub enum Error {
         unit: &'static str,
     },
     /// An action of the wrong length.
-    #[error("action has {given} values; expected {expected}, one per actuator")]
+    #[error("action has {given} values; expected {expected}")]
     ActionLength {
         /// Number of given values.
         given: usize,
@@ -34,7 +34,9 @@ pub enum Error {
     #[error("unsupported number of steps per hour {0}; expected 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30 or 60")]
     StepsPerHour(u32),
     /// A run with fewer or more steps than its run period.
-    #[error("EnergyPlus ended the episode after {done} steps; expected {expected}")]
+    #[error(
+        "the run of EnergyPlus has another length than its run period: {done} steps done, {expected} expected"
+    )]
     EpisodeLength {
         /// Completed steps.
         done: usize,
@@ -100,7 +102,7 @@ pub enum Error {
         /// Building of the environment.
         here: String,
     },
-    /// A population without buildings.
+    /// A sampler without buildings.
     #[error("no buildings to sample from: give at least one")]
     NoBuilding,
     /// A vector environment of size 0.
@@ -111,8 +113,10 @@ pub enum Error {
         "a weight of the sampler is {0}; expected finite weights of 0 or more, at least one of them above 0"
     )]
     Weight(f64),
-    /// Windows that do not fit their run period.
-    #[error("windows of {min_days} to {max_days} days do not fit into a run period of {whole} days")]
+    /// Windows of no days, in the wrong order, or longer than the run period.
+    #[error(
+        "windows of {min_days} to {max_days} days in a run period of {whole} days; expected 1 ≤ shortest ≤ longest ≤ {whole}"
+    )]
     Window {
         /// Shortest window, days.
         min_days: u32,
@@ -220,7 +224,7 @@ pub enum Error {
     /// An error of EnergyPlus.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
-    /// A building that cannot be generated or prepared.
+    /// A building that cannot be generated or prepared, or its weather file that cannot be read.
     #[error(transparent)]
     Building(Box<dyn std::error::Error + Send + Sync>),
     /// A file that cannot be read or written.

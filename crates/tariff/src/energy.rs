@@ -27,7 +27,7 @@ pub(crate) struct EnergyTable {
     /// Names of prices on a bill.
     pub(crate) names: Vec<String>,
     pub(crate) classes: Vec<Class>,
-    /// Whether an entry has a price for every hour.
+    /// Whether any entry has `hourly` prices.
     pub(crate) is_hourly: bool,
     /// Class by day of the year, kind of day and quarter-hour on the local clock.
     grid: Vec<u16>,
@@ -102,7 +102,7 @@ impl EnergyTable {
         index.ok_or_else(|| Fault::at(place, "more than 65,000 energy prices"))
     }
 
-    /// Puts an entry at its times. An entry without `hours` and `hourly` skips times in `taken`.
+    /// Puts an entry at its times. An entry with neither `hours` nor `hourly` skips times in `taken`.
     fn put(&mut self, entry: &Spanned<EnergyFile>, blocks: usize, taken: &[u16]) -> Result<(), Fault> {
         let place = entry.span().start;
         let entry = entry.get_ref();

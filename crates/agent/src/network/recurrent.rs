@@ -139,7 +139,7 @@ mod tests {
     use crate::network::Activation;
 
     #[test]
-    fn a_step_has_the_equations_of_the_reference() {
+    fn a_step_follows_the_equations_of_the_reference() {
         // The equations of PyTorch's `GRUCell(1, 1)` in double precision, from the state 0.5 with the input 2.
         let shape = Recurrent {
             encoder: Mlp::new(1, &[], 3, Activation::Tanh),

@@ -54,7 +54,7 @@ pub(super) enum Source {
     Decision { decision: usize, center: f64, scale: f64, limit: f64 },
     /// Whether a decision of the supervised sequences has a value.
     DecisionIs { decision: usize, value: f64 },
-    /// The agent's previous action for an actuator.
+    /// A component of the agent's previous action.
     Previous(usize),
     /// The signed square root of the reward of the previous decision.
     PreviousReward,
@@ -157,7 +157,7 @@ const LARGEST_ROOT: f64 = 5.0;
 /// Hours of a week.
 pub(super) const HOURS_OF_WEEK: f64 = 168.0;
 
-/// Hours ahead from which a change of a band is not observed.
+/// Hours ahead at which `ChangeAhead` reaches 0.
 const HOURS_AHEAD: f64 = 12.0;
 
 fn clipped(value: f64, scale: f64, limit: f64) -> f64 {

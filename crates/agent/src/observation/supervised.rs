@@ -1,5 +1,5 @@
 //! The features of an agent that supervises the sequences of Guideline 36: where the zones are in their bands, how the
-//! bands change, what the sequences decided, weather, calendar, prices and the last decision.
+//! bands change, what the sequences decided, weather, calendar, prices and the agent's previous action.
 
 use b2b_building::morphology::{NodeType, Observed, Owner};
 use b2b_control::Controller;

@@ -34,7 +34,7 @@ pub struct Description {
     pub location: Location,
     /// Properties that the model does not contain.
     pub origin: Origin,
-    /// Floor area of the conditioned zones, m²; zones under their own controls do not count.
+    /// Floor area of the conditioned zones, m², as in [`PreparedBuilding`]: zones under their own controls count.
     pub conditioned_floor_area: f64,
     /// Volume of the same zones, m³.
     pub conditioned_volume: f64,
@@ -202,10 +202,13 @@ impl Description {
     pub fn of(building: &PreparedBuilding, weather: &Path, origin: Origin) -> Result<Self> {
         let conditioning: Vec<_> = building.zones.iter().map(|zone| zone.conditioning).collect();
         let location = Location::read(weather)?;
-        Self::of_model(&building.name, building.model(), &conditioning, &building.systems, location, origin)
+        let own: Vec<_> = building.zones.iter().map(|zone| zone.own_controls).collect();
+        let (name, model) = (&building.name, building.model());
+        Self::of_model(name, model, &conditioning, &own, &building.systems, location, origin)
     }
 
-    /// Describes a model, sized or not, with the conditioning of its zones, in model order, and its systems.
+    /// Describes a model, sized or not, with the conditioning of its zones and whether they have controls of their own,
+    /// in model order, and with its systems.
     ///
     /// # Errors
     /// The errors of [`Description::of`], apart from errors in the weather file.
@@ -213,6 +216,7 @@ impl Description {
         name: &str,
         model: &Model,
         conditioning: &[Conditioning],
+        own_controls: &[bool],
         systems: &[Box<dyn System>],
         location: Location,
         origin: Origin,
@@ -232,10 +236,13 @@ impl Description {
                 }
             })
             .collect();
-        let is_conditioned =
-            |zone: usize| zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
+        let is_conditioned = |zone: usize| {
+            let by_controlled = zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
+            by_controlled || own_controls.get(zone).is_some_and(|own| *own)
+        };
         let total = |of: fn(&ZoneDescription) -> f64| -> f64 {
-            zones.iter().filter(|zone| zone.conditioning != Conditioning::None).map(of).sum()
+            let conditioned = zones.iter().enumerate().filter(|(zone, _)| is_conditioned(*zone));
+            conditioned.map(|(_, zone)| of(zone)).sum()
         };
         let volume = total(|zone| zone.volume);
         let adjacency = shape.shared_areas().into_iter().map(|(zones, area)| Adjacency { zones, area });

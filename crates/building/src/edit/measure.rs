@@ -53,6 +53,6 @@ fn envelope(model: &Model) -> Option<Envelope> {
     });
     let conditioning: Vec<_> = conditioning.collect();
     let (location, origin) = (Location::default(), Origin::default());
-    let description = Description::of_model("", model, &conditioning, &[], location, origin);
+    let description = Description::of_model("", model, &conditioning, &[], &[], location, origin);
     description.ok().map(|description| description.envelope)
 }

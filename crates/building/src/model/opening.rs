@@ -6,6 +6,9 @@ use crate::zone::{Surface, polygon_area};
 /// Class of windows and doors that are given by their corners.
 pub const FENESTRATION: &str = "FenestrationSurface:Detailed";
 
+/// Kind of a fenestration surface that is a door of glass.
+const GLASS_DOOR: &str = "GlassDoor";
+
 /// A window or a door in a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
@@ -48,7 +51,17 @@ pub fn openings(model: &Model) -> Vec<Opening> {
 
 /// Returns whether a fenestration surface is glass.
 pub fn is_glass(fenestration: &Fields) -> bool {
-    matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
+    ["Window", GLASS_DOOR].iter().any(|kind| is_of_kind(fenestration, kind))
+}
+
+/// Returns whether a fenestration surface is a glass door.
+pub fn is_glass_door(fenestration: &Fields) -> bool {
+    is_of_kind(fenestration, GLASS_DOOR)
+}
+
+/// The engine reads choices in any case.
+fn is_of_kind(fenestration: &Fields, kind: &str) -> bool {
+    text(fenestration, "surface_type").is_some_and(|own| own.eq_ignore_ascii_case(kind))
 }
 
 /// Returns the corners of a detailed fenestration surface.
@@ -61,4 +74,22 @@ pub fn corners(fields: &Fields) -> Vec<[f64; 3]> {
 pub fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
     let name = text(fenestration, "building_surface_name")?;
     surfaces.iter().find(|surface| surface.name.eq_ignore_ascii_case(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn kinds_are_read_in_any_case() {
+        let mut model = Model::default();
+        for (number, kind) in ["window", "GLASSDOOR", "Door"].into_iter().enumerate() {
+            model.insert(FENESTRATION, &number.to_string(), json!({"surface_type": kind}));
+        }
+        let kinds =
+            model.objects(FENESTRATION).into_iter().map(|(_, own)| [is_glass(own), is_glass_door(own)]);
+        assert_eq!(kinds.collect::<Vec<_>>(), [[true, false], [true, true], [false, false]]);
+    }
 }

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use b2b_building::description::Origin;
 use b2b_building::hvac::{Kind, Unsupported};
 use b2b_building::import::{Imported, Notes};
-use b2b_building::{Conditioning, Error, PreparedBuilding, design_days, import};
+use b2b_building::{Conditioning, Description, Error, PreparedBuilding, design_days, import};
 use b2b_climate::{EpwFile, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -83,6 +84,8 @@ fn the_supported_systems_of_a_hotel_are_controlled() {
     let judged: f64 = hotel.controlled_zones().map(|zone| zone.floor_area).sum();
     let left: f64 = left.iter().map(|zone| zone.floor_area).sum();
     assert!((hotel.conditioned_floor_area - judged - left).abs() < 1e-6);
+    let described = Description::of(&hotel, &stock.weather, Origin::default()).unwrap();
+    assert!((described.conditioned_floor_area - hotel.conditioned_floor_area).abs() < 1e-6);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `b2b collect`: recorded episodes as a Minari dataset.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use b2b_base::shard::Shard;
@@ -8,6 +9,7 @@ use b2b_env::Task;
 use b2b_evaluate::{ActionScale, Policy};
 use b2b_learn::offline::{
     Collected, Collection, CorpusPart, Dataset, Definition, collect as collect_episodes, collect_corpus,
+    train_agents,
 };
 use serde_json::json;
 
@@ -16,8 +18,9 @@ use crate::arguments::jobs::Jobs;
 use crate::program::{self, weather};
 use crate::scoring::evaluation::{Bars, evaluation, fetch_weather};
 use crate::terminal::progress::Download;
-use crate::terminal::stdout;
 use crate::terminal::table::Table;
+use crate::terminal::{interrupt, stdout};
+use crate::train::train_in;
 
 /// Record episodes as a Minari dataset, for offline learning
 ///
@@ -41,7 +44,8 @@ pub struct Arguments {
     #[command(flatten)]
     jobs: Jobs,
     /// Collect a corpus instead: many policies in buildings of all six types. `quick` has 2 million steps in 144
-    /// buildings, `full` has 100 million in 1,008; a TOML file defines another. The same command resumes it
+    /// buildings; `full` has 100 million in 1,008, some by agents at stages of their training, which it trains first; a
+    /// TOML file defines another. The same command resumes it
     #[arg(long, value_name = "CORPUS", conflicts_with_all = ["names", "split", "types", "zones", "place", "weather", "control", "periods", "seeds", "steps_per_hour", "policies", "task", "allow_external", "keep_design_days", "transition"])]
     corpus: Option<String>,
     /// Collect only part I of N of a corpus, with I from 0 to N - 1; the parts share the output folder
@@ -96,7 +100,11 @@ fn corpus(arguments: &Arguments, name: &str) -> Result<()> {
     let buildings = Definition::named(name)?.ids();
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     weather::fetch(buildings.into_iter().map(|id| &b2b_dataset::row(id).building), arguments.json)?;
-    let evaluation = evaluation(&catalog, arguments.jobs.count()?);
+    let (catalog, jobs) = (Arc::new(catalog), arguments.jobs.count()?);
+    train_agents(name, &destination, interrupt::requested, &mut |config, out| {
+        train_in(out, config, Arc::clone(&catalog), jobs, arguments.json).map(drop)
+    })?;
+    let evaluation = evaluation(&catalog, jobs);
     let bars = Bars::new(arguments.json);
     let part = CorpusPart { id: &arguments.name, name, shard: arguments.shard.unwrap_or(Shard::WHOLE) };
     let collected = collect_corpus(&part, &destination, &evaluation, &bars)?;

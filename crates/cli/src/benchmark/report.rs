@@ -39,7 +39,7 @@ pub struct Arguments {
 enum Ranking {
     /// The resolved score: differences below the accuracy of a thermometer count little
     Resolved,
-    /// The paper's score: the ratio of the returns
+    /// The paper's score: the return divided by the baseline's
     Paper,
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, Period};
-use b2b_dataset::{BuildingName, Placement};
+use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_env::Task;
 use b2b_evaluate::statistics::beats_baseline;
 use b2b_learn::train::{Measures, PAGE, RunOptions, RunSummary, SUMMARY, Tasks, TrainConfig};
@@ -120,20 +120,8 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
     let out = arguments.folder(&config);
-    // An evaluation of training ends first.
-    interrupt::be_patient();
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
-    let mut bar = Bar::new(config.budget.steps, arguments.json);
-    let options = RunOptions {
-        out: out.clone(),
-        catalog,
-        launcher: program::launcher(),
-        jobs: arguments.jobs.count()?,
-        interrupted: interrupt::requested,
-        monitor: &mut bar,
-    };
-    let trained = b2b_learn::train::train(&config, options);
-    bar.finish();
+    let trained = train_in(&out, &config, catalog, arguments.jobs.count()?, arguments.json);
     let summary = match trained {
         Err(b2b_learn::Error::Interrupted) => {
             bail!("interrupted; resume with `b2b train --resume {}`", out.display())
@@ -141,6 +129,30 @@ pub fn train(arguments: &Arguments) -> Result<()> {
         trained => trained?,
     };
     stdout::print_result(arguments.json, &summary, || text(&summary))
+}
+
+/// Begins or continues a run in a folder, with a bar unless `quiet`.
+pub fn train_in(
+    out: &Path,
+    config: &TrainConfig,
+    catalog: Arc<Catalog>,
+    jobs: usize,
+    quiet: bool,
+) -> b2b_learn::Result<RunSummary> {
+    // An evaluation of training ends first.
+    interrupt::be_patient();
+    let mut bar = Bar::new(config.budget.steps, quiet);
+    let options = RunOptions {
+        out: out.to_owned(),
+        catalog,
+        launcher: program::launcher(),
+        jobs,
+        interrupted: interrupt::requested,
+        monitor: &mut bar,
+    };
+    let trained = b2b_learn::train::train(config, options);
+    bar.finish();
+    trained
 }
 
 impl Arguments {

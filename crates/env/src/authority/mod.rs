@@ -8,11 +8,12 @@
 //! 3. outdoor air of central air loops, then all dampers of a loop open;
 //! 4. heating setpoints, into the next day: low, middle, low, high, low, two hours each.
 //!
-//! Setpoints of zones that are controlled through their thermostats are tested on the same days, from 8 h on: nothing
+//! Setpoints of zones that are controlled through their thermostats are tested on the same days, starting at 8:00: nothing
 //! called for, heating setpoints high, nothing, cooling setpoints low, nothing, two hours each. Their equipment keeps
 //! the schedules of the model, which is why the time of day matters.
 //!
-//! The state at the end of every held step but the first is compared with the command:
+//! Flows and supply temperatures are compared with the command at the end of every held step but the first, setpoints
+//! over the hold:
 //!
 //! - air flow: within 1 % of the command; none at zero;
 //! - supply air temperature: within 0.2 K;
@@ -29,18 +30,18 @@
 //!   the outlet changes with it by less than a fifth of the command change, relative to the mean of the steps before
 //!   and after (plus a quarter of its drift between these, and what it moves back and forth under the same command, as
 //!   with a plant that cycles): a coil with capacity left would follow. If the nearer command is met at once, the coil
-//!   is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
+//!   is catching up while its inlet air settles (a lagging control would not meet it), and it must meet the original
 //!   command by the end of the hold. An outlet that never moves fails: at the same flow and in the same season, some
 //!   hold must end at its command.
 //! - **damper**: the total flow of the loop's terminals equals the fan's design flow, and more was commanded.
 //! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans
 //!   in the zones of the loop, within their design flow, and less was commanded.
-//! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
+//! - **heating setpoint**: the zone is above it without any heat, or gets heat and ends more than 0.5 K below it.
 //! - **setpoints of a thermostat**: the zone is beyond it without more heat or cooling than before and after, or gets
-//!   more and never comes within 0.5 K of it, or misses the lowest heating or the highest cooling setpoint as well; or
+//!   more and ends more than 0.5 K short of it, or misses the lowest heating or the highest cooling setpoint as well; or
 //!   a schedule of the model switches equipment of the zone off for at least 90 % of the month.
 //!
-//! If the engine ends the run of setpoints, each one that is not tested fails with the engine's message.
+//! If the engine aborts the run of thermostat setpoints, each one that is not tested fails with the engine's message.
 
 mod bench;
 mod heat;
@@ -133,11 +134,11 @@ fn bench<'a>(
 impl Season {
     /// Returns its days at a site.
     fn days(self, seasons: Seasons) -> RunPeriod {
-        let in_january = match self {
+        let wanted = match self {
             Season::Winter => calendar::Season::Winter,
             Season::Summer => calendar::Season::Summer,
         };
-        let days = if seasons.on(16) == in_january { "01-16..01-17" } else { "07-17..07-18" };
+        let days = if seasons.on(16) == wanted { "01-16..01-17" } else { "07-17..07-18" };
         days.parse().expect("a run period in the calendar")
     }
 }

@@ -20,7 +20,7 @@ use crate::zones::comfort::Comfort;
 use crate::zones::zone_air::ZoneAir;
 use crate::{Error, Result};
 
-/// Hours until the next change of setpoints where there is none, a week.
+/// Largest number of hours until the next change of setpoints, a week; also reported if there is none ahead.
 const LONGEST_PREVIEW: f64 = 168.0;
 /// The carriers of the demands of electricity, fuels and district heat.
 const DEMANDS: [&[Carrier]; 3] = [

@@ -1,4 +1,4 @@
-//! Key performance indicators of operation, as BOPTEST defines them, with its names and units.
+//! Key performance indicators of operation, as BOPTEST defines them, in its units.
 
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ struct AirQuality {
     concentrations: Vec<f64>,
 }
 
-/// The largest mean demand over a quarter of an hour.
+/// The largest mean demand over a quarter of an hour, or over the fewest steps that are as long.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Demand {
     /// Wh/m² since the quarter began.

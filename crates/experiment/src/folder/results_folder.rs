@@ -20,7 +20,7 @@ use crate::job::Job;
 pub struct Folder {
     path: PathBuf,
     identity: Identity,
-    /// The content of `jobs.json`, by key.
+    /// Results by key: from `jobs.json`, or taken over from another folder.
     kept: Arc<HashMap<String, JobResult>>,
 }
 
@@ -109,8 +109,8 @@ impl Folder {
         })
     }
 
-    /// Checks that the results of jobs match their actions, or the first of them, because the experiment's definition
-    /// may have changed since.
+    /// Checks that the results of jobs match their actions, or the leading ones: the experiment's definition may have
+    /// changed since.
     ///
     /// # Errors
     /// [`Error::OtherJob`].
@@ -123,7 +123,7 @@ impl Folder {
         }
     }
 
-    /// Returns how many of a job's actions, from the first on, have results in its folder.
+    /// Returns how many of a job's leading actions have results in its folder; 0 after a failure.
     pub(crate) fn actions_done(&self, job: &Job) -> usize {
         let ended = self.job(job).state().filter(|state| state.error.is_none());
         ended.and_then(|state| job.actions_of(&state.actions_sha256)).unwrap_or(0)
@@ -179,7 +179,7 @@ impl Folder {
     /// result has what this experiment's report shows.
     ///
     /// # Errors
-    /// [`Error::NoResults`] if there are none; [`Error::Io`] and errors from the benchmark's reader.
+    /// [`Error::NoResults`] if `other` has no experiment; [`Error::Io`] and errors from the benchmark's reader.
     pub fn reuse(&mut self, jobs: &[Job], report: ReportKind, other: &Path) -> Result<usize> {
         let (other, experiment, budget) = Self::open(other)?;
         let theirs = experiment.jobs(&budget);

@@ -163,7 +163,8 @@ fn distributions(
         for (number, name) in controllers(experiment, results).iter().enumerate() {
             let is_own =
                 |row: &EpisodeResult| row.info.building_type == building_type && row.info.task == *task;
-            let mut own = StepDeviations::empty(format!("w_E = {}", weight(task)?), name.clone(), number);
+            let Some(weight) = weight(task) else { continue };
+            let mut own = StepDeviations::empty(format!("w_E = {weight}"), name.clone(), number);
             results.deviations(name, is_own).for_each(|episode| own.add(episode));
             all.push(own);
         }

@@ -175,7 +175,7 @@ fn difference(there: &[EpisodeResult], here: &[EpisodeResult], bits: bool) -> Op
             return Some(format!("{} was lost", there.info));
         };
         let is_near = match (before.score, now.score) {
-            (Some(before), Some(now)) => (now / before - 1.0).abs() <= TOLERANCE,
+            (Some(before), Some(now)) => now == before || (now / before - 1.0).abs() <= TOLERANCE,
             (before, now) => before == now,
         };
         let is_same = if bits { before.trajectory_hash == now.trajectory_hash } else { is_near };

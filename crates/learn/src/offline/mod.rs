@@ -11,6 +11,6 @@ mod episodes;
 
 pub use cloning::{CloneConfig, Cloned, clone_policy};
 pub use collection::{Collection, collect};
-pub use corpus::{Behavior, Collected, CorpusPart, Definition, collect_corpus};
+pub use corpus::{Behavior, Collected, CorpusPart, Definition, History, collect_corpus, train_agents};
 pub use dataset::{Contents, CorpusEpisode, Dataset, EpisodeMetadata};
 pub use episodes::EpisodeFile;

@@ -18,7 +18,7 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// Creates the folder if there is none, and locks it, within `patience` or until an interrupt. Errors if its last agent
 /// is a link, which may lead to somebody else's folder.
-pub(super) fn acquire(folder: &Path, patience: Duration, interrupted: fn() -> bool) -> Result<FolderLock> {
+pub(crate) fn acquire(folder: &Path, patience: Duration, interrupted: fn() -> bool) -> Result<FolderLock> {
     let last = folder.join(LAST);
     if last.is_symlink() {
         return Err(Error::Invalid(format!(

@@ -29,8 +29,9 @@ pub use config::{
 };
 pub use judge::{AgentScores, BuildingScores, Measures};
 pub use lock::LAST;
+pub(crate) use lock::acquire;
 pub use measure::{Design, TrainingLoop, UpdateTimes};
 pub use monitor::Monitor;
 pub use progress::{PAGE, ProgressRow, TABLE, read_column};
-pub use run::{RunOptions, train};
+pub use run::{RunOptions, STAGES, train};
 pub use summary::{RunSummary, SUMMARY};

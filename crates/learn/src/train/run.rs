@@ -29,6 +29,9 @@ use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
 use crate::rollout::Rollout;
 
+/// Name of the folder of the stages in a run's folder: `stages/1` has the agent after the first `stage_every` steps.
+pub const STAGES: &str = "stages";
+
 /// Limit to which the cost of travel grows: at this cost and 12 steps per hour, five strokes a day cost 174 times the
 /// baseline's penalty.
 const LARGEST_TRAVEL_COST: f32 = 1e4;
@@ -216,6 +219,7 @@ impl<'a> Run<'a> {
                 Ok(row) => row,
                 Err(error) => return Err(self.give_up(error)),
             };
+            self.keep_stages(before);
             let is_last = self.steps >= self.config.budget.steps;
             let after = self.steps;
             let due = |every: u64| every > 0 && (is_last || before / every != after / every);
@@ -317,6 +321,17 @@ impl<'a> Run<'a> {
                 self.best = measures.rating();
             }
             self.warn_of(written.map_err(Error::from), "the best agent");
+        }
+    }
+
+    /// Keeps the agent for the stages that the steps since `before` completed. A failure is a warning.
+    fn keep_stages(&mut self, before: u64) {
+        let Some(completed) = self.steps.checked_div(self.config.checkpoints.stage_every) else { return };
+        let first = before / self.config.checkpoints.stage_every + 1;
+        for stage in first..=completed {
+            let folder = self.out.join(STAGES).join(stage.to_string());
+            let written = Agent::write(&folder, self.info(), &self.learner.averaged_actor());
+            self.warn_of(written.map_err(Error::from), "the agent of this stage");
         }
     }
 

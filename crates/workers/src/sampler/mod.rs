@@ -185,8 +185,8 @@ impl<S: Sampler> Sampler for WithTask<S> {
     }
 }
 
-/// The draws of another sampler, each with one of several weather files, for example of other years. Buildings keep the
-/// sizes for their own weather.
+/// The draws of another sampler, each with one of several weather files, for example of other years. Equipment
+/// stays sized for the buildings' own weather.
 #[derive(Clone, Debug)]
 pub struct WithWeather<S> {
     /// Sampler whose draws get a weather file.

@@ -118,7 +118,7 @@ impl Tape {
     /// ones. `linear` computes the linear layers; everything else has the same bits on every machine.
     ///
     /// # Panics
-    /// If the length of the parameters, the rows or the states does not match the shape.
+    /// If the length of the parameters or the states does not match the shape, or if a row is too short.
     pub fn forward(
         &mut self,
         network: &GraphNetwork,
@@ -138,7 +138,7 @@ impl Tape {
     /// Computes the normalized embeddings of all nodes of a batch.
     ///
     /// # Panics
-    /// If the length of the parameters or the rows does not match the shape.
+    /// If the length of the parameters does not match the shape, or if a row is too short.
     pub fn embed(
         &mut self,
         network: &GraphNetwork,

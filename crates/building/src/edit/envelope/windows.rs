@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use crate::edit::geometry::require_corners;
-use crate::model::{number, text};
-use crate::opening::{FENESTRATION, corners, is_glass, parent};
+use crate::model::number;
+use crate::opening::{FENESTRATION, corners, is_glass, is_glass_door, parent};
 use crate::parameter::OutOfBounds;
 use crate::zone::{self, Surface, area_vector, polygon_area};
 use crate::{Error, Model, Parameter, Result};
@@ -63,7 +63,7 @@ fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f
         let (low, high) = heights(&corners);
         let height = high - low;
         let width = mean_width(&corners, height) * number(fields, "multiplier").unwrap_or(1.0);
-        if text(fields, "surface_type") == Some("GlassDoor") {
+        if is_glass_door(fields) {
             doors += width * height;
             continue;
         }

@@ -72,8 +72,8 @@ impl MainBranch {
         placed
     }
 
-    /// Moves the fan upstream of the coils. Downstream, its heat would be subtracted from the coils' setpoints by an
-    /// estimate that lags behind changes of the flow.
+    /// Moves the fan upstream of the coils. Downstream of them, the coils' setpoints would have to be lowered by an
+    /// estimate of its heat, which lags changes of the flow.
     pub(super) fn rewire(&self, model: &mut Model) -> Result<()> {
         let placed = self.blow_through();
         for component in &placed {

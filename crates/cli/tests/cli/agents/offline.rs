@@ -93,6 +93,22 @@ policies = ["reactive", "reactive+noise0.3"]
 [[episodes]]
 task = "operate+preview"
 policies = ["own"]
+
+[[histories]]
+name = "direct"
+task = "occupancy"
+stages = 2
+
+[histories.train]
+preset = "residual"
+acting = { kind = "direct" }
+steps = 384
+environments = 2
+type_buildings = 1
+window_days = 1
+noise_cost = 0.0
+evaluation = { every = 0, whole_period = false }
+ppo = { n_steps = 96, batch_size = 96 }
 "#;
 
 /// Returns the content of all files of a folder, by name.
@@ -115,10 +131,10 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     std::fs::write(path.join("tiny.toml"), TINY).unwrap();
     let collect = "collect --corpus tiny.toml b2b/tiny-v0 --out";
     let part = json(path, &format!("{collect} parts --shard 1/2"));
-    assert_eq!((&part["episodes"], &part["of"], &part["complete"]), (&3.into(), &6.into(), &false.into()));
+    assert_eq!((&part["episodes"], &part["of"], &part["complete"]), (&5.into(), &10.into(), &false.into()));
     assert!(!path.join("parts/b2b/tiny-v0/data/metadata.json").exists());
     let rest = json(path, &format!("{collect} parts"));
-    assert_eq!((&rest["steps"], &rest["complete"]), (&(6 * 2016).into(), &true.into()));
+    assert_eq!((&rest["steps"], &rest["complete"]), (&(10 * 2016).into(), &true.into()));
     json(path, &format!("{collect} whole"));
     let relative = |root: &str| -> BTreeMap<PathBuf, Vec<u8>> {
         let root = path.join(root);
@@ -129,8 +145,8 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     };
     let whole = relative("whole");
     assert!(relative("parts") == whole);
-    // 6 episodes with metadata, 4 graphs, description, card, definition, universe and digests.
-    assert_eq!(whole.len(), 2 * 6 + 4 + 5, "{:?}", whole.keys());
+    // 10 episodes with metadata, 4 graphs, 4 agents, description, card, definition, universe and digests.
+    assert_eq!(whole.len(), 2 * 10 + 4 + 2 * 4 + 5, "{:?}", whole.keys());
     assert_rejected(path, "collect --corpus quick b2b/tiny-v0 --out whole", &["is another corpus"]);
     assert_rejected(path, "collect --corpus huge b2b/x-v0", &["unknown corpus `huge`", "full, quick"]);
 
@@ -138,11 +154,11 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     let dataset = Dataset::open(&path.join("whole/b2b/tiny-v0")).unwrap();
     let of = |number: usize| dataset.episodes[number].corpus.as_ref().unwrap();
     assert_eq!(
-        (&of(3).building_type[..], of(3).action_width, &of(3).expert[..]),
+        (&of(5).building_type[..], of(5).action_width, &of(5).expert[..]),
         ("OfficeSmall", 10, "reactive")
     );
-    assert_eq!((of(5).action_width, &of(5).expert[..], of(5).task.as_str()), (0, "", "operate+preview"));
-    let (exact, noisy) = (dataset.read(3).unwrap(), dataset.read(4).unwrap());
+    assert_eq!((of(7).action_width, &of(7).expert[..], of(7).task.as_str()), (0, "", "operate+preview"));
+    let (exact, noisy) = (dataset.read(5).unwrap(), dataset.read(6).unwrap());
     let near = |file: &EpisodeFile| {
         let pairs = file.actions.iter().zip(&file.expert);
         pairs.filter(|(action, label)| (*action - *label).abs() < 1e-6).count() as f64
@@ -151,6 +167,12 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     assert_eq!(exact.expert.len(), 2016 * 10);
     assert!(near(&exact) > 0.9, "{}", near(&exact));
     assert!(near(&noisy) < 0.5, "{}", near(&noisy));
+
+    // The two stages of an agent act differently, and both unlike the expert.
+    assert_eq!([8, 9].map(|number| &dataset.episodes[number].policy[..]), ["direct-1of2", "direct-2of2"]);
+    let [first, second] = [8, 9].map(|number| dataset.read(number).unwrap());
+    assert_ne!(first.actions, second.actions);
+    assert!(near(&second) < 0.5, "{}", near(&second));
     let clone = "clone whole/b2b/tiny-v0 --observation features --updates 50 --hidden 16 --out clone";
     assert_rejected(path, clone, &["OfficeSmall, SingleFamilyHouse", "--type"]);
     json(path, &format!("{clone} --type OfficeSmall"));

@@ -20,6 +20,7 @@ environments = 2
 window_days = 1
 window_starts = 2
 checkpoint_every = 384
+stage_every = 1152
 evaluation = { every = 768, days = 1 }
 ppo = { n_steps = 96, batch_size = 64, epochs = 2 }
 ";
@@ -88,6 +89,10 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
     {
         assert!(path.join("run").join(file).is_file(), "{file}");
     }
+    let of = |folder: &str| std::fs::read(path.join("run").join(folder).join("weights.safetensors")).unwrap();
+    assert_eq!(of("stages/2"), of("last"));
+    assert_ne!(of("stages/1"), of("last"));
+    assert!(!path.join("run/stages/3").exists());
     assert_eq!(course(path, "run").len(), 14, "a header, the first evaluation and twelve updates");
     let scores = read_column(&path.join("run"), "score").unwrap();
     assert_eq!(scores.iter().map(|(steps, _)| *steps).collect::<Vec<_>>(), [0, 768, 1536, 2304]);
@@ -256,6 +261,8 @@ fn a_run_that_was_killed_anywhere_and_resumed_ends_with_the_same_weights() {
         process.kill().unwrap();
         process.wait().unwrap();
         assert_resumes_as(path, run, "whole");
+        let stage = |run: &str| std::fs::read(path.join(run).join("stages/1/weights.safetensors")).unwrap();
+        assert_eq!(stage(run), stage("whole"));
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::definition::Definition;
+use super::history::History;
 use crate::offline::dataset::EpisodeMetadata;
 
 /// Returns the description of a corpus for people, in Markdown.
@@ -27,7 +28,7 @@ pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[Ep
          ## Policies\n\n\
          `reactive` are the paper's tuned controllers, `guideline36` the sequences of ASHRAE Guideline 36, `own` the \
          model's own thermostats and schedules (without actuators, actions and labels are zeros), `random` uniform \
-         actions. `+noiseX` adds noise, uniform within X of half of each actuator's range and held for an hour. The \
+         actions. {agents}`+noiseX` adds noise, uniform within X of half of each actuator's range and held for an hour. The \
          expert is `reactive` in tasks with targets and `guideline36` in operation.\n\n\
          ## Use\n\n\
          ```python\nimport minari\n\ndataset = minari.load_dataset(\"{id}\")\n```\n\n\
@@ -36,7 +37,20 @@ pub(super) fn card(id: &str, name: &str, definition: &Definition, episodes: &[Ep
         all = definition.all_buildings(),
         types = definition.types.len(),
         rows = rows(episodes),
+        agents = agents(definition),
     )
+}
+
+/// Returns what the agents are.
+fn agents(definition: &Definition) -> String {
+    let history = |own: &History| {
+        let History { name, stages, .. } = own;
+        format!(
+            "`{name}-Kof{stages}` is an agent after K of {stages} equal parts of its training (`corpus.json` has the \
+             options), which began anew for each type; `agents/` has them. "
+        )
+    };
+    definition.histories.iter().map(history).collect()
 }
 
 /// Returns the rows of the table: by type, task and policy.

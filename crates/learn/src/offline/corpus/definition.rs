@@ -1,6 +1,7 @@
 //! Definitions of corpora.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
 use b2b_building::{BuildingType, Date, RunPeriod};
@@ -9,6 +10,7 @@ use b2b_env::Task;
 use b2b_evaluate::{EpisodePlan, Subject};
 use serde::{Deserialize, Serialize};
 
+use super::history::{History, Stage};
 use crate::error::at;
 use crate::{Error, Result};
 
@@ -34,6 +36,9 @@ pub struct Definition {
     pub widths: [usize; 2],
     /// Policies by task.
     pub episodes: Vec<Behavior>,
+    /// Agents at stages of their training.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<History>,
 }
 
 /// Policies under a task.
@@ -46,6 +51,24 @@ pub struct Behavior {
     pub policies: Vec<String>,
 }
 
+/// A policy of a corpus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Source<'a> {
+    /// A policy with a name.
+    Named(&'a str),
+    /// The agent of a stage for the type of the building.
+    Stage(Stage<'a>),
+}
+
+impl fmt::Display for Source<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Named(name) => f.write_str(name),
+            Self::Stage(stage) => stage.fmt(f),
+        }
+    }
+}
+
 /// An episode of a corpus.
 pub(super) struct Planned<'a> {
     /// Number.
@@ -54,8 +77,8 @@ pub(super) struct Planned<'a> {
     pub building: usize,
     /// Its task.
     pub task: &'a str,
-    /// Name of its policy.
-    pub policy: &'a str,
+    /// Its policy.
+    pub policy: Source<'a>,
     /// The episode.
     pub episode: EpisodePlan,
 }
@@ -92,6 +115,7 @@ impl Definition {
                 self.widths
             ));
         }
+        self.histories.iter().try_for_each(|history| history.check(&self.types))?;
         let numbers = [("buildings", self.buildings, buildings), ("weeks", self.weeks, WEEKS)];
         match numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value)) {
             Some((name, value, most)) => Err(format!("`{name}` is {value}; expected 1 to {most}")),
@@ -115,11 +139,15 @@ impl Definition {
     }
 
     /// Returns the tasks and policies, in the order of the episodes of a week.
-    pub(super) fn policies(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.episodes.iter().flat_map(|behavior| {
+    pub(super) fn policies(&self) -> impl Iterator<Item = (&str, Source<'_>)> {
+        let named = self.episodes.iter().flat_map(|behavior| {
             let Behavior { task, policies } = behavior;
-            policies.iter().map(|policy| (task.as_str(), policy.as_str()))
-        })
+            policies.iter().map(|policy| (task.as_str(), Source::Named(policy)))
+        });
+        let learned = self.histories.iter().flat_map(|history| {
+            history.all_stages().map(|stage| (history.task.as_str(), Source::Stage(stage)))
+        });
+        named.chain(learned)
     }
 
     /// Returns all episodes, by building, week and policy.
@@ -184,7 +212,8 @@ mod tests {
     fn the_corpora_have_their_sizes_and_weeks_all_over_the_year() {
         let quick = Definition::named("quick").unwrap();
         let full = Definition::named("full").unwrap();
-        assert_eq!((quick.transitions(), full.transitions()), (2_032_128, 101_606_400));
+        assert_eq!((quick.transitions(), full.transitions()), (2_032_128, 103_638_528));
+        assert_eq!(full.check(), Ok(()));
         assert!(full.all_buildings() >= 1000);
         for definition in [quick, full] {
             let planned = definition.plan().unwrap();

@@ -7,16 +7,20 @@
 mod card;
 mod definition;
 mod graph;
+mod history;
 mod writer;
 
 use std::path::Path;
 
+use b2b_agent::Agent;
 use b2b_base::shard::Shard;
+use b2b_building::BuildingType;
 use b2b_evaluate::{ActionScale, BuiltIn, Evaluation, Policy, Progress, Recorded};
 
-use definition::Planned;
 pub use definition::{Behavior, Definition};
+use definition::{Planned, Source};
 use graph::Graph;
+pub use history::{History, train_agents};
 use writer::Writer;
 
 use super::collection::{file_of, record_each, unscaled};
@@ -52,7 +56,8 @@ impl Collected {
     }
 }
 
-/// Runs the remaining episodes of a part, and completes the corpus if no other part has episodes left.
+/// Runs the remaining episodes of a part, and completes the corpus if no other part has episodes left. [`train_agents`]
+/// must have trained its agents.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name, a folder of another corpus, a vector wider than the
@@ -65,17 +70,15 @@ pub fn collect_corpus(
 ) -> Result<Collected> {
     let definition = Definition::named(part.name)?;
     let planned = definition.plan()?;
-    let named = |name: &str| <dyn Policy>::named(name, ActionScale::Rescaled);
-    let policies = definition.policies().map(|(_, name)| named(name));
-    let policies = policies.collect::<b2b_evaluate::Result<Vec<_>>>()?;
-    let writer = Writer::open(destination, &definition, &policies)?;
+    let writer = Writer::open(destination, &definition)?;
+    let policies = Played::all(&definition, destination)?;
     let is_left = |each: &&Planned<'_>| part.shard.contains(each.building) && !writer.has(each.number);
     let left: Vec<_> = planned.iter().filter(is_left).collect();
-    for (own, policy) in definition.policies().zip(&policies) {
-        let of_policy = left.iter().filter(|each| (each.task, each.policy) == own);
+    for played in &policies {
+        let of_policy = left.iter().filter(|each| played.is_of(each));
         let episodes: Vec<_> = of_policy.map(|each| (each.number, &each.episode)).collect();
         if !episodes.is_empty() {
-            record_each(&episodes, policy.as_ref(), evaluation, progress, &|number, recorded| {
+            record_each(&episodes, played.policy.as_ref(), evaluation, progress, &|number, recorded| {
                 write(&planned[number], recorded, &writer)
             })?;
         }
@@ -87,6 +90,47 @@ pub fn collect_corpus(
         writer.finish(part.id, part.name)?;
     }
     Ok(collected)
+}
+
+/// Returns the policy with a name.
+fn named(name: &str) -> Result<Box<dyn Policy>> {
+    Ok(<dyn Policy>::named(name, ActionScale::Rescaled)?)
+}
+
+/// A policy, with the episodes that it runs.
+struct Played<'a> {
+    task: &'a str,
+    source: Source<'a>,
+    /// The only type of its buildings; any if `None`.
+    building_type: Option<BuildingType>,
+    policy: Box<dyn Policy>,
+}
+
+impl<'a> Played<'a> {
+    /// Reads the policies of a corpus: an agent for each type, and others once.
+    fn all(definition: &'a Definition, destination: &Path) -> Result<Vec<Self>> {
+        let mut all = Vec::new();
+        for (task, source) in definition.policies() {
+            match source {
+                Source::Named(name) => {
+                    let policy = named(name)?;
+                    all.push(Self { task, source, building_type: None, policy });
+                }
+                Source::Stage(stage) => {
+                    for &of in &definition.types {
+                        let policy = Box::new(Agent::read(&stage.folder(destination, of))?);
+                        all.push(Self { task, source, building_type: Some(of), policy });
+                    }
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    fn is_of(&self, planned: &Planned<'_>) -> bool {
+        let is_type = |own: BuildingType| planned.episode.subject.building_type() == own.name();
+        (planned.task, planned.policy) == (self.task, self.source) && self.building_type.is_none_or(is_type)
+    }
 }
 
 /// Writes an episode with its labels and its graph.
@@ -104,7 +148,7 @@ fn write(planned: &Planned<'_>, recorded: &Recorded<'_>, writer: &Writer<'_>) ->
         building: episode.subject.label(),
         place: None,
         weather: None,
-        policy: planned.policy.to_owned(),
+        policy: planned.policy.to_string(),
         episode_return: file.rewards.iter().sum(),
         corpus: Some(CorpusEpisode {
             building_type: episode.subject.building_type().to_owned(),

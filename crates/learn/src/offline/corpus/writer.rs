@@ -7,11 +7,11 @@ use b2b_base::aside::write_whole;
 use b2b_base::scratch::folder_in;
 use b2b_building::morphology::Universe;
 use b2b_control::Versions;
-use b2b_evaluate::Policy;
 use serde_json::json;
 
 use super::card::card;
-use super::definition::{Definition, STEPS_PER_HOUR};
+use super::definition::{Definition, STEPS_PER_HOUR, Source};
+use super::named;
 use crate::error::at;
 use crate::offline::collection::box_space;
 use crate::offline::dataset::{
@@ -40,12 +40,14 @@ impl<'a> Writer<'a> {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a folder with something else.
-    pub(super) fn open(
-        folder: &Path,
-        definition: &'a Definition,
-        policies: &[Box<dyn Policy>],
-    ) -> Result<Self> {
-        let policies: Vec<String> = policies.iter().map(|policy| policy.identity()).collect();
+    pub(super) fn open(folder: &Path, definition: &'a Definition) -> Result<Self> {
+        let identity = |policy: Source<'_>| match policy {
+            Source::Named(name) => Some(named(name).map(|policy| policy.identity())),
+            // Definition and versions determine the agent.
+            Source::Stage(_) => None,
+        };
+        let policies = definition.policies().filter_map(|(_, policy)| identity(policy));
+        let policies = policies.collect::<Result<Vec<_>>>()?;
         let expected =
             json!({ "definition": definition, "policies": policies, "versions": Versions::current() });
         let path = folder.join(CORPUS);
@@ -127,7 +129,8 @@ impl<'a> Writer<'a> {
         let read = |number: usize| read_json(&self.folder, &format!("data/{number}/{METADATA}"), None);
         let episodes =
             (0..self.definition.episode_count()).map(read).collect::<Result<Vec<EpisodeMetadata>>>()?;
-        let tasks: Vec<&str> = self.definition.episodes.iter().map(|behavior| &*behavior.task).collect();
+        let mut tasks: Vec<&str> = self.definition.policies().map(|(task, _)| task).collect();
+        tasks.dedup();
         let contents = Contents {
             building_type: "all".into(),
             task: tasks.join(", "),
@@ -140,7 +143,7 @@ impl<'a> Writer<'a> {
         };
         let [observation, action] = self.definition.widths;
         let spaces = [vec![[f32::MIN, f32::MAX]; observation], vec![[-1.0, 1.0]; action]];
-        let policies: Vec<&str> = self.definition.policies().map(|(_, policy)| policy).collect();
+        let policies: Vec<_> = self.definition.policies().map(|(_, policy)| policy.to_string()).collect();
         let card = card(id, name, self.definition, &episodes);
         let spaces = spaces.map(|bounds| box_space(&bounds));
         let description = format!("corpus `{name}`: see {CARD}");
@@ -157,6 +160,11 @@ impl<'a> Writer<'a> {
         let mut all = files(episodes);
         all.extend(episodes.iter().filter_map(graph));
         all.extend([CORPUS, CARD, UNIVERSE].map(PathBuf::from));
+        for (_, policy) in self.definition.policies() {
+            let Source::Stage(stage) = policy else { continue };
+            let folders = self.definition.types.iter().map(|of| stage.folder(Path::new(""), *of));
+            all.extend(folders.flat_map(|folder| b2b_agent::FILES.map(|file| folder.join(file))));
+        }
         all
     }
 }

@@ -21,10 +21,12 @@ pub struct CheckpointConfig {
     pub keep: Keep,
     /// Steps between checkpoints; 0 for none but at the end.
     pub checkpoint_every: u64,
+    /// Steps between stages, each of which keeps the agent as it was then; 0 for none.
+    pub stage_every: u64,
 }
 
 impl Default for CheckpointConfig {
     fn default() -> Self {
-        Self { keep: Keep::Best, checkpoint_every: 100_000 }
+        Self { keep: Keep::Best, checkpoint_every: 100_000, stage_every: 0 }
     }
 }

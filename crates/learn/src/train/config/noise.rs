@@ -9,10 +9,10 @@ use crate::limits::require;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct NoiseConfig {
-    /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
+    /// Correlation of the exploration noise between consecutive steps, 0 to less than 1.
     pub noise_correlation: f32,
-    /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of
-    /// a pair are half its differences. Of an odd number of environments, the last one is alone.
+    /// Whether environments come in pairs with the same episodes and opposite exploration noise, and each advantage
+    /// becomes half its difference from the partner's. With an odd number of environments, the last one is unpaired.
     pub mirrored_noise: bool,
     /// Largest ratio of the comfort penalty with exploration noise to the penalty without it. The initial noise is the
     /// most that, on average over the environments' first day, keeps within this ratio, or adds at most a tenth to the
