@@ -49,7 +49,7 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
             return Err(damaged(format!("{INFO} was changed: it does not have the hash that it states")));
         }
         other => {
-            let why = format!("its format is {other}, this version reads format {UNSEALED} and {FORMAT}");
+            let why = format!("its format is {other}, this version reads formats {UNSEALED} and {FORMAT}");
             return Err(not_an_agent(why));
         }
     }
@@ -176,7 +176,7 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         },
         // An agent saved before a node type was added has fewer.
         Shape::Graph(network) if network.types.len() > NodeType::ALL.len() => {
-            return Err("the number of node types in its network does not match");
+            return Err("its network has more node types than this version");
         }
         Shape::Graph(network) if network.heads == 0 || !network.embedding.is_multiple_of(network.heads) => {
             return Err("the embedding of its network is not divisible by its number of heads");

@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn every_day_has_one_date_and_29_february_is_one_of_a_leap_year() {
+    fn every_day_has_one_date_and_29_february_exists_only_in_leap_years() {
         for calendar in [Calendar::default(), Calendar::new(2, true)] {
             for day in 1..=calendar.days() {
                 assert_eq!(calendar.day(calendar.date(day)), Some(day));

@@ -19,13 +19,13 @@ use crate::{Error, Result};
 /// Folder of the agents in a corpus.
 const AGENTS: &str = "agents";
 
-/// A training of one agent for each building type, which is kept at equally spaced stages.
+/// One training run per building type, whose agent is kept at equally spaced stages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct History {
     /// Name, part of the names of its policies.
     pub name: String,
-    /// Task that it is trained for and recorded in.
+    /// Task of the training and of the recorded episodes.
     pub task: String,
     /// Number of stages, the last at the end of training.
     pub stages: u64,
@@ -55,7 +55,7 @@ impl History {
         if self.stages == 0 {
             return Err("`stages` is 0; expected at least 1".into());
         }
-        types.iter().try_for_each(|own| self.config(*own).map(drop)).map_err(|why| why.to_string())
+        types.iter().try_for_each(|each| self.config(*each).map(drop)).map_err(|why| why.to_string())
     }
 
     /// Returns the configuration of the training for a type.
@@ -85,10 +85,10 @@ impl fmt::Display for Stage<'_> {
 }
 
 /// Trains the agents of a corpus that are not there yet, one after the other. `train` carries out a configuration in a
-/// folder, where it continues an interrupted run. Another process that trains them is waited for.
+/// folder, where it continues an interrupted run. Waits for another process that is training them.
 ///
 /// # Errors
-/// [`Error::Invalid`] for an unknown corpus and a folder with something else; [`Error::Interrupted`]; [`Error::Io`]; errors of `train`.
+/// [`Error::Invalid`] for an unknown corpus or a folder that holds something else; [`Error::Interrupted`]; [`Error::Io`]; errors of `train`.
 pub fn train_agents(
     name: &str,
     corpus: &Path,
@@ -96,15 +96,13 @@ pub fn train_agents(
     train: &mut dyn FnMut(&TrainConfig, &Path) -> Result<()>,
 ) -> Result<()> {
     let definition = Definition::named(name)?;
-    let pairs = definition.histories.iter().flat_map(|own| definition.types.iter().map(move |of| (own, *of)));
-    let pairs: Vec<_> = pairs.collect();
-    if pairs.is_empty() {
+    if definition.histories.is_empty() {
         return Ok(());
     }
     Writer::open(corpus, &definition)?;
     let folder = corpus.join(AGENTS);
     let _lock = acquire(&folder, Duration::MAX, interrupted)?;
-    for (history, building_type) in pairs {
+    for (history, building_type) in definition.trainings() {
         let place = |stage: Stage<'_>| stage.folder(corpus, building_type);
         let left: Vec<_> = history.all_stages().filter(|stage| !place(*stage).join(INFO).exists()).collect();
         if left.is_empty() {
