@@ -152,9 +152,7 @@ impl Definition {
 
     /// Returns the histories, each with every type.
     pub(super) fn trainings(&self) -> impl Iterator<Item = (&History, BuildingType)> {
-        let of_type =
-            |building_type: &BuildingType| self.histories.iter().map(|history| (history, *building_type));
-        self.types.iter().flat_map(of_type)
+        self.types.iter().flat_map(|of| self.histories.iter().map(move |history| (history, *of)))
     }
 
     /// Returns all episodes, by building, week and policy.
