@@ -122,8 +122,8 @@ single_env.metadata = BuildingEnv.metadata  # type: ignore[attr-defined]
 
 
 def register_envs() -> None:
-    """Registers two ids with Gymnasium for every building type: ``b2b/OfficeSmall-v1`` is operated unless a ``task`` is
-    given, and ``b2b/OfficeSmall-v0`` has the paper's task ``constant``."""
+    """Registers two ids with Gymnasium for every building type: ``b2b/OfficeSmall-v1`` has the task ``operate`` unless another
+    is given, and ``b2b/OfficeSmall-v0`` has the paper's task ``constant``."""
     for name in list_building_types():
         for version, task in TASKS.items():
             if f"b2b/{name}-{version}" not in gymnasium.registry:
@@ -138,9 +138,9 @@ def register_envs() -> None:
 
 
 def _is_plain(acting: str | None, observation: str | None) -> bool:
-    """Returns whether actions set the actuators; raises for an observation that needs an acting."""
+    """Returns whether actions set the actuators; raises for an observation that needs ``acting``."""
     if acting is None and observation is not None:
-        raise SettingError(f"observation={observation!r} needs an acting, such as acting='supervisory:60'")
+        raise SettingError(f"observation={observation!r} needs acting=, such as acting='supervisory:60'")
     return acting is None
 
 

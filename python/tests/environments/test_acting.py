@@ -136,7 +136,7 @@ def test_an_acting_that_is_not_possible_is_an_error():
         ({"acting": "supervisory:20"}, "15, 30 or 60"),
         ({"acting": "superviser"}, "unknown acting"),
         ({"acting": "supervisory", "rescale_action": True}, "rescale_action"),
-        ({"observation": "features"}, "needs an acting"),
+        ({"observation": "features"}, "needs acting="),
     ]:
         with pytest.raises(SettingError, match=said):
             b2b.make_env("OfficeSmall-0042", **DAY, **arguments)

@@ -140,10 +140,20 @@ impl Morphology {
         }
     }
 
-    /// Returns the common attributes scaled from their bounds to [-1, 1] and clipped; unknown ones are 0.
+    /// Returns the common attributes scaled from their bounds to [-1, 1] and clipped; unknown ones, and
+    /// windows where there are none, are 0.
     pub fn scaled_common_attributes(&self) -> Vec<f64> {
         let scaled = |(slot, value): (&LocalSlot<Attribute>, &f64)| match slot.quantity {
-            Attribute::Year if *value == 0.0 => 0.0,
+            // 0 is no value that these have.
+            Attribute::Year
+            | Attribute::WallU
+            | Attribute::RoofU
+            | Attribute::WindowU
+            | Attribute::WindowShgc
+                if *value == 0.0 =>
+            {
+                0.0
+            }
             _ => slot.scaled(*value),
         };
         COMMON.iter().zip(&self.common_attributes).map(scaled).collect()

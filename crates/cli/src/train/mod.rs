@@ -40,7 +40,8 @@ pub struct Arguments {
     /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), recurrent (the
     /// same, with a memory of the episode), graph (one network for buildings of several types), supervisory (shifts of
     /// what guideline36 chooses) or supervisory-graph (one network that does this in many buildings) [default:
-    /// residual; in tasks of operation supervisory, with --type supervisory-graph]
+    /// residual; in tasks of operation supervisory, with --type supervisory-graph, unless --direct, --authority or
+    /// --problem is given]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any options of a run's config.toml; other arguments take precedence
@@ -139,7 +140,7 @@ pub fn train_in(
     jobs: usize,
     quiet: bool,
 ) -> b2b_learn::Result<RunSummary> {
-    // An evaluation of training ends first.
+    // On an interrupt, a running evaluation finishes first.
     interrupt::be_patient();
     let mut bar = Bar::new(config.budget.steps, quiet);
     let options = RunOptions {
@@ -160,7 +161,7 @@ impl Arguments {
     fn configuration(&self) -> Result<TrainConfig> {
         if self.location.placement().transition.is_some() {
             bail!(
-                "--transition is not for training: convert the model with the programs first, and train on the result"
+                "--transition is not for training: convert the model with EnergyPlus's Transition programs first, and train on the result"
             );
         }
         if let Some(folder) = &self.resume {
@@ -191,11 +192,11 @@ impl Arguments {
 
     /// Returns the preset: the named one, or the one for the agent's acting and tasks.
     fn preset(&self) -> &str {
-        let acts_below = self.direct || self.authority.is_some() || self.problem.is_some();
+        let is_no_supervisor = self.direct || self.authority.is_some() || self.problem.is_some();
         let operates =
             self.task.as_ref().is_some_and(|tasks| tasks.as_slice().iter().all(Task::is_operation));
         let supervises = match self.acting {
-            None => operates && !acts_below,
+            None => operates && !is_no_supervisor,
             Some(acting) => acting.is_supervision(),
         };
         let default = match (supervises, self.building_type.is_empty()) {

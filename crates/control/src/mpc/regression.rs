@@ -5,7 +5,7 @@ use crate::search::least_squares::{dot, solve};
 
 /// Rounds in which errors are estimated from residuals.
 const ROUNDS: usize = 6;
-/// Bounds of the autocorrelation of errors over an hour.
+/// Bounds of the correlation of the errors of consecutive rows.
 const LASTING: [f64; 2] = [-0.3, 0.9];
 /// Addition to the standard deviation of an error, relative to the usual size.
 const LEAST_DEVIATION: f64 = 0.02;
@@ -35,7 +35,7 @@ pub(super) struct Estimate {
 struct Errors {
     /// Standard deviation relative to the usual size, by hour of the day.
     deviation: [f64; 24],
-    /// Autocorrelation over an hour.
+    /// Correlation between consecutive rows.
     lasting: f64,
 }
 
@@ -47,14 +47,14 @@ impl Rows {
         let mut matrix = Vec::new();
         let mut variance = 0.0;
         for _ in 0..ROUNDS {
-            let (inputs, values_alike) = self.alike(values, &errors);
-            let (normal, right) = self.normal_equations(&inputs, &values_alike);
+            let (inputs, whitened_values) = self.whiten(values, &errors);
+            let (normal, right) = self.normal_equations(&inputs, &whitened_values);
             matrix.clone_from(&normal);
             coefficients = right;
             solve(&mut matrix.clone(), &mut coefficients);
             let squares: f64 = inputs
                 .iter()
-                .zip(&values_alike)
+                .zip(&whitened_values)
                 .map(|(row, value)| (value - dot(row, &coefficients)).powi(2))
                 .sum();
             let freedom = (values.len() as f64 - coefficients.len() as f64).max(LEAST_FREEDOM);
@@ -79,14 +79,14 @@ impl Rows {
     }
 
     /// Returns rows and values transformed so that their errors have equal variance and are independent.
-    fn alike(&self, values: &[f64], errors: &Errors) -> (Vec<Vec<f64>>, Vec<f64>) {
+    fn whiten(&self, values: &[f64], errors: &Errors) -> (Vec<Vec<f64>>, Vec<f64>) {
         let scaled = |row: usize| {
             let scale = 1.0 / (self.sizes[row] * errors.deviation[self.hours[row]]);
             let inputs: Vec<f64> = self.inputs[row].iter().map(|input| input * scale).collect();
             (inputs, values[row] * scale)
         };
         let mut last: Option<(Vec<f64>, f64)> = None;
-        let mut alike = (Vec::with_capacity(values.len()), Vec::with_capacity(values.len()));
+        let mut whitened = (Vec::with_capacity(values.len()), Vec::with_capacity(values.len()));
         for row in 0..values.len() {
             let (inputs, value) = scaled(row);
             let (rest, rest_value) = match &last {
@@ -96,11 +96,11 @@ impl Rows {
                 }
                 None => (inputs.clone(), value),
             };
-            alike.0.push(rest);
-            alike.1.push(rest_value);
+            whitened.0.push(rest);
+            whitened.1.push(rest_value);
             last = Some((inputs, value));
         }
-        alike
+        whitened
     }
 
     fn normal_equations(&self, inputs: &[Vec<f64>], values: &[f64]) -> (Vec<f64>, Vec<f64>) {

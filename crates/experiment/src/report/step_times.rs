@@ -39,7 +39,7 @@ pub(super) fn content(results: &Results) -> Content {
     };
     let table = json!({
         "name": "Step time",
-        "title": "ms; mean ± standard deviation over 10,000 steps, and the median day of environment and bare engine, which take turns",
+        "title": "ms; mean ± standard deviation over 10,000 steps, and the medians over days on which environment and bare engine alternate",
         "header": ["type", "paper, mean", "here, mean", "here, median", "engine, median", "ratio"],
         "rows": rows,
     });
