@@ -102,7 +102,7 @@ impl Billing {
     }
 }
 
-/// Returns the prices of a task's tariff in a calendar, in the weather of a file; `None` without a tariff.
+/// Returns the prices of a task's tariff in a calendar, with the weather of a file; `None` without a tariff.
 fn prices(task: &Task, weather: &Path, calendar: Calendar) -> Result<Option<Prices>> {
     let Some(tariff) = &task.tariff else { return Ok(None) };
     let tariff = tariff.tariff()?;

@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_mean_matches_its_standard_error() {
-        // Two strata of 60 and 40 scores; the variance of the mean is the sum of n s², s² over n, over N².
+        // Two strata of 60 and 40 scores; the variance of the mean is Σ n·s² / N², where s² has the divisor n.
         let scores = |count: usize, shift: f64| -> Vec<f64> {
             (0..count).map(|k| shift + (k as f64 * 0.754_877_666).fract()).collect()
         };

@@ -47,8 +47,8 @@ def _names(metadata: dict[str, Any]) -> list[str]:
 class PreviousStepObservation(ObservationWrapper):
     """Appends the previous step: its action in [-1, 1], its reward, and 1 in the first step of an episode.
 
-    The first two are 0 in the first step. Policies with memory observe the same slots in benchmark problems where they
-    keep their memory.
+    The first two are 0 in the first step. Policies with memory observe the same slots in benchmark problems whose
+    episodes share a memory.
     """
 
     def __init__(self, env: Env):

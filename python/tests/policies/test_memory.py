@@ -110,6 +110,7 @@ class Climber:
         return self.last
 
 
+@pytest.mark.nightly
 def test_an_object_observes_the_previous_step(tmp_path, b2b_command):
     problem = Problem("adapt-house", **SMALL)
     policy = Climber()

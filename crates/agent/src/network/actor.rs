@@ -71,7 +71,7 @@ impl Actor {
     /// If `graph` is `None` for a graph network.
     pub fn scratch(&self, graph: Option<&Arc<Graph>>) -> Scratch {
         let flat = |form, observations, outputs: usize| {
-            let actions = if self.is_of_state() { outputs / 2 } else { outputs };
+            let actions = if self.depends_on_state() { outputs / 2 } else { outputs };
             Scratch { form, observations, outputs: vec![0.0; outputs], free: (0..actions).collect() }
         };
         match (&self.shape, graph) {
@@ -82,7 +82,7 @@ impl Actor {
             }
             (Shape::Graph(network), Some(graph)) => {
                 let actions = graph.actions.len();
-                let outputs = vec![0.0; if self.is_of_state() { 2 * actions } else { actions }];
+                let outputs = vec![0.0; if self.depends_on_state() { 2 * actions } else { actions }];
                 let free = graph.actions.iter().map(|place| place.number).collect();
                 let (graph, places) = (Arc::clone(graph), network.places());
                 let observations = graph.width();
@@ -136,7 +136,7 @@ impl Actor {
                 for (action, place) in graph.actions.iter().enumerate() {
                     let outputs = tape.outputs_of(network, 0, place.node);
                     scratch.outputs[action] = outputs[place.output];
-                    if self.is_of_state() {
+                    if self.depends_on_state() {
                         scratch.outputs[count + action] = outputs[outputs.len() / 2 + place.output];
                     }
                 }
@@ -155,7 +155,7 @@ impl Actor {
     }
 
     /// Returns whether the standard deviations depend on the state.
-    fn is_of_state(&self) -> bool {
+    fn depends_on_state(&self) -> bool {
         !matches!(self.distribution, Distribution::Gaussian { .. })
     }
 

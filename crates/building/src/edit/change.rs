@@ -19,9 +19,9 @@ pub enum Change {
     YScale,
     /// Angle from true north to the building's y axis, clockwise.
     NorthAxis,
-    /// U-factor of the exterior walls with the code's air films.
+    /// U-factor of the exterior walls with the air films of the energy code.
     WallU,
-    /// U-factor of the roofs with the code's air films.
+    /// U-factor of the roofs with the air films of the energy code.
     RoofU,
     /// U-factor of the windows and glass doors in walls.
     WindowU,
@@ -142,13 +142,13 @@ impl Edits {
         Ok(())
     }
 
-    /// Adds a change of each object by a factor: a U-factor or a multiplier.
+    /// Scales the value of each object by a factor. The change must be a U-factor or a multiplier.
     ///
     /// # Panics
-    /// When the change is neither: a bug in the caller.
+    /// If it is neither.
     pub fn multiply(&mut self, change: Change, factor: f64) {
         let is_u = matches!(change, Change::WallU | Change::RoofU | Change::WindowU);
-        assert!(is_u || change.is_multiplier(), "{change} has no multiple");
+        assert!(is_u || change.is_multiplier(), "{change} cannot be scaled");
         self.amounts.insert(change, Amount::Times(factor));
     }
 

@@ -1,4 +1,4 @@
-//! The Adam optimizer and the clip of gradients.
+//! The Adam optimizer and gradient clipping.
 
 use std::ops::Range;
 

@@ -179,8 +179,8 @@ impl VecEnv {
     /// Begins an episode in every environment, ending those in progress.
     ///
     /// # Errors
-    /// [`Error::Template`] when the building of a first episode cannot become an environment; [`Error::Lost`] when an
-    /// episode is lost; [`Error::Interrupted`].
+    /// [`Error::Template`] or [`Error::Lost`] when the building of a first episode cannot become an environment, or when
+    /// an episode is lost; [`Error::Interrupted`].
     pub fn reset(&mut self, seed: u64) -> Result<()> {
         self.reset_after(seed, &[])
     }
