@@ -122,8 +122,8 @@ single_env.metadata = BuildingEnv.metadata  # type: ignore[attr-defined]
 
 
 def register_envs() -> None:
-    """Registers two ids with Gymnasium for every building type: ``b2b/OfficeSmall-v1`` has the task ``operate`` unless another
-    is given, and ``b2b/OfficeSmall-v0`` has the paper's task ``constant``."""
+    """Registers two ids with Gymnasium for every building type: ``b2b/OfficeSmall-v1`` has the task ``operate`` unless
+    another is given, and ``b2b/OfficeSmall-v0`` has the paper's task ``constant``."""
     for name in list_building_types():
         for version, task in TASKS.items():
             if f"b2b/{name}-{version}" not in gymnasium.registry:
