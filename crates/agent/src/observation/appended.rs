@@ -8,6 +8,10 @@ use super::feature::{Feature, Source};
 use super::options::ObservationOptions;
 use crate::{Error, Result};
 
+/// What feedback tells about the previous step, beside its action.
+pub(super) const OF_STEP: [(&str, Source); 2] =
+    [("previous reward", Source::PreviousReward), ("first step", Source::First)];
+
 /// Returns the attributes of a building that an agent observes, in [-1, 1]; empty unless its options request them.
 /// Needs the building's model, which worker processes drop.
 ///
@@ -51,7 +55,6 @@ pub(super) fn forecast_features(hours: u32, spaces: &Spaces) -> Vec<Feature> {
 pub(super) fn feedback_features(actuators: &[String]) -> Vec<Feature> {
     let of_action =
         |(index, name): (usize, &String)| Feature::new(format!("{name} previous"), Source::Previous(index));
-    let of_step = [("previous reward", Source::PreviousReward), ("first step", Source::First)];
-    let of_step = of_step.map(|(name, source)| Feature::new(name, source));
+    let of_step = OF_STEP.map(|(name, source)| Feature::new(name, source));
     actuators.iter().enumerate().map(of_action).chain(of_step).collect()
 }

@@ -8,6 +8,7 @@ use b2b_env::{Spaces, Target};
 use serde::Serialize;
 
 use super::agent_observation::AgentObservation;
+use super::appended::OF_STEP;
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, hours_and_seasons, temperature, weather};
 use super::options::ObservationForm;
@@ -267,6 +268,9 @@ fn local_features(
         if node_type == NodeType::Weather {
             features.extend(constants(COMMON, &common));
         }
+    }
+    if interface.observation.feedback && node_type == NodeType::Energy {
+        features.extend(OF_STEP.map(|(name, source)| (name.to_owned(), source)));
     }
     features
 }

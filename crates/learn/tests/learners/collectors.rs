@@ -80,8 +80,12 @@ const RECURRENT: Interface = Interface {
 /// Graph networks of houses and offices.
 const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
 
-/// Graph networks of houses and offices with a memory.
-const REMEMBERING_GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: false }), ..RESIDUAL };
+/// Graph networks of houses and offices with a memory, which observe their rewards.
+const REMEMBERING_GRAPH: Interface = Interface {
+    observation: ObservationOptions { feedback: true, ..RESIDUAL.observation },
+    nodes: Some(NodeForm { attributes: false }),
+    ..RESIDUAL
+};
 
 /// Graph networks that supervise houses and offices.
 const GRAPH_SUPERVISORY: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..SUPERVISORY };
@@ -148,7 +152,7 @@ fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
 /// Returns an actor that differs for every seed.
 fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
     let config = PpoConfig { actor_hidden: vec![16], critic_hidden: vec![16], ..PpoConfig::default() };
-    if interface.observation.feedback {
+    if interface.nodes.is_none() && interface.observation.feedback {
         let policy = RecurrentPolicy { width: WIDTH, ..RecurrentPolicy::default() };
         let config = PpoConfig { n_steps: policy.sequence, ..config };
         return Ppo::recurrent(&policy, widths, config, seed).unwrap().actor();

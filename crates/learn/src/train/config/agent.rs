@@ -56,7 +56,8 @@ impl AgentConfig {
             ("observation", form == ObservationForm::Roles, "it must be raw or features"),
             ("observation.attributes", attributes, "use `policy.attributes`"),
             ("observation.forecast", forecast > 0, "it must be 0"),
-            ("observation.feedback", feedback, "it must be false"),
+            // Features have each node's previous action.
+            ("observation.feedback", feedback && form == ObservationForm::Raw, "`form` must be features"),
         ];
         for (name, is_wrong, remedy) in excluded {
             require(!is_wrong, || format!("`{name}` with graph networks: {remedy}"))?;

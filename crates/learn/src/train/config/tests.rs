@@ -152,8 +152,8 @@ fn values_that_do_not_go_together_are_errors() {
             "`ppo.n_steps` is 100; expected a multiple of `policy.sequence`, 96",
         ),
         (
-            "policy = { kind = 'graph' }\nobservation = { form = 'features', feedback = true }",
-            "`observation.feedback` with graph networks: it must be false",
+            "policy = { kind = 'graph' }\nobservation = { form = 'raw', feedback = true }",
+            "`observation.feedback` with graph networks: `form` must be features",
         ),
         ("ppo = { log_std = 'of_state' }\nfinal_noise = 0.5", "with `ppo.log_std` = of_state"),
         ("excluded_climate_zones = ['1']", "`excluded_climate_zones` are for `building_type`"),
