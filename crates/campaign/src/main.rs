@@ -55,9 +55,9 @@ enum Part {
     Inputs,
     /// Damaged models, weather files, trajectories and arguments, given to the commands
     Runs,
-    /// Signals and resource limits, at random times of the commands
+    /// Signals and resource limits, at random times while commands run
     Faults,
-    /// Prepared folders and files, and commands started at the same time
+    /// Folders and files that somebody else put there, and commands started at the same time
     Tricks,
 }
 

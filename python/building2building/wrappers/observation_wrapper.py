@@ -1,4 +1,4 @@
-"""The base of wrappers that change the observation."""
+"""The base of wrappers that change the observation, the action or both."""
 
 from __future__ import annotations
 

@@ -57,8 +57,8 @@ impl Reactive {
         Self::following(spaces, parameters, &|_| target)
     }
 
-    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be in slots behind
-    /// the environment's.
+    /// Creates controllers that hold controlled zones, given by number, at these targets, which may be in slots
+    /// appended to the environment's.
     pub fn following(
         spaces: &Spaces,
         parameters: &ReactiveParameters,

@@ -84,7 +84,7 @@ impl Policy for NoisyPolicy {
         let of = serde_json::from_value(of).expect("it is the description of a controller");
         let noise = self.noise(context.spaces, context.seed);
         let noisy = ControllerDescription::Noisy { of: Box::new(of), noise };
-        Ok(Some(serde_json::to_value(noisy).expect("JSON has numbers, texts and lists")))
+        Ok(Some(serde_json::to_value(noisy).expect("a description is plain data")))
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {

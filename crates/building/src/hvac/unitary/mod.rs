@@ -3,9 +3,10 @@
 //!
 //! Every packaged unit is rewritten as the same kind, which follows both commands exactly: a blow-through
 //! `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed or water cooling coil,
-//! feeding a terminal whose minimum flow is the command. A heat pump's heating coils are downstream of it unless it has
-//! an economizer. Capacities, efficiencies, pressures and curves are the original unit's; a coil of several speeds has
-//! the curves of its highest speed, and condensers are cooled by air.
+//! feeding a terminal whose minimum flow is the command. The heating coils of a heat pump move downstream of the unitary
+//! system unless the unit has an economizer. Capacities, efficiencies, pressures and the curves of coils are the original
+//! unit's; a multi-speed coil gets the curves of its highest speed, the fan those of ASHRAE 90.1, and condensers are
+//! cooled by air.
 
 mod assemble;
 mod commands;
