@@ -32,8 +32,8 @@ pub fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
     file.write_all(fill(PAGE, data).as_bytes())
 }
 
-/// Returns a template filled with its data, inserted as JSON in a script element, with the shared style and, where it has marks
-/// for them, plotly's script and the shared script.
+/// Returns a template filled with its data, inserted as JSON in a script element, with the shared style and, where it
+/// has marks for them, plotly's script and the shared script.
 pub fn fill(template: &str, data: &Value) -> String {
     let page = if template.contains(PLOTLY) {
         template.replace(PLOTLY, &PLOTLY_SCRIPT)
