@@ -5,7 +5,7 @@ pub fn bytes(field: u64, content: &[u8]) -> Vec<u8> {
     [varint(field << 3 | 2), varint(content.len() as u64), content.to_vec()].concat()
 }
 
-/// Returns a field with a text.
+/// Returns a field with a string.
 pub fn text(field: u64, content: &str) -> Vec<u8> {
     bytes(field, content.as_bytes())
 }

@@ -40,7 +40,7 @@ pub(super) fn attribute_features(attributes: &[f64], spaces: &Spaces) -> Vec<Fea
     building.chain([Feature::new("task energy weight", weight)]).collect()
 }
 
-/// Returns the features of the forecast: the outdoor temperature at full hours from now.
+/// Returns the features of the forecast: the outdoor temperature in 1 to `hours` hours.
 pub(super) fn forecast_features(hours: u32, spaces: &Spaces) -> Vec<Feature> {
     let (day, hour) = (spaces.observation.day_of_year(), spaces.observation.time_of_day());
     let at = |ahead: u32| {

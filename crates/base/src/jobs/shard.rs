@@ -12,7 +12,7 @@ pub struct InvalidShard {
     text: String,
 }
 
-/// The part `index` of `count`.
+/// Part `index` of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Shard {

@@ -11,7 +11,7 @@ use super::limits::Limits;
 use super::space::{self, Axis};
 use crate::{Error, Objective, ReactiveParameters, Result};
 
-/// Raised when the search changes, so that runs do not resume from evaluations of an earlier search.
+/// Incremented when the search changes, so that runs do not resume from evaluations of an earlier search.
 const REVISION: u32 = 2;
 
 /// The plan of a tuning run: class, objective, parameters and episodes.

