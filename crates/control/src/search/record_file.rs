@@ -54,7 +54,7 @@ impl RecordFile {
         written.map_err(|source| Error::Io { path: self.path.clone(), source })
     }
 
-    /// Returns the error for a line that cannot be of this search.
+    /// Returns the error for a line that cannot belong to this search.
     pub(crate) fn other(&self, why: String) -> Error {
         Error::OtherTuning { path: self.path.clone(), why }
     }

@@ -30,8 +30,9 @@ pub fn check(folder: &Path) -> State {
                 bytes += file.len() as u64;
             }
             Ok(_) => damaged.push(format!("{}: it was changed", path.display())),
-            // Another process may have removed it.
-            Err(_) => {}
+            // Another process has removed it.
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            Err(error) => damaged.push(format!("{}: {error}", path.display())),
         }
     }
     State::of_files(files, bytes, damaged)

@@ -69,9 +69,9 @@ pub fn glaze(model: &mut Model, u: Option<Amount>, shgc: Option<f64>) -> Result<
                 glazings.insert(glazing);
             }
             None => {
-                let new = replace_layers(model, &in_walls, &own, u, shgc)?;
+                refuse_shading(model, &in_walls, &construction)?;
+                let new = replace_layers(model, &own, u, shgc)?;
                 assign(model, &in_walls, &construction, &new)?;
-                assign(model, &in_walls, &own, &new)?;
             }
         }
     }
@@ -136,35 +136,39 @@ fn simple_glazing(model: &Model, construction: &str) -> Result<Option<String>> {
     Ok(model.contains(GLAZING, glass).then(|| glass.to_lowercase()))
 }
 
-/// Returns whether one of these constructions has a glazing.
+/// Returns whether one of these constructions uses this glazing.
 fn is_glazing_of(model: &Model, glazing: &str, constructions: &BTreeSet<String>) -> bool {
     let outside = |name: &String| text(model.get("Construction", name)?, "outside_layer").map(str::to_owned);
     constructions.iter().filter_map(outside).any(|layer| layer.eq_ignore_ascii_case(glazing))
 }
 
+/// Refuses windows in walls that have this construction and are shaded: shading is defined for its layers.
+fn refuse_shading(model: &Model, glass: &[Glass], construction: &str) -> Result<()> {
+    let Some(shaded) = glass.iter().find(|each| each.construction == construction && is_shaded(model, each))
+    else {
+        return Ok(());
+    };
+    let class = other_class(model, construction).unwrap_or("Construction");
+    let why = format!("a WindowShadingControl shades its window `{}`; remove the shading first", shaded.name);
+    Err(Error::edit(class, construction, &why))
+}
+
 /// Creates a construction with simple glazing instead of one that is given layer by layer, and returns its name.
 fn replace_layers(
     model: &mut Model,
-    glass: &[Glass],
     construction: &str,
     u: Option<Amount>,
     shgc: Option<f64>,
 ) -> Result<String> {
     let class = other_class(model, construction).unwrap_or("Construction").to_owned();
-    let refused = |why: &str| Error::edit(&class, construction, why);
     let (Some(Amount::Value(_)), Some(_)) = (u, shgc) else {
-        return Err(refused(
-            "its glazing is given layer by layer, so that its U-factor and solar heat gain are not known; set both \
-             window_u and window_shgc",
+        return Err(Error::edit(
+            &class,
+            construction,
+            "its glazing is given layer by layer, so its U-factor and solar heat gain are unknown; set window_u (to a \
+             value) and window_shgc",
         ));
     };
-    if let Some(shaded) =
-        glass.iter().find(|each| each.construction == construction.to_lowercase() && is_shaded(model, each))
-    {
-        let why =
-            format!("a WindowShadingControl shades its window `{}`; remove the shading first", shaded.name);
-        return Err(refused(&why));
-    }
     let name = spelled(model, &class, construction);
     let glazing = unused_name(model, "WindowMaterial", &format!("{name} Glazing"));
     let mut fields = Fields::new();
@@ -275,6 +279,10 @@ mod tests {
         model.remove(GLAZING, "Glass");
         let control = json!({"fenestration_surfaces": [{"fenestration_surface_name": "w"}]});
         model.insert("WindowShadingControl", "Blind", control);
+        let error = glaze_to(&mut model, 1.5, 0.4).unwrap_err().to_string();
+        assert!(error.contains("`W`") && error.contains("remove the shading"), "{error}");
+        // Also where a skylight has the same construction.
+        model.require_mut(FENESTRATION, "S").unwrap().insert("construction_name".into(), json!("Window"));
         let error = glaze_to(&mut model, 1.5, 0.4).unwrap_err().to_string();
         assert!(error.contains("`W`") && error.contains("remove the shading"), "{error}");
     }

@@ -146,7 +146,7 @@ fn through_mass(model: &Model, all: &[(&str, f64)], total: f64, sum: f64) -> Opt
     share(all, &best, total).map(|resistance| (Lever::Conductivity(best), resistance))
 }
 
-/// Rejects a construction that walls and roofs share with different U-factors.
+/// Rejects a construction that walls and roofs share with different resistances.
 fn reject_conflicts(requirements: &[Requirement]) -> Result<()> {
     for (index, each) in requirements.iter().enumerate() {
         let mut others = requirements[..index].iter().filter(|other| other.construction == each.construction);
