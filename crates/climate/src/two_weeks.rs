@@ -1,4 +1,4 @@
-//! Two-week periods of a year for tasks of operation, chosen from its weather by a rule and named as in BOPTEST.
+//! Two-week periods of a year for operation tasks, chosen from its weather by a rule and named as in BOPTEST.
 //!
 //! The rule uses daily mean outdoor temperatures. Days below 15 °C count as heating days and days above 18 °C as
 //! cooling days; if there are fewer than 14, the 14 coldest or warmest days count. The periods are chosen in this

@@ -6,7 +6,7 @@
 //!    as it ends.
 //! 3. [`Baselines`] has the returns of the baseline for the same episodes: shipped, cached, or computed.
 //!    [`normalized_score`] is the ratio of the two returns; [`score_at_comfort`] is the ratio of the two costs plus a
-//!    penalty for discomfort, in tasks of operation.
+//!    penalty for discomfort, in operation tasks.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
 //! 5. A [`problem`] names the episodes that agents may be trained on, and those that they are tested on.
 

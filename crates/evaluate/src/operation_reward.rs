@@ -1,4 +1,4 @@
-//! Scales of the rewards of operation: the guideline controller's cost by class, and the matching weight of discomfort.
+//! Scales of the operation rewards: the guideline controller's cost by class, and the matching weight of discomfort.
 
 use std::collections::BTreeMap;
 

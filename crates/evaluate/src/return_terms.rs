@@ -21,7 +21,7 @@ pub struct ReturnTerms {
     /// Sum of each resource, in the order of [`Resource::ALL`]; `None` if the sums are from before the resource
     /// existed.
     pub used: [Option<f64>; RESOURCES],
-    /// Discomfort in a task of operation, K·h per zone.
+    /// Discomfort in an operation task, K·h per zone.
     pub discomfort: Option<f64>,
 }
 

@@ -70,12 +70,12 @@ pub struct Group {
     pub relative_resource: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
-    /// Comfort in a task of operation; `None` in a task with targets.
+    /// Comfort in an operation task; `None` in a task with targets.
     #[serde(flatten)]
     pub comfort: Option<OperationComfort>,
 }
 
-/// Cost, peak and comfort in the episodes of a task of operation.
+/// Cost, peak and comfort in the episodes of an operation task.
 #[derive(Clone, Debug, Serialize)]
 pub struct OperationComfort {
     /// Cost, mean over episodes, currency/m².

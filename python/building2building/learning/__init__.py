@@ -49,8 +49,8 @@ class Agent:
     path: Path
     #: ``agent.json``: what it observes and controls, its network and its training.
     info: dict[str, Any] = field(repr=False)
-    #: ``summary.json`` of its training: score, resolved score, RMS deviation (K), energy relative to the reactive
-    #: controllers; ``None`` for an agent without one.
+    #: ``summary.json`` of its training: score, resolved score, RMS deviation (K), energy relative to the
+    #: baseline; ``None`` for an agent without one.
     summary: dict[str, Any] | None = field(default=None, repr=False)
 
     @classmethod

@@ -23,7 +23,7 @@ pub struct AgentObservation {
     memory: Memory,
     /// Outdoor temperatures at the end of each hour of the year, °C; empty without a forecast.
     outdoor: Vec<f64>,
-    /// Setpoint bands of a task of operation, and each zone's next change of them; none without
+    /// Setpoint bands of an operation task, and each zone's next change of them; none without
     /// supervision.
     bands: Option<Bands>,
     changes: Vec<Option<NextPair>>,

@@ -1,4 +1,4 @@
-//! Changes of a model: envelope, windows, infiltration, shape and internal gains.
+//! Changes to a model: envelope, windows, infiltration, shape and internal gains.
 //!
 //! The generator of commercial buildings and `b2b edit` make the same changes. The generator calls the functions of the
 //! modules on prototypes; [`Edits`] apply to any model: they also check for features that only users' models have, and

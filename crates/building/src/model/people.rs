@@ -5,7 +5,7 @@ use crate::hvac::zone_equipment::has_exhaust;
 use crate::model::{Fields, Model, number, text};
 use crate::zone::{self, Zone, covers_space, covers_zone};
 
-/// Share of the people at design occupancy from which a zone counts as in use in tasks of operation. Prototypes
+/// Share of the people at design occupancy from which a zone counts as in use in operation tasks. Prototypes
 /// schedule 5 % of their people at night, on Sundays and before opening, when they supply no outdoor air: a cleaner or
 /// a guard does not turn a building on. Infiltration alone gives each of these few people 5 to 35 L/s in a medium
 /// office in Tampa.

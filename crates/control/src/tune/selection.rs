@@ -35,7 +35,7 @@ impl Cells {
     }
 }
 
-/// Returns the number of the set with the lowest median relative loss over all cells among the eligible ones. The first
+/// Returns the index of the set with the lowest median relative loss over all cells among the eligible ones. The first
 /// set is the defaults, which are always eligible.
 pub(super) fn select(plan: &TuningPlan, sets: &[Cells]) -> usize {
     let defaults = sets[0].all();

@@ -11,7 +11,7 @@ use crate::{Error, Result};
 pub(super) const METER_FILE: &str = "eplusout.mtr";
 const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
-/// Returns the meters whose run-period values add up to the energy of a task. A task of operation uses the end-use
+/// Returns the meters whose run-period values add up to the energy of a task. An operation task uses the end-use
 /// meters, unless the building has fans outside the HVAC: those meters include such fans, HVAC energy does not.
 pub(super) fn compared(building: &PreparedBuilding, task: &Task) -> Vec<HvacMeter> {
     if !task.is_operation() || building.fans_outside().next().is_some() {

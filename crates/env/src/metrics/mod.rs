@@ -23,13 +23,13 @@ pub struct ZoneMetrics {
     pub fully_conditioned: bool,
     /// Steps in sustained oscillation: see [`Metrics::oscillating_share`].
     pub oscillating_steps: usize,
-    /// Thermal discomfort: the rewarded deviation outside the task's comfort band, integrated over time, K h.
+    /// Thermal discomfort: the penalized deviation outside the task's comfort band, integrated over time, K h.
     pub discomfort: f64,
     squares: f64,
     penalized_squares: f64,
     absolutes: f64,
     steps_outside: usize,
-    /// Steps with a rewarded deviation outside the comfort band.
+    /// Steps with a penalized deviation outside the comfort band.
     penalized_steps_outside: usize,
     /// Steps in which the zone was occupied, and of these the ones below and above the comfort band.
     occupied_steps: usize,
@@ -73,13 +73,13 @@ impl ZoneMetrics {
         (self.squares / steps.max(1) as f64).sqrt()
     }
 
-    /// Returns the root mean square of the rewarded deviation over `steps` steps, K; in a zone without cooling, only
+    /// Returns the root mean square of the penalized deviation over `steps` steps, K; in a zone without cooling, only
     /// below target.
     pub fn rms_penalized_deviation(&self, steps: usize) -> f64 {
         (self.penalized_squares / steps.max(1) as f64).sqrt()
     }
 
-    /// Returns whether the rewarded deviation was outside the task's comfort band in each of `steps` steps.
+    /// Returns whether the penalized deviation was outside the task's comfort band in each of `steps` steps.
     pub fn is_never_near_target(&self, steps: usize) -> bool {
         steps > 0 && self.penalized_steps_outside == steps
     }
@@ -219,7 +219,7 @@ impl Metrics {
         steps as f64 / (self.steps * self.zones.len()).max(1) as f64
     }
 
-    /// Returns the root mean square of the rewarded deviation, K, averaged over the zones without cooling; 0 if there
+    /// Returns the root mean square of the penalized deviation, K, averaged over the zones without cooling; 0 if there
     /// are none.
     pub fn rms_heating_only(&self) -> f64 {
         let heated: Vec<_> = self.zones.iter().filter(|zone| !zone.fully_conditioned).collect();
@@ -232,19 +232,19 @@ impl Metrics {
         self.zones.iter().filter(|zone| zone.is_never_near_target(self.steps)).count()
     }
 
-    /// Returns the thermal discomfort of operation, K h for each zone, by the trapezoid rule; `None` in tasks without
+    /// Returns the thermal discomfort of operation, K h, averaged over the zones, by the trapezoid rule; `None` in tasks without
     /// bands.
     pub fn zone_discomfort(&self) -> Option<f64> {
         Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
     }
 
-    /// Returns the CO₂ above the limit, ppm h for each zone, by the trapezoid rule; `None` in tasks without the CO₂
+    /// Returns the CO₂ above the limit, ppm h, averaged over the zones, by the trapezoid rule; `None` in tasks without the CO₂
     /// balance.
     pub fn zone_bad_air(&self) -> Option<f64> {
         self.kpis.as_ref()?.bad_air(self.zones.len())
     }
 
-    /// Returns the total of a term in a task of operation; `None` in tasks without bands.
+    /// Returns the total of a term in an operation task; `None` in tasks without bands.
     fn operation_total(&self, term: Term) -> Option<f64> {
         self.kpis.as_ref().map(|_| self.total(term))
     }

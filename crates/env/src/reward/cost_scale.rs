@@ -1,4 +1,4 @@
-//! The cost scale of the rewards of operation, shipped as data for every class of buildings.
+//! The cost scale of the operation rewards, shipped as data for every class of buildings.
 
 use std::sync::LazyLock;
 

@@ -86,8 +86,7 @@ pub struct ZoneStep {
     pub occupied: bool,
     /// Whether temperatures above target are penalized.
     pub penalize_above_target: bool,
-    /// Predicted mean vote by the zone's own radiant temperature and humidity, in a task of operation with this
-    /// comfort.
+    /// Predicted mean vote from the zone's own radiant temperature and humidity, in an operation task with PMV comfort.
     pub vote: Option<f64>,
     /// CO₂ concentration at the end of the step, ppm, in a task with the CO₂ balance.
     pub carbon_dioxide: Option<f64>,

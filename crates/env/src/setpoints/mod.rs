@@ -51,7 +51,7 @@ pub enum Setpoints {
         #[serde(default)]
         day: Option<RandomDay>,
     },
-    /// A heating and a cooling setpoint for every zone: the tasks of operation.
+    /// A heating and a cooling setpoint for every zone: the operation tasks.
     Band {
         /// Source of the setpoints.
         #[serde(default)]

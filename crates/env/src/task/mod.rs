@@ -116,7 +116,7 @@ impl Default for Task {
 
 /// Deviation beyond which an hour counts as outside the band, K: about half the throttling range of a thermostat.
 const UNMET: f64 = 0.5;
-/// Weight of a kelvin outside the band in the tasks of operation, in units of the mean cost of a step: a K·h per zone
+/// Weight of a kelvin outside the band in the operation tasks, in units of the mean cost of a step: a K·h per zone
 /// costs as much as half a day. With it, discomfort is about a tenth of the guideline controller's penalty;
 /// `b2b tune operation` computes the weight for which this holds (docs/tasks.md).
 pub const OPERATION_WEIGHT: f64 = 12.0;
@@ -129,7 +129,7 @@ impl Task {
     pub const NAMED: [&str; 6] =
         ["constant", "occupancy", "random", "constant+energy0.5", "occupancy+energy0.5", "random+energy0.5"];
 
-    /// Returns a task of operation: hold a comfort band at low cost.
+    /// Returns an operation task: hold a comfort band at low cost.
     pub fn operate(band: Band) -> Self {
         Self {
             setpoints: Setpoints::Band { band },
@@ -141,7 +141,7 @@ impl Task {
         }
     }
 
-    /// Returns whether this is a task of operation, with comfort bands instead of targets.
+    /// Returns whether this is an operation task, with comfort bands instead of targets.
     pub fn is_operation(&self) -> bool {
         self.setpoints.is_band()
     }

@@ -12,7 +12,7 @@ const BALANCE: &str = "ZoneAirContaminantBalance";
 /// Name of the outdoor concentration's schedule.
 const OUTDOOR: &str = "Outdoor CO2 of the task";
 
-/// CO₂ in the zones of a task of operation: exhaled by people, diluted by outdoor air and infiltration.
+/// CO₂ in the zones of an operation task: exhaled by people, diluted by outdoor air and infiltration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CarbonDioxide {

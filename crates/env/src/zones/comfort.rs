@@ -22,14 +22,14 @@ pub enum Comfort {
     },
     /// PMV² while the zone is occupied; the target is not used.
     Pmv(Pmv),
-    /// Deviation from the band, K, times a weight: the tasks of operation.
+    /// Deviation from the band, K, times a weight: the operation tasks.
     Band {
         /// Penalty per kelvin outside the band, averaged over the zones, in units of the mean cost of a step.
         weight: f64,
     },
 }
 
-/// Assumptions of the predicted mean vote (ISO 7730). In tasks of operation, mean radiant temperature and humidity are
+/// Assumptions of the predicted mean vote (ISO 7730). In operation tasks, mean radiant temperature and humidity are
 /// the zone's own; otherwise, the radiant temperature is the air temperature and the humidity an assumption.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -38,7 +38,7 @@ pub struct Pmv {
     pub metabolic_rate: f64,
     /// Air speed, m/s.
     pub air_speed: f64,
-    /// Indoor relative humidity, %; not used in tasks of operation.
+    /// Indoor relative humidity, %; not used in operation tasks.
     pub humidity: f64,
     /// Clothing insulation in winter, December to February (June to August in the south), clo.
     pub winter_clothing: f64,

@@ -37,7 +37,7 @@ pub struct ControlledZone {
     pub least_people: f64,
 }
 
-/// Returns the controlled zones of a building in model order. In tasks of operation, a zone is occupied while it is [in
+/// Returns the controlled zones of a building in model order. In operation tasks, a zone is occupied while it is [in
 /// use](people::least_in_use); in others, while anyone is in it.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// model's outdoor air controller as sized, or the requirement of its zones under mechanical ventilation
 /// ([`b2b_building::hvac::Ventilation`]), which follows ASHRAE 62.1 in the prototypes. A zone is occupied if the model
 /// had people in it at the end of the previous step, so a system follows within one step (ASHRAE 62.1 averages over
-/// short-term conditions). In tasks of operation, that takes a tenth of the people at design occupancy
+/// short-term conditions). In operation tasks, that takes a tenth of the people at design occupancy
 /// ([`b2b_building::people::least_in_use`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -32,7 +32,7 @@ pub(crate) struct AirSlot {
 
 impl ZoneAir {
     /// Returns the quantities that a task observes in every controlled zone, in the order of their slots: for a comfort
-    /// by predicted mean vote in a task of operation, and for the CO₂ balance.
+    /// by predicted mean vote in an operation task, and for the CO₂ balance.
     pub(crate) fn of(task: &Task) -> Vec<Self> {
         let votes = task.is_operation() && matches!(task.comfort, Comfort::Pmv(_));
         let thermal = votes.then_some([Self::RadiantTemperature, Self::Humidity]);

@@ -1,4 +1,4 @@
-//! Tasks of operation: bands of the model's own thermostats, indicators, bills and the model's own controls.
+//! Operation tasks: bands of the model's own thermostats, indicators, bills and the model's own controls.
 
 use std::sync::Arc;
 

@@ -13,7 +13,7 @@ use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
 
 /// Incremented when a change to preparation, environments or controllers changes the reactive controllers' returns, so
-/// that older cached baselines are not reused. Baselines of tasks of operation also depend on `guideline36`'s revision.
+/// that older cached baselines are not reused. Baselines of operation tasks also depend on `guideline36`'s revision.
 pub(super) const REVISION: u32 = 4;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
@@ -35,7 +35,7 @@ pub struct Key {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the controllers' parameters and, for a task of operation, of its tariff and emission profile.
+    /// Hash of the controllers' parameters and, for an operation task, of its tariff and emission profile.
     pub controller: String,
     /// Revision of preparation, environments and controllers.
     pub revision: u32,

@@ -1,4 +1,4 @@
-//! Baselines: the reactive controllers, or the guideline controller in a task of operation. Shipped for the small test
+//! Baselines: the reactive controllers, or the guideline controller in an operation task. Shipped for the small test
 //! split, cached for everything else once computed.
 //!
 //! A task is scored against the reactive controllers with the parameters of its objective: comfort alone, or comfort

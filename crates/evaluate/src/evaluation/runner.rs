@@ -16,7 +16,7 @@ use crate::panics::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
 
-/// Receives the number of an episode and its steps, or why it was lost.
+/// Receives the index of an episode and its steps, or why it was lost.
 pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync + 'a;
 
 impl Evaluation<'_> {
@@ -87,7 +87,7 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Runs an episode. A panic, for example in a library reading a damaged network, loses it and its processes.
+    /// Runs an episode. A panic, for example in a library reading a damaged network, loses the episode and its workers.
     fn outcome(
         &self,
         group: &BuildingGroup<'_>,

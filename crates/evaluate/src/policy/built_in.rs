@@ -22,7 +22,7 @@ impl BuiltIn {
         Self::shipped("reactive")
     }
 
-    /// Returns the sequences of Guideline 36: the baseline in tasks of operation.
+    /// Returns the sequences of Guideline 36: the baseline in operation tasks.
     pub fn guideline36() -> Self {
         Self::shipped("guideline36")
     }

@@ -95,7 +95,7 @@ fn check_same(all: &[Compared]) -> Result<()> {
     Ok(())
 }
 
-/// Returns whether all episodes are of tasks of operation.
+/// Returns whether all episodes are of operation tasks.
 fn is_operation(all: &[Compared]) -> bool {
     let mut ran = all.iter().flat_map(|compared| compared.ran()).peekable();
     ran.peek().is_some() && ran.all(|(_, scored)| scored.metrics.tdis_tot.is_some())

@@ -93,7 +93,7 @@ fn tiles(summary: &Summary) -> Value {
     tiles.into()
 }
 
-/// Returns the tiles of a task of operation: cost, energy, discomfort and peak.
+/// Returns the tiles of an operation task: cost, energy, discomfort and peak.
 fn operation_tiles(all: &Group, comfort: &OperationComfort) -> Value {
     let mut tiles = Vec::new();
     if let Some(scores) = &all.scores {

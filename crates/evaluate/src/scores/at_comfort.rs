@@ -1,4 +1,4 @@
-//! The score of the tasks of operation: cost relative to the baseline, at comfort.
+//! The score of the operation tasks: cost relative to the baseline, at comfort.
 
 use b2b_env::OPERATION_WEIGHT;
 

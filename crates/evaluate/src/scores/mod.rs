@@ -44,16 +44,16 @@ pub struct Baseline {
     pub energy: f64,
     /// Its amount of the task's resource, in the unit of the resource, if it is known.
     pub resource: Option<f64>,
-    /// Its discomfort in a task of operation, K·h per zone.
+    /// Its discomfort in an operation task, K·h per zone.
     pub discomfort: Option<f64>,
 }
 
 /// The score of an episode, and the resolved score, which ignores deviations too small for a thermometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scores {
-    /// [`normalized_score`], or [`score_at_comfort`] in a task of operation.
+    /// [`normalized_score`], or [`score_at_comfort`] in an operation task.
     pub score: Option<f64>,
-    /// [`resolved_score`], or [`score_at_comfort`] in a task of operation.
+    /// [`resolved_score`], or [`score_at_comfort`] in an operation task.
     pub resolved: Option<f64>,
 }
 

@@ -37,11 +37,11 @@ pub struct Measures {
     pub relative_travel: f64,
     /// Share of zone-steps in sustained oscillation: see [`b2b_env::Metrics::oscillating_share`].
     pub oscillating_share: f64,
-    /// In a task of operation, use of its resource divided by the baseline's.
+    /// In an operation task, use of its resource divided by the baseline's.
     pub cost_ratio: f64,
-    /// In a task of operation, discomfort, K·h per zone and day.
+    /// In an operation task, discomfort, K·h per zone and day.
     pub discomfort: f64,
-    /// In a task of operation, the baseline's discomfort, K·h per zone and day.
+    /// In an operation task, the baseline's discomfort, K·h per zone and day.
     pub baseline_discomfort: f64,
 }
 

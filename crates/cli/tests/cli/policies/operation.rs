@@ -1,4 +1,4 @@
-//! How controllers rank in a task of operation, in one small office for a week of January and of July.
+//! How controllers rank in an operation task, in one small office for a week of January and of July.
 
 use serde_json::Value;
 

@@ -35,7 +35,7 @@ pub struct Scored {
     /// SHA-256 of the observation, action and penalties of every step.
     pub trajectory_hash: String,
     /// Return of the baseline in the same episode, if known: the reactive controllers, or the guideline controller in a
-    /// task of operation.
+    /// operation task.
     pub baseline_return: Option<f64>,
     /// HVAC energy of the baseline in the same episode, Wh/m², if known.
     pub baseline_energy: Option<f64>,
@@ -45,13 +45,13 @@ pub struct Scored {
     /// Amount of the resource in the baseline, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline_resource: Option<f64>,
-    /// Discomfort of the baseline in a task of operation, K·h per zone, if known.
+    /// Discomfort of the baseline in an operation task, K·h per zone, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline_discomfort: Option<f64>,
     /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
-    /// In a task of operation: see [`score_at_comfort`](crate::score_at_comfort).
+    /// In an operation task: see [`score_at_comfort`](crate::score_at_comfort).
     pub score: Option<f64>,
-    /// See [`resolved_score`](crate::resolved_score); in a task of operation the same as `score`.
+    /// See [`resolved_score`](crate::resolved_score); in an operation task the same as `score`.
     pub resolved_score: Option<f64>,
 }
 
@@ -119,7 +119,7 @@ impl Scored {
         })
     }
 
-    /// Returns whether discomfort in a task of operation exceeds the baseline's by more than the free allowance; `None`
+    /// Returns whether discomfort in an operation task exceeds the baseline's by more than the free allowance; `None`
     /// in a task with targets, or if the baseline's is unknown.
     pub fn is_uncomfortable(&self, steps_per_hour: u32) -> Option<bool> {
         let days = self.days(steps_per_hour);

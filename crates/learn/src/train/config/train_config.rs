@@ -129,7 +129,7 @@ impl TrainConfig {
         require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
     }
 
-    /// Checks how the agent acts, that a supervisor has tasks of operation and a flat one a reward in one part, and
+    /// Checks how the agent acts, that a supervisor has operation tasks and a flat one a reward in one part, and
     /// that `comfort_rate` has such tasks and evaluations.
     fn check_supervision(&self) -> Result<()> {
         let Self { training_set, agent, rewards, evaluation, .. } = self;
