@@ -232,14 +232,14 @@ impl Metrics {
         self.zones.iter().filter(|zone| zone.is_never_near_target(self.steps)).count()
     }
 
-    /// Returns the thermal discomfort of operation, K h, averaged over the zones, by the trapezoid rule; `None` in tasks without
-    /// bands.
+    /// Returns the thermal discomfort of operation, K h, averaged over the zones, by the trapezoid rule; `None` in tasks
+    /// without bands.
     pub fn zone_discomfort(&self) -> Option<f64> {
         Some(self.kpis.as_ref()?.discomfort(self.zones.len()))
     }
 
-    /// Returns the CO₂ above the limit, ppm h, averaged over the zones, by the trapezoid rule; `None` in tasks without the CO₂
-    /// balance.
+    /// Returns the CO₂ above the limit, ppm h, averaged over the zones, by the trapezoid rule; `None` in tasks without
+    /// the CO₂ balance.
     pub fn zone_bad_air(&self) -> Option<f64> {
         self.kpis.as_ref()?.bad_air(self.zones.len())
     }
