@@ -29,7 +29,7 @@ const FOULING: u64 = u64::MAX - 2;
 pub struct Faults {
     /// Random seed.
     pub seed: u64,
-    /// Whether every building has faults of its own: drawn with its name, and a share of fouling from 0 to `fouling`.
+    /// Whether every building has faults of its own: seeded by its name, with a share of fouling from 0 to `fouling`.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub own: bool,
     /// Standard deviation of the noise of every zone temperature sensor, K: independent from step to step.
@@ -39,7 +39,7 @@ pub struct Faults {
     /// Probability that an actuator is stuck at a value drawn from its range. Not even the ventilation interlock moves
     /// it.
     pub stuck: f64,
-    /// Loss of the coils by fouling, 0 to 1: the range of supply air temperatures shrinks by this share toward 20 °C.
+    /// Share of the coils' range lost to fouling, 0 to 1: the range of supply air temperatures shrinks by this share toward 20 °C.
     pub fouling: f64,
 }
 

@@ -135,8 +135,8 @@ impl EnvironmentProgress {
         }
     }
 
-    /// Returns the number of first steps of the rollout in which this environment and another with the same episodes
-    /// are certain to be at the same step of the same episode.
+    /// Returns the number of steps from the start of the rollout during which this environment and another with the same
+    /// episodes are certain to be at the same step of the same episode.
     pub(super) fn in_step_with(&self, other: &Self, steps: usize) -> usize {
         let ends = |progress: &Self| -> Vec<usize> { progress.ends.iter().map(|end| end.step + 1).collect() };
         let (own, others) = (ends(self), ends(other));

@@ -126,7 +126,7 @@ impl Slots {
     /// Assigns a child of this process to a slot.
     pub(crate) fn adopt_child(&mut self, slot: u32, child: u32) -> io::Result<()> {
         let pid =
-            Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without a number"))?;
+            Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without an ID"))?;
         let handle = rustix::process::pidfd_open(pid, PidfdFlags::empty())?;
         self.processes[slot as usize] = Some(SlotProcess::Attached(handle));
         Ok(())
@@ -170,7 +170,7 @@ impl Slots {
         };
         let end = match status {
             Some(status) if status.signal() == Some(Signal::XFSZ.as_raw()) => {
-                format!("wrote a file that exceeds `ulimit -f`, raise the limit ({status})")
+                format!("wrote a file that exceeds `ulimit -f`: raise the limit ({status})")
             }
             Some(status) if status.signal().is_some() => format!("was killed or crashed ({status})"),
             Some(status) => format!("ended by itself ({status})"),
@@ -194,7 +194,7 @@ impl Slots {
         (!text.is_empty()).then_some(text)
     }
 
-    /// Kills all processes except in `spared` slots, and waits until they have ended and been reaped.
+    /// Kills all processes except those in the `spared` slots, and waits until they have ended and been reaped.
     pub(crate) fn end_all_but(&mut self, spared: &[u32]) {
         let all = 0..self.processes.len() as u32;
         let others: Vec<u32> = all.filter(|slot| !spared.contains(slot)).collect();
