@@ -125,8 +125,7 @@ impl Slots {
 
     /// Assigns a child of this process to a slot.
     pub(crate) fn adopt_child(&mut self, slot: u32, child: u32) -> io::Result<()> {
-        let pid =
-            Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without an ID"))?;
+        let pid = Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without an ID"))?;
         let handle = rustix::process::pidfd_open(pid, PidfdFlags::empty())?;
         self.processes[slot as usize] = Some(SlotProcess::Attached(handle));
         Ok(())
