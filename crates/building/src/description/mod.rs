@@ -227,15 +227,11 @@ impl Description {
         let size = std::array::from_fn(|axis| high[axis] - low[axis]);
         let zones = crate::zone::zones(model)?;
         let zones = zones.into_iter().zip(conditioning).zip(equipment).enumerate();
-        let zones: Vec<_> = zones
-            .map(|(number, ((zone, conditioning), equipment))| {
-                let faces = shape.bounds(number);
-                ZoneDescription {
-                    equipment,
-                    ..describe_zone(model, &shape, number, &zone, *conditioning, &faces)
-                }
-            })
-            .collect();
+        let zones = zones.map(|(number, ((zone, conditioning), equipment))| ZoneDescription {
+            equipment,
+            ..describe_zone(model, &shape, number, &zone, *conditioning)
+        });
+        let zones: Vec<_> = zones.collect();
         let is_conditioned = |zone: usize| {
             let by_controlled = zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
             by_controlled || own_controls.get(zone).is_some_and(|own| *own)
@@ -273,8 +269,8 @@ fn describe_zone(
     number: usize,
     zone: &crate::zone::Zone,
     conditioning: Conditioning,
-    faces: &[Bound],
 ) -> ZoneDescription {
+    let faces = shape.bounds(number);
     let area = |wanted: &dyn Fn(&Bound) -> bool| -> f64 {
         faces.iter().filter(|face| wanted(face)).map(Bound::area).fold(0.0, |sum, area| sum + area)
     };
