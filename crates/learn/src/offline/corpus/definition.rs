@@ -7,7 +7,7 @@ use std::path::Path;
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Split};
 use b2b_env::Task;
-use b2b_evaluate::{EpisodePlan, Subject};
+use b2b_evaluate::{ActionScale, EpisodePlan, Policy, Subject};
 use serde::{Deserialize, Serialize};
 
 use super::history::{History, Stage};
@@ -67,6 +67,11 @@ impl fmt::Display for Source<'_> {
             Self::Stage(stage) => stage.fmt(f),
         }
     }
+}
+
+/// Returns the policy with a name.
+pub(super) fn named(name: &str) -> Result<Box<dyn Policy>> {
+    Ok(<dyn Policy>::named(name, ActionScale::Rescaled)?)
 }
 
 /// An episode of a corpus.

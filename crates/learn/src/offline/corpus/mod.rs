@@ -4,6 +4,7 @@
 //! belongs to. Every step has the expert's action for its observation. Episodes are written one by one, so that a
 //! corpus can be resumed and divided between machines.
 
+mod agents;
 mod card;
 mod definition;
 mod graph;
@@ -15,12 +16,13 @@ use std::path::Path;
 use b2b_agent::Agent;
 use b2b_base::shard::Shard;
 use b2b_building::BuildingType;
-use b2b_evaluate::{ActionScale, BuiltIn, Evaluation, Policy, Progress, Recorded};
+use b2b_evaluate::{BuiltIn, Evaluation, Policy, Progress, Recorded};
 
+pub use agents::train_agents;
 pub use definition::{Behavior, Definition};
-use definition::{Planned, Source};
+use definition::{Planned, Source, named};
 use graph::Graph;
-pub use history::{History, train_agents};
+pub use history::History;
 use writer::Writer;
 
 use super::collection::{file_of, record_each, unscaled};
@@ -90,11 +92,6 @@ pub fn collect_corpus(
         writer.finish(part.id, part.name)?;
     }
     Ok(collected)
-}
-
-/// Returns the policy with a name.
-fn named(name: &str) -> Result<Box<dyn Policy>> {
-    Ok(<dyn Policy>::named(name, ActionScale::Rescaled)?)
 }
 
 /// A policy, with the episodes that it runs.

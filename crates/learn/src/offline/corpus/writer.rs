@@ -10,8 +10,7 @@ use b2b_control::Versions;
 use serde_json::json;
 
 use super::card::card;
-use super::definition::{Definition, STEPS_PER_HOUR, Source};
-use super::named;
+use super::definition::{Definition, STEPS_PER_HOUR, Source, named};
 use crate::error::at;
 use crate::offline::collection::box_space;
 use crate::offline::dataset::{
