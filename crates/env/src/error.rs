@@ -115,7 +115,8 @@ pub enum Error {
     Weight(f64),
     /// Windows of no days, in the wrong order, or longer than the run period.
     #[error(
-        "windows of {min_days} to {max_days} days in a run period of {whole} days; expected 1 ≤ shortest ≤ longest ≤ {whole}"
+        "windows of {min_days} to {max_days} days in a run period of {whole} days; expected \
+         1 ≤ shortest ≤ longest ≤ {whole}"
     )]
     Window {
         /// Shortest window, days.

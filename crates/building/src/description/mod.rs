@@ -233,8 +233,8 @@ impl Description {
         });
         let zones: Vec<_> = zones.collect();
         let is_conditioned = |zone: usize| {
-            let by_controlled = zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
-            by_controlled || own_controls.get(zone).is_some_and(|own| *own)
+            let is_served = zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
+            is_served || own_controls.get(zone).is_some_and(|own| *own)
         };
         let total = |of: fn(&ZoneDescription) -> f64| -> f64 {
             let conditioned = zones.iter().enumerate().filter(|(zone, _)| is_conditioned(*zone));

@@ -144,7 +144,7 @@ impl Morphology {
     /// windows where there are none, are 0.
     pub fn scaled_common_attributes(&self) -> Vec<f64> {
         let scaled = |(slot, value): (&LocalSlot<Attribute>, &f64)| match slot.quantity {
-            // 0 is no value that these have.
+            // 0 means that it is unknown, or that there are no windows.
             Attribute::Year
             | Attribute::WallU
             | Attribute::RoofU

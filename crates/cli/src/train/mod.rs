@@ -161,7 +161,8 @@ impl Arguments {
     fn configuration(&self) -> Result<TrainConfig> {
         if self.location.placement().transition.is_some() {
             bail!(
-                "--transition is not for training: convert the model with EnergyPlus's Transition programs first, and train on the result"
+                "--transition is not for training: convert the model with EnergyPlus's Transition programs first, \
+                 and train on the result"
             );
         }
         if let Some(folder) = &self.resume {

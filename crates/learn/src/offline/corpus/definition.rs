@@ -1,6 +1,6 @@
 //! Definitions of corpora.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
@@ -121,6 +121,10 @@ impl Definition {
             ));
         }
         self.histories.iter().try_for_each(|history| history.check(&self.types))?;
+        let names: BTreeSet<&str> = self.histories.iter().map(|history| &*history.name).collect();
+        if names.len() < self.histories.len() {
+            return Err("two `histories` have one name; expected different ones".into());
+        }
         let numbers = [("buildings", self.buildings, buildings), ("weeks", self.weeks, WEEKS)];
         match numbers.into_iter().find(|(_, value, most)| !(1..=*most).contains(value)) {
             Some((name, value, most)) => Err(format!("`{name}` is {value}; expected 1 to {most}")),
@@ -246,5 +250,26 @@ mod tests {
         assert!(narrow.check().unwrap_err().starts_with("`widths` are [192, 0]"));
         let none = Definition { types: Vec::new(), ..with(1) };
         assert!(none.check().unwrap_err().contains("no types"));
+    }
+
+    #[test]
+    fn a_history_whose_setting_would_have_no_effect_is_an_error() {
+        let full = Definition::named("full").unwrap();
+        let said = |change: &dyn Fn(&mut Vec<History>)| {
+            let mut histories = full.histories.clone();
+            change(&mut histories);
+            Definition { histories, ..full.clone() }.check().unwrap_err()
+        };
+        let with = |option: &'static str, value: i64| {
+            said(&|all| drop(all[0].train.insert(option.into(), value.into())))
+        };
+        assert_eq!(
+            with("stage_every", 5),
+            "`train.stage_every` of the history `direct` is set by the corpus; remove it"
+        );
+        assert_eq!(with("steps", 3), "`steps` is 3; expected at least the 4 `stages`");
+        assert!(said(&|all| all[1].name = "direct".into()).contains("two `histories` have one name"));
+        assert!(said(&|all| all[0].name = "a/b".into()).contains("`a/b`; expected letters"));
+        assert!(said(&|all| all[0].stages = 0).contains("`stages` is 0"));
     }
 }

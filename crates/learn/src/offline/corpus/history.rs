@@ -13,6 +13,9 @@ use crate::{Error, Result};
 /// Folder of the agents in a corpus.
 pub(super) const AGENTS: &str = "agents";
 
+/// Options of training that a history sets itself.
+const SET: [&str; 3] = ["building_type", "task", "stage_every"];
+
 /// One training run per building type, whose agent is kept at equally spaced stages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,6 +52,12 @@ impl History {
         if self.stages == 0 {
             return Err("`stages` is 0; expected at least 1".into());
         }
+        if let Some(option) = SET.into_iter().find(|option| self.train.contains_key(*option)) {
+            return Err(format!(
+                "`train.{option}` of the history `{}` is set by the corpus; remove it",
+                self.name
+            ));
+        }
         types.iter().try_for_each(|each| self.config(*each).map(drop)).map_err(|why| why.to_string())
     }
 
@@ -58,9 +67,16 @@ impl History {
         options.insert("building_type".into(), Value::String(building_type.to_string()));
         options.insert("task".into(), Value::String(self.task.clone()));
         let options = toml::to_string(&options).expect("a table serializes");
-        let mut config = TrainConfig::default().with_changes(&options).map_err(Error::Invalid)?;
-        config.checkpoints.stage_every = config.budget.steps / self.stages;
+        let preset = TrainConfig::preset(TrainConfig::DEFAULT_PRESET)?;
+        let mut config = preset.with_changes(&options).map_err(Error::Invalid)?;
         config.check()?;
+        let (steps, stages) = (config.budget.steps, self.stages);
+        if steps < stages {
+            return Err(Error::Invalid(format!(
+                "`steps` is {steps}; expected at least the {stages} `stages`"
+            )));
+        }
+        config.checkpoints.stage_every = steps / stages;
         Ok(config)
     }
 }

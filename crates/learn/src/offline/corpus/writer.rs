@@ -128,8 +128,12 @@ impl<'a> Writer<'a> {
         let read = |number: usize| read_json(&self.folder, &format!("data/{number}/{METADATA}"), None);
         let episodes =
             (0..self.definition.episode_count()).map(read).collect::<Result<Vec<EpisodeMetadata>>>()?;
-        let mut tasks: Vec<&str> = self.definition.policies().map(|(task, _)| task).collect();
-        tasks.dedup();
+        let mut tasks = Vec::new();
+        for (task, _) in self.definition.policies() {
+            if !tasks.contains(&task) {
+                tasks.push(task);
+            }
+        }
         let contents = Contents {
             building_type: "all".into(),
             task: tasks.join(", "),
