@@ -12,6 +12,9 @@ use crate::rates;
 const PREPARATION: f64 = 2.5;
 /// Number of preparations in a training run: environments, evaluations, and their templates.
 const OF_TRAINING: f64 = 8.0;
+/// Episodes that a planner simulates for one: the search of `foresight` (unless its schedule is shipped), and the two weeks
+/// before an episode for `mpc`.
+const OF_PLANNERS: [(&str, f64); 2] = [("foresight", 120.0), ("mpc", 2.0)];
 /// Zone time steps of a day.
 const STEPS_PER_DAY: f64 = 288.0;
 
@@ -64,8 +67,9 @@ fn seconds(job: &Job) -> f64 {
         steps => steps as f64 / rates::of_training(job) + trainings as f64 * OF_TRAINING * PREPARATION,
     };
     // The agent of every seed is evaluated, and mostly the reactive controllers, too, for the baseline.
-    let policies = trainings.max(1) + 1;
-    training + policies as f64 * steps * step_time + PREPARATION * episodes.buildings.len() as f64
+    let planner = OF_PLANNERS.iter().find(|(name, _)| *name == job.policy());
+    let policies = trainings.max(1) as f64 * planner.map_or(1.0, |(_, episodes)| *episodes) + 1.0;
+    training + policies * steps * step_time + PREPARATION * episodes.buildings.len() as f64
 }
 
 #[cfg(test)]
@@ -95,6 +99,16 @@ mod tests {
         // 5,000,000 steps take 4.3 minutes in a house and 12 in a medium office.
         let (house, office) = (of("paper/SingleFamilyHouse"), of("paper/OfficeMedium"));
         assert!((260.0..340.0).contains(&house) && (700.0..820.0).contains(&office), "{house} {office}");
+    }
+
+    #[test]
+    fn a_search_takes_its_episodes() {
+        let jobs = jobs("supervision", "controllers");
+        let of = |key: &str| jobs.iter().find(|job| job.key == key).map(seconds).unwrap();
+        let (rule, search) = (of("linear-supervisor/Warehouse"), of("foresight/Warehouse"));
+        // 40 episodes of two weeks at 7,398 steps/s.
+        let episodes = 40.0 * 14.0 * STEPS_PER_DAY / 7398.0;
+        assert!((search - rule - 119.0 * episodes).abs() < 1.0, "{rule} {search}");
     }
 
     #[test]

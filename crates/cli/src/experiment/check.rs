@@ -14,9 +14,9 @@ use crate::terminal::{interrupt, stdout};
 
 /// Evaluate the agents and controllers in a folder of results again and compare with the results
 ///
-/// Checks every agent whose folder (jobs/AGENT/.../agent) is available, and the controllers that the experiment lists.
-/// On a machine that rounds like the one that produced the results, episodes must agree bit for bit; on others, scores
-/// must agree within 0.1 %. Exits with code 1 if one does not agree.
+/// Checks every agent whose folder (jobs/AGENT/.../agent, or agent-SEED of an entry) is available, and the controllers
+/// that the experiment lists. On a machine that rounds like the one that produced the results, episodes must agree bit
+/// for bit; on others, scores must agree within 0.1 %. Exits with code 1 if one does not agree.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

@@ -21,3 +21,4 @@ pub use deviation_chart::{StepDeviations, step_deviations};
 pub use evaluation::write;
 pub use reward_chart::step_rewards;
 pub use series::{Series, labels, rms_deviations};
+pub use trade_off::trade_offs;

@@ -18,6 +18,9 @@ pub struct Agent {
     /// Whether one training run covers all tasks of the experiment, instead of one run per task.
     #[serde(default)]
     pub all_tasks: bool,
+    /// Whether one training run covers all periods of the experiment, instead of one run per period.
+    #[serde(default)]
+    pub all_periods: bool,
     /// The experiment's problems that the agent is entered on.
     #[serde(default)]
     pub problems: Vec<String>,

@@ -19,9 +19,9 @@ pub struct Budget {
     pub seeds: u64,
     /// Number of test buildings of each type.
     pub buildings: Buildings,
-    /// Names of the agents included. Empty: all.
+    /// Names of the agents included; `None`: all.
     #[serde(default)]
-    pub agents: Vec<String>,
+    pub agents: Option<Vec<String>>,
     /// Whether training runs keep the best agent by held-out days as well as the last one, and both are evaluated.
     #[serde(default)]
     pub with_best: bool,
@@ -50,7 +50,7 @@ const OTHERS: &str = "others";
 impl Budget {
     /// Returns whether the budget has an agent.
     pub fn has(&self, agent: &str) -> bool {
-        self.agents.is_empty() || self.agents.iter().any(|name| name == agent)
+        self.agents.as_ref().is_none_or(|names| names.iter().any(|name| name == agent))
     }
 
     /// Returns the budget with the changes of an agent.

@@ -24,7 +24,7 @@ const SHIPPED: [(&str, &str); 15] = [
     ("memory", include_str!("../../data/memory.toml")),
     ("weights", include_str!("../../data/weights.toml")),
     ("operation", include_str!("../../data/operation.toml")),
-    ("foresight", include_str!("../../data/foresight.toml")),
+    ("supervision", include_str!("../../data/supervision.toml")),
     ("speed", include_str!("../../data/speed.toml")),
 ];
 
@@ -138,6 +138,14 @@ mod tests {
         let text = SHIPPED[0].1.replacen("name = \"residual\"", "name = \"guideline36\"", 1);
         let said = Experiment::parse("x", &text).unwrap_err().to_string();
         assert!(said.contains("two agents are named `guideline36`"), "{said}");
+    }
+
+    #[test]
+    fn an_operation_report_adds_up_periods_of_one_training() {
+        let text = SHIPPED.iter().find(|(name, _)| *name == "supervision").unwrap().1;
+        let said =
+            Experiment::parse("x", &text.replacen("all_periods = true", "", 1)).unwrap_err().to_string();
+        assert!(said.contains("agent `graph`") && said.contains("`all_periods` to true"), "{said}");
     }
 
     #[test]

@@ -35,7 +35,7 @@ fn budgets(experiment: &Experiment) -> Result<(), String> {
     for budget in experiment.budgets() {
         let name = &budget.name;
         let is_known = |agent: &&String| experiment.agents.iter().any(|each| each.name == **agent);
-        if let Some(unknown) = budget.agents.iter().find(|agent| !is_known(agent)) {
+        if let Some(unknown) = budget.agents.iter().flatten().find(|agent| !is_known(agent)) {
             return Err(format!("budget `{name}`: the experiment has no agent `{unknown}`"));
         }
         let is_board = experiment.report == ReportKind::Board;
@@ -67,6 +67,15 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
             return Err(format!("two agents are named `{}`", agent.name));
         }
         options(agent).map_err(|error| format!("agent `{}`: {error}", agent.name))?;
+        let is_split = !agent.all_tasks && experiment.tasks.len() > 1
+            || !agent.all_periods && experiment.periods.len() > 1;
+        if experiment.report == ReportKind::Operation && is_split {
+            return Err(format!(
+                "agent `{}`: `report = \"operation\"` adds up periods and compares tasks; set `all_tasks` and \
+                 `all_periods` to true",
+                agent.name
+            ));
+        }
         let unknown = agent.changed_budgets().find(|name| !experiment.budgets.contains_key(*name));
         if let Some(unknown) = unknown {
             return Err(format!("agent `{}`: the experiment has no budget `{unknown}`", agent.name));

@@ -96,8 +96,7 @@ impl JobResult {
             Action::EvaluateLast(_) => self.set(Evaluated::read(&path.join(EVALUATION_LAST), report)?),
             Action::Enter(_) => {
                 let (entry, stages) = read_result(&path.join(ENTRY))?;
-                let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
-                self.rows = test.map_or_else(Vec::new, |(_, rows)| rows.clone());
+                self.rows = test_rows(&stages);
                 self.entry = Some((entry, stages));
             }
             Action::Measure(_) => {
@@ -136,6 +135,12 @@ impl Evaluated {
         }
         Ok(Self { agent_sha256: None, machine, rows, deviations })
     }
+}
+
+/// Returns the test episodes of an entry.
+pub fn test_rows(stages: &Stages) -> Vec<EpisodeResult> {
+    let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
+    test.map_or_else(Vec::new, |(_, rows)| rows.clone())
 }
 
 /// Reads the episodes of an evaluation.

@@ -66,21 +66,19 @@ impl Experiment {
     }
 
     fn trainings(&self, agent: &Agent, budget: &Budget) -> Vec<Job> {
-        let task_sets: Vec<(&str, &[String])> = match agent.all_tasks {
-            true => vec![("all-tasks", &self.tasks)],
-            false => self.tasks.iter().map(|task| (&task[..], std::slice::from_ref(task))).collect(),
-        };
+        let task_sets = parts(&self.tasks, agent.all_tasks, "all-tasks");
+        let period_sets = parts(&self.periods, agent.all_periods, "all-periods");
         let mut jobs = Vec::new();
         for subject in self.subjects(agent.trains, &budget.buildings) {
-            for period in &self.periods {
-                for (label, tasks) in &task_sets {
-                    let key = format!("{}/{}_{label}_{period}", agent.name, subject.name);
-                    let config = config(agent, budget, &subject, tasks, period);
+            for (period, periods) in &period_sets {
+                for (task, tasks) in &task_sets {
+                    let key = format!("{}/{}_{task}_{period}", agent.name, subject.name);
                     let episodes = Episodes {
                         buildings: subject.tests.clone(),
                         tasks: tasks.to_vec(),
-                        periods: vec![period.clone()],
+                        periods: periods.to_vec(),
                     };
+                    let config = config(agent, budget, &subject, &episodes);
                     jobs.extend((0..budget.seeds).map(|seed| Job {
                         key: format!("{key}_{seed}"),
                         actions: actions(budget, config.clone(), seed, &episodes),
@@ -123,15 +121,23 @@ impl Experiment {
     }
 }
 
-/// Returns the options of a training.
-fn config(agent: &Agent, budget: &Budget, subject: &Subject, tasks: &[String], period: &str) -> Table {
+/// Returns what each training covers, with a label: every value by itself, or all together.
+fn parts<'a>(values: &'a [String], together: bool, label: &'a str) -> Vec<(&'a str, &'a [String])> {
+    match together {
+        true => vec![(label, values)],
+        false => values.iter().map(|value| (&value[..], std::slice::from_ref(value))).collect(),
+    }
+}
+
+/// Returns the options of a training run for some episodes.
+fn config(agent: &Agent, budget: &Budget, subject: &Subject, episodes: &Episodes) -> Table {
     let mut config = agent.options.clone();
     if budget.with_best {
         config.insert("keep".to_owned(), Value::String("best".into()));
     }
     config.extend(subject.options.clone());
-    config.insert("task".to_owned(), Value::String(tasks.join(",")));
-    config.insert("period".to_owned(), Value::String(period.to_owned()));
+    config.insert("task".to_owned(), Value::String(episodes.tasks.join(",")));
+    config.insert("period".to_owned(), Value::String(episodes.periods.join(",")));
     config
 }
 
@@ -223,6 +229,23 @@ mod tests {
         assert_eq!((job.policy(), job.steps(), job.actions.len()), ("own", 0, 1));
         let trained = &jobs("ppo", "quick")[0];
         assert_eq!(trained.policy(), AGENT);
+    }
+
+    #[test]
+    fn one_training_covers_all_periods_and_a_budget_may_be_without_agents() {
+        let jobs_of = |budget: &str| jobs("supervision", budget);
+        let full = jobs_of("full");
+        let of = |agent: &str| full.iter().filter(|job| job.agent() == agent).collect::<Vec<_>>();
+        let [graph, ..] = of("graph")[..] else { unreachable!() };
+        assert_eq!(graph.key, "graph/all-types_operate_all-periods_0");
+        assert_eq!((graph.episode_count(), graph.episodes().unwrap().periods.len()), (240, 5));
+        let Action::Train { config, .. } = &graph.actions[0] else { unreachable!() };
+        assert_eq!(
+            config["period"].as_str(),
+            Some("peak-heating,typical-heating,peak-cooling,typical-cooling,mixed")
+        );
+        assert_eq!((of("graph").len(), of("flat").len(), of("specialist").len()), (3, 18, 48));
+        assert!(jobs_of("controllers").iter().all(|job| job.trainings() == 0));
     }
 
     #[test]

@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 
 use b2b_agent::Agent;
 use b2b_base::{machine, parallel};
+use b2b_benchmark::entry::read_result;
 use b2b_evaluate::EpisodeResult;
 
 use super::order::Order;
 use super::runner::Runner;
 use crate::definition::{Budget, Experiment, best_of};
 use crate::error::{Error, Result, at};
-use crate::folder::{EVALUATION, JobResult, read_rows};
-use crate::job::{AGENT, Action, Episodes, Job, LAST_AGENT};
+use crate::folder::{ENTRY, EVALUATION, JobResult, read_rows, test_rows};
+use crate::job::{AGENT, Action, Entry, Episodes, Job, LAST_AGENT};
 
 /// Relative difference of scores on machines that do not give the same bits.
 const TOLERANCE: f64 = 1e-3;
@@ -31,6 +32,8 @@ struct Subject<'a> {
     name: String,
     policy: Checkable,
     episodes: &'a Episodes,
+    /// The entry on a benchmark problem that the episodes belong to.
+    entry: Option<&'a Entry>,
     agent_sha256: Option<&'a str>,
     machine: &'a str,
     rows: &'a [EpisodeResult],
@@ -47,8 +50,8 @@ enum Checkable {
 /// Re-evaluates the experiment's `controllers` and the agents whose folders are available, and compares their episodes
 /// with the results that `Folder::keep` kept: bit for bit on a machine that rounds like the one that produced them,
 /// otherwise scores within a relative 0.001. With `buildings`, at most that many buildings of each agent are evaluated,
-/// evenly spaced over its results. `done` is called with every check. Entries on benchmark problems are left out:
-/// `b2b benchmark verify` checks them.
+/// evenly spaced over its results. `done` is called with every check. Agents that were entered on a benchmark problem are
+/// entered again; entries of built-in policies are left out.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is neither; the errors of [`Runner::run`].
@@ -81,10 +84,14 @@ fn subjects<'a>(
     job: &'a Job,
     result: &'a JobResult,
 ) -> Vec<Subject<'a>> {
-    let Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) = job.actions.last() else {
-        return Vec::new();
-    };
     let folder = runner.folder.job(job);
+    let episodes = match job.actions.last() {
+        Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) => episodes,
+        Some(Action::Enter(entry)) => {
+            return entered(folder.path(), job, entry, result).into_iter().collect();
+        }
+        _ => return Vec::new(),
+    };
     let policy = match job.policy() {
         AGENT if result.best.is_some() => Checkable::Agent(folder.path().join(LAST_AGENT)),
         AGENT => Checkable::Agent(folder.path().join(AGENT)),
@@ -94,6 +101,7 @@ fn subjects<'a>(
         name: job.key.clone(),
         policy,
         episodes,
+        entry: None,
         agent_sha256: result.agent_sha256.as_deref(),
         machine: &result.machine,
         rows: &result.rows,
@@ -102,11 +110,32 @@ fn subjects<'a>(
         name: best_of(&job.key),
         policy: Checkable::Agent(folder.path().join(AGENT)),
         episodes,
+        entry: None,
         agent_sha256: best.agent_sha256.as_deref(),
         machine: &best.machine,
         rows: &best.rows,
     });
     [own].into_iter().chain(best).filter(|subject| subject.policy.is_at_hand(experiment)).collect()
+}
+
+/// Returns the agents of an entry, one for each seed; `None` unless all are available.
+fn entered<'a>(path: &Path, job: &'a Job, entry: &'a Entry, result: &'a JobResult) -> Option<Subject<'a>> {
+    let agent = |action: &Action| match action {
+        Action::Train { agent, .. } => Some(path.join(agent)),
+        _ => None,
+    };
+    let agents: Vec<PathBuf> = job.actions.iter().filter_map(agent).collect();
+    let are_all = agents.iter().all(|agent| agent.join("agent.json").exists());
+    Some(Subject {
+        name: job.key.clone(),
+        // Results have the hash of the last one.
+        policy: Checkable::Agent(agents.last().filter(|_| are_all)?.clone()),
+        episodes: &entry.episodes,
+        entry: Some(entry),
+        agent_sha256: result.agent_sha256.as_deref(),
+        machine: &result.machine,
+        rows: &result.rows,
+    })
 }
 
 /// Returns why a result does not match its agent or controller; `None` if it does.
@@ -115,14 +144,15 @@ fn fault(
     subject: &Subject<'_>,
     buildings: Option<NonZeroUsize>,
 ) -> Result<Option<String>> {
-    let Subject { policy, episodes, .. } = subject;
+    let Subject { policy, episodes, entry, .. } = subject;
     let policy = match policy {
         Checkable::Controller(name) => name.clone(),
         Checkable::Agent(path) => {
             if let Some(fault) = other_agent(path, subject.agent_sha256) {
                 return Ok(Some(fault));
             }
-            std::path::absolute(path).map_err(at(path))?.to_string_lossy().into_owned()
+            let path = entry.map_or_else(|| path.clone(), |entry| path.with_file_name(&entry.policy));
+            std::path::absolute(&path).map_err(at(&path))?.to_string_lossy().into_owned()
         }
     };
     let temporary = std::env::temp_dir();
@@ -130,14 +160,22 @@ fn fault(
     let buildings = spread(&episodes.buildings, buildings);
     let is_own = |row: &&EpisodeResult| buildings.contains(&row.info.building);
     let there: Vec<EpisodeResult> = subject.rows.iter().filter(is_own).cloned().collect();
-    let episodes = Episodes { buildings, ..(*episodes).clone() };
-    let order = Order::evaluate(&policy, &episodes, EVALUATION);
+    let order = match entry {
+        Some(entry) => {
+            let entry = Entry { policy, test: buildings, ..(*entry).clone() };
+            Order::Enter { entry, name: "again".into(), out: ENTRY.into() }
+        }
+        None => Order::evaluate(&policy, &Episodes { buildings, ..(*episodes).clone() }, EVALUATION),
+    };
     if let Some(error) =
         runner.carry_out(&order, again.path(), &again.path().join("log.txt"), None, &mut || ())?
     {
         return Ok(Some(error));
     }
-    let rows = read_rows(&again.path().join(EVALUATION))?;
+    let rows = match entry {
+        Some(_) => test_rows(&read_result(&again.path().join(ENTRY))?.1),
+        None => read_rows(&again.path().join(EVALUATION))?,
+    };
     Ok(difference(&there, &rows, subject.machine == machine::fingerprint()))
 }
 

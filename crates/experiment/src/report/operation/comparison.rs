@@ -46,8 +46,11 @@ impl Comparison {
         Self { pairs }
     }
 
-    /// Returns the number of buildings where the guideline holds.
+    /// Returns the number of buildings where the guideline holds, if buildings were run under both.
     pub(super) fn tiles(&self) -> Vec<(String, String)> {
+        if self.pairs.is_empty() {
+            return Vec::new();
+        }
         let holds = self.pairs.iter().filter(|pair| pair.holds()).count();
         let name =
             format!("buildings where {GUIDELINE} needs no more energy than {OWN} at no more discomfort");

@@ -4,6 +4,7 @@ use b2b_env::{EpisodeMetrics, Term};
 use b2b_evaluate::{EpisodeResult, Scored};
 
 use crate::definition::Experiment;
+use crate::folder::JobResult;
 use crate::results::Results;
 
 /// Names of [`Figures::values`] with their units.
@@ -37,26 +38,26 @@ pub(super) struct Figures {
 }
 
 impl Figures {
-    /// Returns the figures of a controller's episodes: one for all tasks of a building and period, in the order in
-    /// which they ran. Energy and comfort come from the first task, whose tariff no controller of these experiments
-    /// reads.
+    /// Returns the figures of a policy's episodes: one for all tasks of a job, building and period, in the order in which
+    /// they ran. Energy and comfort come from the first task.
     pub(super) fn of_episodes(
         experiment: &Experiment,
         results: &Results,
-        controller: &str,
-        is_own: impl Fn(&EpisodeResult) -> bool,
+        policy: &str,
+        is_own: impl Fn(&JobResult, &EpisodeResult) -> bool,
     ) -> Vec<Self> {
-        let rows: Vec<&EpisodeResult> =
-            results.of(controller).map(|(_, row)| row).filter(|row| is_own(row)).collect();
-        let first = rows.iter().filter(|row| Some(&row.info.task) == experiment.tasks.first());
-        let figures = |row: &&EpisodeResult| {
+        let rows: Vec<(&JobResult, &EpisodeResult)> =
+            results.of(policy).filter(|(job, row)| is_own(job, row)).collect();
+        let first = rows.iter().filter(|(_, row)| Some(&row.info.task) == experiment.tasks.first());
+        let figures = |(job, row): &(&JobResult, &EpisodeResult)| {
             let cost = |task: &String| {
                 let info = &row.info;
-                let same = rows.iter().find(|other| {
+                let same = rows.iter().find(|(other_job, other)| {
                     let other = &other.info;
-                    other.task == *task && other.building == info.building && other.period == info.period
+                    let is_same = other.building == info.building && other.period == info.period;
+                    other_job.key == job.key && other.task == *task && is_same
                 });
-                same.and_then(|row| row.metrics()?.cost_tot).unwrap_or(f64::NAN)
+                same.and_then(|(_, row)| row.metrics()?.cost_tot).unwrap_or(f64::NAN)
             };
             Self::of(row, experiment.tasks.iter().map(cost).collect())
         };

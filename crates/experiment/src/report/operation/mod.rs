@@ -1,8 +1,9 @@
-//! Cost, energy, discomfort and peak demand of controllers by type and period, and how the guideline controller
-//! compares with the buildings' own controls.
+//! Cost, energy, discomfort and peak demand of controllers and agents by type and period, what they save against the
+//! guideline controller, and how that one compares with the buildings' own controls.
 
 mod comparison;
 mod figures;
+mod savings;
 mod way;
 
 use b2b_evaluate::statistics::median;
@@ -13,6 +14,7 @@ use self::comparison::{Comparison, GUIDELINE};
 use self::figures::{Figures, HEADER};
 use super::content::Content;
 use crate::definition::Experiment;
+use crate::folder::JobResult;
 use crate::results::Results;
 
 /// Name used instead of a period for all periods together.
@@ -20,22 +22,30 @@ const TOGETHER: &str = "together";
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let comparison = Comparison::of(experiment, results);
-    let mut tables = vec![by_type(experiment, results)];
+    let mut tables = savings::tables(experiment, results);
+    tables.push(by_type(experiment, results));
     tables.extend(way::table(experiment, results));
     tables.extend(comparison.tables());
     tables.push(by_period(experiment, results));
-    Content { tiles: comparison.tiles(), tables, charts: Vec::new(), notes: notes() }
+    let charts = savings::charts(experiment, results);
+    Content { tiles: comparison.tiles(), tables, charts, notes: notes() }
+}
+
+/// Returns the names of the controllers and of the budget's agents.
+fn policies(experiment: &Experiment, results: &Results) -> Vec<String> {
+    let agents = experiment.policies(&results.budget).into_iter().map(|policy| policy.name);
+    experiment.kept_controllers().map(str::to_owned).chain(agents).collect()
 }
 
 /// Returns the medians over the buildings of each type of the sums over the periods.
 fn by_type(experiment: &Experiment, results: &Results) -> Value {
     let mut rows = Vec::new();
     for building_type in &experiment.types {
-        for controller in experiment.kept_controllers() {
+        for policy in policies(experiment, results) {
             let of_building = |(_, figures): &(String, Vec<Figures>)| Figures::together(figures);
-            let buildings = buildings(experiment, results, controller, building_type.name());
+            let buildings = buildings(experiment, results, &policy, building_type.name());
             let all: Vec<Figures> = buildings.iter().filter_map(of_building).collect();
-            rows.extend(cells(building_type.name(), TOGETHER, controller, &all));
+            rows.extend(cells(building_type.name(), TOGETHER, &policy, &all));
         }
     }
     table(
@@ -51,41 +61,45 @@ fn by_period(experiment: &Experiment, results: &Results) -> Value {
     let mut rows = Vec::new();
     for building_type in &experiment.types {
         for period in &experiment.periods {
-            for controller in experiment.kept_controllers() {
-                let is_own = |row: &EpisodeResult| {
+            for policy in policies(experiment, results) {
+                let is_own = |_: &JobResult, row: &EpisodeResult| {
                     row.info.building_type == building_type.name() && row.info.period == *period
                 };
-                let all = Figures::of_episodes(experiment, results, controller, is_own);
-                rows.extend(cells(building_type.name(), period, controller, &all));
+                let all = Figures::of_episodes(experiment, results, &policy, is_own);
+                rows.extend(cells(building_type.name(), period, &policy, &all));
             }
         }
     }
     table(experiment, "By type and period", "two weeks each; medians over the buildings", &rows)
 }
 
-/// Returns the figures of a controller in the buildings of a type: for each building, one per period.
+/// Returns the figures of a policy in the buildings of a type: for each building, one per period. An agent has them for
+/// each of its seeds.
 fn buildings(
     experiment: &Experiment,
     results: &Results,
-    controller: &str,
+    policy: &str,
     building_type: &str,
 ) -> Vec<(String, Vec<Figures>)> {
-    let mut names: Vec<&str> = Vec::new();
-    for (_, row) in results.of(controller) {
-        if row.info.building_type == building_type && !names.contains(&&row.info.building[..]) {
-            names.push(&row.info.building);
+    let mut visits: Vec<(&str, &str)> = Vec::new();
+    for (job, row) in results.of(policy) {
+        let visit = (&job.key[..], &row.info.building[..]);
+        if row.info.building_type == building_type && !visits.contains(&visit) {
+            visits.push(visit);
         }
     }
-    let of =
-        |name: &str| Figures::of_episodes(experiment, results, controller, |row| row.info.building == name);
-    names.into_iter().map(|name| (name.to_owned(), of(name))).collect()
+    let of = |(key, name): (&str, &str)| {
+        let is_own = |job: &JobResult, row: &EpisodeResult| job.key == key && row.info.building == name;
+        (name.to_owned(), Figures::of_episodes(experiment, results, policy, is_own))
+    };
+    visits.into_iter().map(of).collect()
 }
 
 /// Returns a row of medians; `None` without an episode.
-fn cells(building_type: &str, period: &str, controller: &str, all: &[Figures]) -> Option<Vec<String>> {
+fn cells(building_type: &str, period: &str, policy: &str, all: &[Figures]) -> Option<Vec<String>> {
     let first = all.first()?;
     let mut cells =
-        vec![building_type.to_owned(), period.to_owned(), controller.to_owned(), all.len().to_string()];
+        vec![building_type.to_owned(), period.to_owned(), policy.to_owned(), all.len().to_string()];
     let of = |value: &dyn Fn(&Figures) -> f64| {
         let mut values: Vec<f64> = all.iter().map(value).collect();
         values.sort_by(f64::total_cmp);
@@ -99,7 +113,7 @@ fn cells(building_type: &str, period: &str, controller: &str, all: &[Figures]) -
 }
 
 fn table(experiment: &Experiment, name: &str, title: &str, rows: &[Vec<String>]) -> Value {
-    let mut header = ["type", "period", "controller", "episodes"].map(str::to_owned).to_vec();
+    let mut header = ["type", "period", "policy", "episodes"].map(str::to_owned).to_vec();
     header.extend(experiment.tasks.iter().map(|task| format!("cost, {task} (per m²)")));
     header.extend(HEADER.map(str::to_owned));
     header.push("beyond the free discomfort".to_owned());

@@ -1,31 +1,32 @@
-//! How far controllers get from the guideline's cost to the best known one, which `foresight` finds.
+//! How far policies get from the guideline's cost to the best known one, which `foresight` finds.
 
-use b2b_evaluate::statistics::median;
+use b2b_evaluate::statistics::{mean, median};
 use serde_json::{Value, json};
 
-use super::buildings;
 use super::comparison::GUIDELINE;
 use super::figures::Figures;
+use super::{buildings, policies};
 use crate::definition::Experiment;
 use crate::results::Results;
 
 /// The controller with the best known costs.
 const BEST: &str = "foresight";
 
-/// An episode under the guideline, under the best known schedule, and under the other controllers that ran it.
+/// An episode under the guideline, under the best known schedule, and under the other policies that ran it: the mean cost
+/// over seeds.
 struct Episode {
     period: String,
     guideline: Figures,
     best: Figures,
-    others: Vec<Option<Figures>>,
+    others: Vec<Option<f64>>,
 }
 
-/// Returns the table of savings and the share of them that controllers reach, by type and period; `None` without the
+/// Returns the table of savings and the share of them that policies reach, by type and period; `None` without the
 /// best known costs.
 pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value> {
     experiment.kept_controllers().find(|controller| *controller == BEST)?;
-    let others: Vec<&str> =
-        experiment.kept_controllers().filter(|controller| ![GUIDELINE, BEST].contains(controller)).collect();
+    let mut others = policies(experiment, results);
+    others.retain(|policy| ![GUIDELINE, BEST].contains(&&policy[..]));
     let mut rows = Vec::new();
     let mut all = Vec::new();
     for building_type in &experiment.types {
@@ -50,7 +51,7 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
     ]
     .map(str::to_owned)
     .to_vec();
-    header.extend(others.iter().map(|controller| format!("share of the saving, {controller} (%)")));
+    header.extend(others.iter().map(|policy| format!("share of the saving, {policy} (%)")));
     Some(json!({
         "name": "Savings of foresight, and the share that others reach",
         "title": "medians over the episodes; shares are of the cost that foresight saves",
@@ -63,20 +64,20 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
 fn episodes(
     experiment: &Experiment,
     results: &Results,
-    others: &[&str],
+    others: &[String],
     building_type: &str,
 ) -> Vec<Episode> {
-    let of = |controller: &str| buildings(experiment, results, controller, building_type);
+    let of = |policy: &str| buildings(experiment, results, policy, building_type);
     let (bests, others): (Vec<_>, Vec<_>) = (of(BEST), others.iter().map(|other| of(other)).collect());
     let mut episodes = Vec::new();
     for (building, periods) in of(GUIDELINE) {
         for guideline in periods {
-            let same = |all: &[(String, Vec<Figures>)]| {
-                let (_, periods) = all.iter().find(|(name, _)| *name == building)?;
-                periods.iter().find(|figures| figures.period == guideline.period).cloned()
+            let same = |all: &[(String, Vec<Figures>)]| -> Vec<Figures> {
+                let own = all.iter().filter(|(name, _)| *name == building).flat_map(|(_, periods)| periods);
+                own.filter(|figures| figures.period == guideline.period).cloned().collect()
             };
-            let Some(best) = same(&bests) else { continue };
-            let others = others.iter().map(|other| same(other)).collect();
+            let Some(best) = same(&bests).pop() else { continue };
+            let others = others.iter().map(|other| cost(&same(other))).collect();
             episodes.push(Episode { period: guideline.period.clone(), guideline, best, others });
         }
     }
@@ -90,7 +91,7 @@ fn cells(building_type: &str, period: &str, episodes: &[&Episode], others: usize
         median(&values)
     };
     let mut savings: Vec<f64> =
-        episodes.iter().map(|episode| 100.0 * episode.saving(&episode.best)).collect();
+        episodes.iter().map(|episode| 100.0 * episode.saving(episode.best.costs[0])).collect();
     savings.sort_by(f64::total_cmp);
     let (least, most) = (savings.first()?, savings.last()?);
     let discomfort = |of: fn(&Episode) -> &Figures| {
@@ -108,8 +109,8 @@ fn cells(building_type: &str, period: &str, episodes: &[&Episode], others: usize
     });
     for other in 0..others {
         let share = |episode: &&Episode| {
-            let way = episode.saving(&episode.best);
-            let gone = episode.saving(episode.others[other].as_ref()?);
+            let way = episode.saving(episode.best.costs[0]);
+            let gone = episode.saving(episode.others[other]?);
             (way > 0.0).then(|| 100.0 * gone / way)
         };
         let shares: Vec<f64> = episodes.iter().filter_map(share).collect();
@@ -118,10 +119,16 @@ fn cells(building_type: &str, period: &str, episodes: &[&Episode], others: usize
     Some(cells)
 }
 
+/// Returns the mean cost under the first task; `None` without an episode.
+fn cost(seeds: &[Figures]) -> Option<f64> {
+    let costs: Vec<f64> = seeds.iter().map(|figures| figures.costs[0]).collect();
+    (!costs.is_empty()).then(|| mean(&costs))
+}
+
 impl Episode {
-    /// Returns the share of the guideline's cost under the first task that a controller saves.
-    fn saving(&self, own: &Figures) -> f64 {
-        1.0 - own.costs[0] / self.guideline.costs[0]
+    /// Returns the share of the guideline's cost under the first task that another cost saves.
+    fn saving(&self, cost: f64) -> f64 {
+        1.0 - cost / self.guideline.costs[0]
     }
 }
 
@@ -130,13 +137,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_controller_halfway_between_the_guideline_and_the_best_goes_half_of_the_way() {
+    fn a_policy_halfway_between_the_guideline_and_the_best_goes_half_of_the_way() {
         let at = |cost: f64| Figures { costs: vec![cost], discomfort: cost, ..Figures::default() };
         let episode = |guideline: f64, best: f64, other: Option<f64>| Episode {
             period: "mixed".into(),
             guideline: at(guideline),
             best: at(best),
-            others: vec![other.map(at)],
+            others: vec![other],
         };
         let all = [episode(2.0, 1.0, Some(1.5)), episode(1.0, 0.9, Some(1.0)), episode(1.0, 0.8, None)];
         let row = cells("type", "mixed", &all.iter().collect::<Vec<_>>(), 1).unwrap();

@@ -1,0 +1,150 @@
+//! What policies save against the guideline controller, at comfort.
+
+use b2b_evaluate::report::{Chart, Series, trade_offs};
+use b2b_evaluate::statistics::{Cluster, aggregate_clusters};
+use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT, relative_resource};
+use serde_json::{Value, json};
+
+use super::comparison::GUIDELINE;
+use super::{TOGETHER, policies};
+use crate::definition::Experiment;
+use crate::results::Results;
+
+/// Difference of a score from 1 below which it is no difference.
+const MARGIN: f64 = 0.01;
+/// Seed of the bootstrap.
+const SEED: u64 = 0;
+/// Name used instead of a type for all types.
+const ALL: &str = "all";
+/// Height of the chart of all episodes, pixels.
+const HEIGHT: u32 = 460;
+
+/// The episodes of a row: by type, all seeds.
+type Strata<'a> = Vec<Vec<&'a EpisodeResult>>;
+
+/// Returns a table over all periods and one by period.
+pub(super) fn tables(experiment: &Experiment, results: &Results) -> Vec<Value> {
+    let each: Vec<&str> = experiment.periods.iter().map(String::as_str).collect();
+    [
+        (format!("Savings against {GUIDELINE}"), vec![TOGETHER]),
+        (format!("Savings against {GUIDELINE} by period"), each),
+    ]
+    .into_iter()
+    .filter_map(|(name, periods)| table(experiment, results, &name, &periods))
+    .collect()
+}
+
+/// Returns the chart of cost and discomfort of every episode.
+pub(super) fn charts(experiment: &Experiment, results: &Results) -> Vec<Chart> {
+    let others = others(experiment, results);
+    let series = |name| {
+        let episodes = results.of(name).filter_map(|(_, row)| Some((&row.info, row.scored()?)));
+        Series { name, episodes: episodes.collect() }
+    };
+    trade_offs(&others.iter().map(|name| series(name)).collect::<Vec<_>>(), HEIGHT, true)
+}
+
+fn others(experiment: &Experiment, results: &Results) -> Vec<String> {
+    let mut others = policies(experiment, results);
+    others.retain(|policy| policy != GUIDELINE);
+    others
+}
+
+fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str]) -> Option<Value> {
+    let types: Vec<&str> = experiment.types.iter().map(|each| each.name()).collect();
+    let mut rows = Vec::new();
+    for task in &experiment.tasks {
+        for building_type in types.iter().copied().chain([ALL]) {
+            for period in periods {
+                for policy in others(experiment, results) {
+                    let own = |row: &EpisodeResult, each: &str| {
+                        row.info.task == *task
+                            && row.info.building_type == each
+                            && [&row.info.period[..], TOGETHER].contains(period)
+                            && [each, ALL].contains(&building_type)
+                    };
+                    let of_type = |each: &&str| {
+                        results.of(&policy).map(|(_, row)| row).filter(|row| own(row, each)).collect()
+                    };
+                    let strata: Strata<'_> = types.iter().map(of_type).collect();
+                    let names = [building_type, period, task, &policy].map(str::to_owned);
+                    rows.extend(cells(&strata).map(|cells| [names.to_vec(), cells].concat()));
+                }
+            }
+        }
+    }
+    (!rows.is_empty()).then(|| {
+        json!({
+            "name": name,
+            "title": format!(
+                "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
+                 intervals over buildings; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
+                 zone and day of discomfort beyond the guideline's; scores within {MARGIN} of 1 are no difference"
+            ),
+            "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "cost (%)", "comfortable (%)",
+                       "episodes", format!("below {:.2}", 1.0 - MARGIN), format!("above {:.2}", 1.0 + MARGIN)],
+            "rows": rows,
+        })
+    })
+}
+
+/// Returns the figures of a row; `None` without a score.
+fn cells(strata: &Strata<'_>) -> Option<Vec<String>> {
+    let all = || strata.iter().flatten().copied();
+    let scores: Vec<f64> = all().filter_map(EpisodeResult::score).collect();
+    let clusters: Vec<Vec<Cluster>> = strata.iter().map(|rows| by_building(rows)).collect();
+    let aggregate = aggregate_clusters(&clusters, SEED)?;
+    let count = |is_own: &dyn Fn(f64) -> bool| scores.iter().filter(|score| is_own(**score)).count();
+    let uncomfortable = all().filter(|row| {
+        row.scored().and_then(|own| own.is_uncomfortable(row.info.steps_per_hour)) == Some(true)
+    });
+    let comfortable = 1.0 - uncomfortable.count() as f64 / scores.len() as f64;
+    Some(vec![
+        aggregate.episodes.to_string(),
+        aggregate.median.to_string(),
+        relative_resource(all()).map_or_else(String::new, |ratio| format!("{:+.1}", 100.0 * (ratio - 1.0))),
+        format!("{:.0}", 100.0 * comfortable),
+        scores.len().to_string(),
+        count(&|score| score < 1.0 - MARGIN).to_string(),
+        count(&|score| score > 1.0 + MARGIN).to_string(),
+    ])
+}
+
+/// Returns the scores of each building.
+fn by_building(rows: &[&EpisodeResult]) -> Vec<Cluster> {
+    let mut buildings: Vec<(&str, Cluster)> = Vec::new();
+    for row in rows {
+        let Some(score) = row.score() else { continue };
+        match buildings.iter_mut().find(|(name, _)| *name == row.info.building) {
+            Some((_, scores)) => scores.push(score),
+            None => buildings.push((&row.info.building, vec![score])),
+        }
+    }
+    buildings.into_iter().map(|(_, scores)| scores).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::folder::Folder;
+
+    #[test]
+    fn the_shipped_results_of_operation_show_what_controllers_cost_beyond_the_guideline() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../results/operation"));
+        let (folder, experiment, budget) = Folder::open(path).unwrap();
+        let results = Results::read(&folder, &experiment, &budget).unwrap();
+        let [together, by_period] = &tables(&experiment, &results)[..] else { panic!("two tables") };
+        let rows = |table: &Value| table["rows"].as_array().unwrap().clone();
+        assert_eq!((rows(together).len(), rows(by_period).len()), (7 * 2, 7 * 5 * 2));
+        let last = &rows(together)[13];
+        assert_eq!(
+            (&last[0], &last[3], &last[4], &last[8]),
+            (&json!("all"), &json!("reactive"), &json!("48"), &json!("240"))
+        );
+        // The reactive controllers hold the middle of the band day and night.
+        assert_eq!((&last[7], &last[9], &last[10]), (&json!("100"), &json!("0"), &json!("240")));
+        assert_eq!(charts(&experiment, &results)[0].data.as_array().unwrap().len(), 3, "and the baseline");
+    }
+}
