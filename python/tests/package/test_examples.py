@@ -148,7 +148,7 @@ def test_a_transformer_learns_from_a_corpus_and_is_entered_with_its_memory(b2b_c
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     short = ["--updates", 8, "--batch", 2, "--test", "SingleFamilyHouse-0018", "--windows", "01-01..01-07"]
     printed = run(EXAMPLES / "decision_pretrained.py", tmp_path / "b2b/one-v0", tmp_path / "entries", *short)
-    assert re.findall(r"(\w+): score \d", printed) == ["cloned", "transformer"]
+    assert re.findall(r"(\w+): median resolved scores: operate\+preview \d", printed) == ["cloned", "transformer"]
 
 
 @pytest.mark.learners
