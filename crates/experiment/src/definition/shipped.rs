@@ -10,7 +10,7 @@ use super::validation;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 15] = [
+const SHIPPED: [(&str, &str); 16] = [
     ("ppo", include_str!("../../data/ppo.toml")),
     ("direct", include_str!("../../data/direct.toml")),
     ("residual", include_str!("../../data/residual.toml")),
@@ -22,6 +22,7 @@ const SHIPPED: [(&str, &str); 15] = [
     ("cross-domain", include_str!("../../data/cross-domain.toml")),
     ("board", include_str!("../../data/board.toml")),
     ("memory", include_str!("../../data/memory.toml")),
+    ("memory-specialists", include_str!("../../data/memory-specialists.toml")),
     ("weights", include_str!("../../data/weights.toml")),
     ("operation", include_str!("../../data/operation.toml")),
     ("supervision", include_str!("../../data/supervision.toml")),

@@ -201,8 +201,6 @@ fn an_agent_is_entered_on_a_benchmark_problem() {
     assert_eq!((&result["name"], result["training_steps"].as_u64()), (&"residual".into(), Some(1152)));
     let page = std::fs::read_to_string(path.join("out/report.html")).unwrap();
     assert!(page.contains("goal-energy-weight"));
-    let checked = json(path, "experiment check out");
-    assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(1), Some(1)), "{checked}");
     let jobs = std::fs::read_to_string(path.join("out/jobs.json")).unwrap();
     let hash = results["episodes"][0]["trajectory_hash"].as_str().unwrap();
     std::fs::write(path.join("out/jobs.json"), jobs.replace(hash, "0")).unwrap();
