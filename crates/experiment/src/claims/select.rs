@@ -27,7 +27,7 @@ pub(super) fn by_building<'a>(
 }
 
 /// Returns the values of episodes, one list per building.
-pub(super) fn lists<'a>(
+pub(crate) fn lists<'a>(
     rows: &[&'a EpisodeResult],
     value: impl Fn(&'a Scored) -> Option<f64>,
 ) -> Vec<Vec<f64>> {

@@ -150,6 +150,16 @@ mod tests {
     }
 
     #[test]
+    fn tasks_and_periods_of_an_entry_are_those_of_its_problem() {
+        let text = SHIPPED.iter().find(|(name, _)| *name == "memory").unwrap().1;
+        for option in ["all_tasks", "all_periods"] {
+            let text = text.replacen("trains = ", &format!("{option} = true\ntrains = "), 1);
+            let said = Experiment::parse("x", &text).unwrap_err().to_string();
+            assert!(said.contains("agent `flat`") && said.contains("no effect"), "{said}");
+        }
+    }
+
+    #[test]
     fn a_misspelled_budget_is_answered_with_the_right_one_and_a_faulty_one_refused() {
         let said = Experiment::named("ppo").unwrap().budget("paper-prat").unwrap_err().to_string();
         assert!(

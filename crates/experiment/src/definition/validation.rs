@@ -111,6 +111,12 @@ fn problems(experiment: &Experiment) -> Result<(), String> {
                 agent.name
             ));
         }
+        if is_entered && (agent.all_tasks || agent.all_periods) {
+            return Err(format!(
+                "agent `{}`: `all_tasks` and `all_periods` have no effect with `trains = \"problem\"`; remove them",
+                agent.name
+            ));
+        }
         if let Some(other) = agent.problems.iter().find(|name| !experiment.problems.contains(name)) {
             return Err(format!("agent `{}`: `{other}` is not in the experiment's `problems`", agent.name));
         }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::comparison::GUIDELINE;
 use super::{TOGETHER, policies};
+use crate::claims::lists;
 use crate::definition::Experiment;
 use crate::results::Results;
 
@@ -78,7 +79,7 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
             "name": name,
             "title": format!(
                 "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
-                 intervals over buildings; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
+                 intervals over buildings, periods and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
                  zone and day of discomfort beyond the guideline's; scores within {MARGIN} of 1 are no difference"
             ),
             "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "cost (%)", "comfortable (%)",
@@ -90,9 +91,9 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
 
 /// Returns the figures of a row; `None` without a score.
 fn cells(strata: &Strata<'_>) -> Option<Vec<String>> {
-    let all = || strata.iter().flatten().copied();
+    let all = || strata.iter().flatten().copied().filter(|row| row.score().is_some());
     let scores: Vec<f64> = all().filter_map(EpisodeResult::score).collect();
-    let clusters: Vec<Vec<Cluster>> = strata.iter().map(|rows| by_building(rows)).collect();
+    let clusters: Vec<Vec<Cluster>> = strata.iter().map(|rows| lists(rows, |scored| scored.score)).collect();
     let aggregate = aggregate_clusters(&clusters, SEED)?;
     let count = |is_own: &dyn Fn(f64) -> bool| scores.iter().filter(|score| is_own(**score)).count();
     let uncomfortable = all().filter(|row| {
@@ -108,19 +109,6 @@ fn cells(strata: &Strata<'_>) -> Option<Vec<String>> {
         count(&|score| score < 1.0 - MARGIN).to_string(),
         count(&|score| score > 1.0 + MARGIN).to_string(),
     ])
-}
-
-/// Returns the scores of each building.
-fn by_building(rows: &[&EpisodeResult]) -> Vec<Cluster> {
-    let mut buildings: Vec<(&str, Cluster)> = Vec::new();
-    for row in rows {
-        let Some(score) = row.score() else { continue };
-        match buildings.iter_mut().find(|(name, _)| *name == row.info.building) {
-            Some((_, scores)) => scores.push(score),
-            None => buildings.push((&row.info.building, vec![score])),
-        }
-    }
-    buildings.into_iter().map(|(_, scores)| scores).collect()
 }
 
 #[cfg(test)]
