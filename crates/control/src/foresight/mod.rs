@@ -93,7 +93,7 @@ pub struct ScheduleSearchOptions {
 
 impl Default for ScheduleSearchOptions {
     fn default() -> Self {
-        Self { block_hours: 4, rounds: 8, pairs: 5, seed: 0 }
+        Self { block_hours: 4, rounds: 6, pairs: 5, seed: 0 }
     }
 }
 
@@ -103,7 +103,9 @@ impl ScheduleSearchOptions {
     /// # Errors
     /// [`Error::Values`] if `block_hours` is not a divisor of 24.
     pub fn episodes(&self, spaces: &Spaces) -> Result<usize> {
-        Ok(self.effort().episodes(self.varied(spaces)?.len()))
+        let varied = self.varied(spaces)?;
+        let bounds = Schedule::bounds(&varied, self.block_hours);
+        Ok(self.effort().episodes(&bounds, &Schedule::parts(&varied, self.block_hours)))
     }
 
     fn effort(&self) -> Effort {
@@ -141,15 +143,13 @@ pub fn plan(
     let (planned, varied) = (Planned::of(&spaces)?, options.varied(&spaces)?);
     let record = record.map(|path| TrialRecord::open(path, &(&planned, options))).transpose()?;
     let mut trials = Trials::new(episode, record, done);
-    let (mut episodes, blocks) = (0, Schedule::blocks(options.block_hours));
+    let mut episodes = 0;
     let mut run = |points: &[search::Point]| {
         episodes += points.len();
         let schedules = points.iter().map(|point| Schedule::of_point(&varied, options.block_hours, point));
         schedules.map(|schedule| trials.run(&schedule)).collect()
     };
-    let shifts = varied.len();
-    let parts: Vec<Vec<usize>> =
-        (0..shifts).map(|shift| (0..blocks).map(|block| block * shifts + shift).collect()).collect();
+    let parts = Schedule::parts(&varied, options.block_hours);
     let bounds = Schedule::bounds(&varied, options.block_hours);
     let days = spaces.episode.period.days() as usize;
     let found = search(&bounds, days, &parts, options.effort(), &mut run)?;

@@ -54,7 +54,7 @@ impl Varied {
 
 impl Schedule {
     /// Returns the number of blocks of a day.
-    pub(super) fn blocks(block_hours: u32) -> usize {
+    fn blocks(block_hours: u32) -> usize {
         (DAY / block_hours) as usize
     }
 
@@ -71,6 +71,12 @@ impl Schedule {
             block_hours,
             days: point.iter().map(|day| day.chunks(varied.len()).map(block).collect()).collect(),
         }
+    }
+
+    /// Returns the positions of each shift in a search's day.
+    pub(super) fn parts(varied: &[Varied], block_hours: u32) -> Vec<Vec<usize>> {
+        let (shifts, length) = (varied.len(), varied.len() * Self::blocks(block_hours));
+        (0..shifts).map(|shift| (shift..length).step_by(shifts).collect()).collect()
     }
 
     /// Returns the bounds of a search's day.

@@ -1,32 +1,34 @@
 //! The search for a schedule.
 //!
 //! What a building does on one day hardly depends on the day before, so one episode can try a different point on each
-//! of its days. A round has two steps. It tries mirrored pairs around the best point and estimates from them the slope
-//! of every day's objective; then it goes down the slopes by steps of several lengths. The best point tried on a day is
-//! its next center. The objective of a day is its cost plus a price on discomfort: the lowest price at which the best
-//! days together have no more discomfort than under the guideline.
+//! of its days. The search begins with a survey: each kind of value alone, the same at all hours, and then together
+//! what saved on a day. Rounds refine the best. A round tries mirrored pairs around the best point and estimates from
+//! them the slope of every day's objective; then it goes down the slopes by steps of several lengths. The best point
+//! tried on a day is its next center. The objective of a day is its cost plus a price on discomfort: the lowest price
+//! at which the best days together have no more discomfort than under the guideline.
 
 use b2b_base::random::{standard_normal, stream};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::outcome::{DayUse, EpisodeUse};
 use super::response::{Pair, slopes};
 use crate::Result;
 
+/// Values of the survey, as shares of the lowest and of the highest value.
+const SURVEYED: [f64; 2] = [0.5, 1.0];
+/// Shares of the values that saved alone, tried together.
+const TOGETHER: [f64; 2] = [0.5, 1.0];
 /// Deviation of the first pairs, in units of the values.
 const FIRST_SPREAD: f64 = 0.25;
 /// Factor of the deviation from round to round.
 const NARROWING: f64 = 0.85;
 /// Largest draw, in deviations.
 const WIDEST: f64 = 2.0;
-/// Lengths of the steps down the slopes, relative to a day's own.
+/// Share of the values that a pair varies on a day.
+const VARIED: f64 = 0.2;
+/// Lengths of the steps down the slopes, in deviations of the pairs.
 const LENGTHS: [f64; 3] = [0.3, 1.0, 3.0];
-/// Bounds of a day's own length, in units.
-const OWN_LENGTH: [f64; 2] = [0.01, 1.0];
-/// First length of a day.
-const FIRST_LENGTH: f64 = 0.2;
-/// Factors of a day's own length if no step, the shortest, the middle or the longest one was best.
-const FACTORS: [f64; 4] = [0.4, 0.5, 1.0, 2.0];
 /// Price of discomfort in scores, in days of the guideline's cost per K·h: as in the score at comfort.
 const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
 /// Bounds of the price of a round.
@@ -56,9 +58,10 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// Returns the number of episodes of a search in which points have `parts` that may be left out.
-    pub(super) fn episodes(self, parts: usize) -> usize {
-        self.rounds * (1 + 2 * self.pairs + LENGTHS.len()) + 2 + parts
+    /// Returns the number of episodes of a search between bounds, in which `parts` may be left out.
+    pub(super) fn episodes(self, bounds: &[[f64; 2]], parts: &[Vec<usize>]) -> usize {
+        let survey = 1 + surveyed(bounds, parts).count() + TOGETHER.len();
+        survey + self.rounds * (1 + 2 * self.pairs + LENGTHS.len()) + 2 + parts.len()
     }
 }
 
@@ -79,16 +82,20 @@ struct ScheduleSearch<'a> {
     random: ChaCha8Rng,
     spread: f64,
     price: f64,
+    /// What was tried on each day, the guideline first.
+    known: Vec<Vec<Known>>,
     /// The best values of each day.
     center: Point,
-    /// The episode at the center, if it has run.
-    at_center: Option<EpisodeUse>,
-    /// Length of the steps of each day.
-    lengths: Vec<f64>,
     /// Mirrored pairs of the last two rounds by day, without prices.
     tried: Vec<Vec<Tried>>,
     baseline: EpisodeUse,
     best: Best,
+}
+
+/// Values of a day, with their latest outcome.
+struct Known {
+    values: Vec<f64>,
+    outcome: DayUse,
 }
 
 /// A mirrored pair of a day.
@@ -102,6 +109,23 @@ struct Best {
     point: Point,
     outcome: EpisodeUse,
     score: f64,
+}
+
+/// Returns the days of a survey, each with the number of the part that it tries.
+fn surveyed<'a>(
+    bounds: &'a [[f64; 2]],
+    parts: &'a [Vec<usize>],
+) -> impl Iterator<Item = (usize, Vec<f64>)> + 'a {
+    let alone = |part: &'a [usize], end: usize, share: f64| {
+        let mut day = vec![0.0; bounds.len()];
+        part.iter().for_each(|&index| day[index] = share * bounds[index][end]);
+        day
+    };
+    parts.iter().enumerate().flat_map(move |(number, part)| {
+        let values = [0, 1].into_iter().flat_map(|end| SURVEYED.map(|share| (end, share)));
+        let days = values.map(move |(end, share)| (number, alone(part, end, share)));
+        days.filter(|(_, day)| day.iter().any(|value| *value != 0.0))
+    })
 }
 
 /// Returns the cost of an episode relative to the baseline, plus a penalty for discomfort beyond the baseline, priced
@@ -136,23 +160,24 @@ pub(super) fn search(
         let shares = vec![0.0; parts.len()];
         return Ok(Found { point: zero, outcome: baseline.clone(), baseline, shares });
     }
+    let known =
+        |(values, outcome): (&Vec<f64>, &DayUse)| vec![Known { values: values.clone(), outcome: *outcome }];
     let mut search = ScheduleSearch {
         bounds,
         random: stream("foresight", effort.seed, 0),
         spread: FIRST_SPREAD,
         price: SCORE_PRICE,
-        at_center: Some(baseline.clone()),
+        known: zero.iter().zip(&baseline.days).map(known).collect(),
         center: zero,
-        lengths: vec![FIRST_LENGTH; days],
         tried: (0..days).map(|_| Vec::new()).collect(),
         baseline,
         best,
     };
+    search.survey(parts, run)?;
     for _ in 0..effort.rounds {
         search.round(effort.pairs, run)?;
     }
-    let last = one(run, &search.center)?;
-    search.best.keep(&search.center, &last, &search.baseline);
+    search.run_center(run)?;
     search.without(parts, run)
 }
 
@@ -161,70 +186,99 @@ fn one(run: &mut Run<'_>, point: &Point) -> Result<EpisodeUse> {
 }
 
 impl ScheduleSearch<'_> {
+    /// Tries each part alone, then together those that save on a day.
+    fn survey(&mut self, parts: &[Vec<usize>], run: &mut Run<'_>) -> Result<()> {
+        let days = self.center.len();
+        let (numbers, points): (Vec<usize>, Vec<Point>) =
+            surveyed(self.bounds, parts).map(|(part, day)| (part, vec![day; days])).unzip();
+        let outcomes = self.run(&points, run)?;
+        self.choose(self.baseline.discomfort());
+        let mut together = vec![vec![0.0; self.bounds.len()]; days];
+        for (day, values) in together.iter_mut().enumerate() {
+            let objective = |number: usize| self.objective(outcomes[number].days[day]);
+            let none = self.objective(self.baseline.days[day]) - RESOLUTION;
+            for (part, positions) in parts.iter().enumerate() {
+                let of_part = (0..points.len()).filter(|&number| numbers[number] == part);
+                let best = of_part.min_by(|&a, &b| objective(a).total_cmp(&objective(b)));
+                if let Some(best) = best.filter(|&best| objective(best) < none) {
+                    positions.iter().for_each(|&index| values[index] = points[best][day][index]);
+                }
+            }
+        }
+        let scaled = |share: f64| -> Point {
+            together.iter().map(|day| day.iter().map(|value| share * value).collect()).collect()
+        };
+        self.run(&TOGETHER.map(scaled), run)?;
+        self.choose(self.baseline.discomfort());
+        Ok(())
+    }
+
     /// Tries pairs and steps, and moves each day to its best.
     fn round(&mut self, pairs: usize, run: &mut Run<'_>) -> Result<()> {
-        let center = match self.at_center.take() {
-            Some(known) => known,
-            None => one(run, &self.center)?,
-        };
-        self.best.keep(&self.center, &center, &self.baseline);
-        let mut points: Vec<Point> = (0..pairs).flat_map(|_| self.pair()).collect();
-        let mut outcomes = self.run(&points, run)?;
+        let allowed = self.run_center(run)?;
+        let points: Vec<Point> = (0..pairs).flat_map(|_| self.pair()).collect();
+        let outcomes = self.run(&points, run)?;
         self.learn(&points, &outcomes, pairs);
-        points.insert(0, self.center.clone());
-        outcomes.insert(0, center);
-        self.set_price(&outcomes);
-        let steps = self.steps();
-        let first_step = points.len();
-        outcomes.extend(self.run(&steps, run)?);
-        points.extend(steps);
-        self.set_price(&outcomes);
-        let best: Vec<usize> = (0..self.center.len()).map(|day| self.best_of(day, &outcomes)).collect();
-        let days = self.center.iter_mut().zip(&mut self.lengths).zip(best).enumerate();
-        for (day, ((center, length), best)) in days {
-            center.clone_from(&points[best][day]);
-            let factor = if best < first_step { FACTORS[0] } else { FACTORS[best - first_step + 1] };
-            *length = (*length * factor).clamp(OWN_LENGTH[0], OWN_LENGTH[1]);
-        }
+        self.choose(allowed);
+        self.run(&self.steps(), run)?;
+        self.choose(allowed);
         self.spread *= NARROWING;
         Ok(())
     }
 
-    /// Runs points and keeps the best episode.
+    /// Runs the best values of all days in one episode. Returns the sum of discomfort that the days may have by what is
+    /// known of each: less than the baseline's by what the days add to one another.
+    fn run_center(&mut self, run: &mut Run<'_>) -> Result<f64> {
+        let center = self.center.clone();
+        let outcome = self.run(std::slice::from_ref(&center), run)?.remove(0);
+        let baseline = self.baseline.discomfort();
+        Ok(baseline - (outcome.discomfort() - baseline).max(0.0))
+    }
+
+    /// Runs points, remembers their days and keeps the best episode.
     fn run(&mut self, points: &[Point], run: &mut Run<'_>) -> Result<Vec<EpisodeUse>> {
         let outcomes = run(points)?;
         for (point, outcome) in points.iter().zip(&outcomes) {
             self.best.keep(point, outcome, &self.baseline);
+            for ((known, values), &outcome) in self.known.iter_mut().zip(point).zip(&outcome.days) {
+                match known.iter_mut().find(|known| known.values == *values) {
+                    Some(known) => known.outcome = outcome,
+                    None => known.push(Known { values: values.clone(), outcome }),
+                }
+            }
         }
         Ok(outcomes)
     }
 
-    /// Returns a mirrored pair around the center, within the bounds.
+    /// Returns a mirrored pair around the center, within the bounds. Each varies a few values.
     fn pair(&mut self) -> [Point; 2] {
         let [mut up, mut down] = [self.center.clone(), self.center.clone()];
         for (up, down) in up.iter_mut().zip(&mut down) {
             for ((up, down), [low, high]) in up.iter_mut().zip(down).zip(self.bounds) {
-                let draw = standard_normal(&mut self.random).clamp(-WIDEST, WIDEST) * self.spread;
-                *up = (*up + draw).clamp(*low, *high);
-                *down = (*down - draw).clamp(*low, *high);
+                if self.random.random::<f64>() < VARIED {
+                    let draw = standard_normal(&mut self.random).clamp(-WIDEST, WIDEST) * self.spread;
+                    *up = (*up + draw).clamp(*low, *high);
+                    *down = (*down - draw).clamp(*low, *high);
+                }
             }
         }
         [up, down]
     }
 
-    /// Sets the lowest price at which the best outcomes of the days have no more discomfort than the baseline.
-    fn set_price(&mut self, outcomes: &[EpisodeUse]) {
+    /// Moves each day to its best under the lowest price at which the days together have no more discomfort than is
+    /// allowed.
+    fn choose(&mut self, allowed: f64) {
         let [mut low, mut high] = PRICES.map(f64::ln);
         for _ in 0..BISECTIONS {
             self.price = f64::midpoint(low, high).exp();
-            let of_best = |day| outcomes[self.best_of(day, outcomes)].days[day].discomfort;
-            let discomfort: f64 = (0..self.center.len()).map(of_best).sum();
-            match discomfort > self.baseline.discomfort() {
+            let discomfort: f64 = self.known.iter().map(|day| self.best_of(day).outcome.discomfort).sum();
+            match discomfort > allowed {
                 true => low = self.price.ln(),
                 false => high = self.price.ln(),
             }
         }
         self.price = high.exp();
+        self.center = self.known.iter().map(|day| self.best_of(day).values.clone()).collect();
     }
 
     /// Remembers the pairs of this round and of the last.
@@ -256,8 +310,8 @@ impl ScheduleSearch<'_> {
         let pairs: Vec<Vec<Pair>> = self.tried.iter().map(|tried| tried.iter().map(pair).collect()).collect();
         let slopes = slopes(&pairs);
         let point = |length: &f64| {
-            let days = self.center.iter().zip(&slopes).zip(&self.lengths);
-            days.map(|((center, slope), own)| self.step(center, slope, length * own)).collect()
+            let days = self.center.iter().zip(&slopes);
+            days.map(|(center, slope)| self.step(center, slope, length * self.spread)).collect()
         };
         LENGTHS.iter().map(point).collect()
     }
@@ -273,13 +327,13 @@ impl ScheduleSearch<'_> {
         values.map(|((center, slope), [low, high])| (center - step(*slope)).clamp(*low, *high)).collect()
     }
 
-    /// Returns the number of the best outcome of a day; the first, unless another is better by [`RESOLUTION`].
-    fn best_of(&self, day: usize, outcomes: &[EpisodeUse]) -> usize {
-        let mut best = (0, self.objective(outcomes[0].days[day]) - RESOLUTION);
-        for (number, outcome) in outcomes.iter().enumerate().skip(1) {
-            let objective = self.objective(outcome.days[day]);
+    /// Returns the best of what is known of a day; the guideline, unless another is better by [`RESOLUTION`].
+    fn best_of<'a>(&self, day: &'a [Known]) -> &'a Known {
+        let mut best = (&day[0], self.objective(day[0].outcome) - RESOLUTION);
+        for known in &day[1..] {
+            let objective = self.objective(known.outcome);
             if objective < best.1 {
-                best = (number, objective);
+                best = (known, objective);
             }
         }
         best.0
@@ -370,7 +424,7 @@ mod tests {
             toy(points)
         };
         let first = search(&BOUNDS, 3, &parts(), EFFORT, &mut counted).unwrap();
-        assert_eq!(count.get(), EFFORT.episodes(parts().len()));
+        assert_eq!(count.get(), EFFORT.episodes(&BOUNDS, &parts()));
         assert_eq!(search(&BOUNDS, 3, &parts(), EFFORT, &mut toy).unwrap().point, first.point);
         let other = search(&BOUNDS, 3, &parts(), Effort { seed: 1, ..EFFORT }, &mut toy).unwrap();
         assert_ne!(other.point, first.point);
