@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use b2b_building::morphology::Owner;
+use b2b_control::guideline36::Shift;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, rescale, unscale};
 use serde::{Deserialize, Serialize};
@@ -36,17 +37,26 @@ pub enum Acting {
         every: u32,
         /// Whether all points of a kind have the same shift. A graph network ignores this and shifts the points of each
         /// node.
-        #[serde(default = "shared")]
+        #[serde(default = "yes")]
         shared: bool,
+        /// Whether setpoints and start times are shifted, too.
+        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        setpoints: bool,
     },
 }
 
-const fn shared() -> bool {
+const fn yes() -> bool {
     true
 }
 
+/// Returns whether an option has its default. It is left out of files, which are the same as before the option existed.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_yes(value: &bool) -> bool {
+    *value
+}
+
 /// Supervision decided every hour, with the same shifts for all zones.
-const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true };
+const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true };
 
 /// Shifts of targets by at most a kelvin, decided every hour.
 const HOURLY_TARGETS: Acting = Acting::Targets { every: 60, shift: 1.0 };
@@ -68,7 +78,9 @@ impl FromStr for Acting {
                 Ok(Self::Residual { authority })
             }
             ("supervisory", None) => Ok(HOURLY),
-            ("supervisory", Some(number)) => Ok(Self::Supervisory { every: every(number)?, shared: true }),
+            ("supervisory", Some(number)) => {
+                Ok(Self::Supervisory { every: every(number)?, shared: true, setpoints: true })
+            }
             ("targets", None) => Ok(HOURLY_TARGETS),
             ("targets", Some(number)) => Ok(Self::Targets { every: every(number)?, shift: 1.0 }),
             _ => Err(unknown()),
@@ -107,7 +119,10 @@ impl Acting {
             Self::Targets { every, shift } => {
                 Some(format!("reactive controllers, targets shifted every {every} min by at most {shift} K"))
             }
-            Self::Supervisory { every, .. } => Some(format!("guideline36, shifted every {every} min")),
+            Self::Supervisory { every, setpoints, .. } => {
+                let but = if setpoints { "" } else { ", except setpoints and start times" };
+                Some(format!("guideline36, shifted every {every} min{but}"))
+            }
         }
     }
 
@@ -124,6 +139,14 @@ impl Acting {
     /// Returns whether the agent supervises the sequences of Guideline 36.
     pub fn is_supervision(self) -> bool {
         matches!(self, Self::Supervisory { .. })
+    }
+
+    /// Returns whether the agent sets a kind of shift.
+    pub fn sets(self, shift: Shift) -> bool {
+        match self {
+            Self::Supervisory { setpoints, .. } => setpoints || !Shift::ZONE.contains(&shift),
+            _ => false,
+        }
     }
 
     /// Returns the owner of each action of a flat network that sets or corrects actuators or shifts targets.
@@ -177,8 +200,8 @@ impl Driver {
     /// task. With `by_node`, no two supervisory points share an action.
     pub fn new(acting: Acting, by_node: bool, spaces: &Spaces) -> Self {
         match acting {
-            Acting::Supervisory { shared, .. } => {
-                Self::Supervisor(Box::new(Supervisor::new(shared && !by_node, spaces)))
+            Acting::Supervisory { .. } => {
+                Self::Supervisor(Box::new(Supervisor::new(acting, by_node, spaces)))
             }
             Acting::Targets { shift, .. } => Self::Targets(Box::new(ShiftedTargets::new(shift, spaces))),
             _ => Self::Actuators(ActuatorDriver::new(acting, spaces)),

@@ -4,26 +4,32 @@ use b2b_control::guideline36::SupervisoryPoint;
 use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_env::Spaces;
 
+use crate::acting::Acting;
+
 /// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline; -1 and 1 are their
 /// limits.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
     guideline: Guideline36,
     names: Vec<String>,
-    /// The action of each supervisory point.
+    /// The supervisory points that it shifts, by their indices.
+    shifted: Vec<usize>,
+    /// The action of each of them.
     actions: Vec<usize>,
-    /// Values of the supervisory points.
+    /// Values of all supervisory points.
     values: Vec<f64>,
     observation: Vec<f64>,
     action: Vec<f64>,
 }
 
 impl Supervisor {
-    /// Creates a supervisor with an action for every supervisory point, or with `shared`, for every kind of shift.
-    pub(crate) fn new(shared: bool, spaces: &Spaces) -> Self {
+    /// Creates a supervisor with an action for every point that it shifts, or for every kind of shift. With `by_node`,
+    /// no two points share an action.
+    pub(crate) fn new(acting: Acting, by_node: bool, spaces: &Spaces) -> Self {
+        let shared = !by_node && matches!(acting, Acting::Supervisory { shared: true, .. });
         let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
         let mut names: Vec<String> = Vec::new();
-        let action = |point: &SupervisoryPoint| {
+        let mut action = |point: &SupervisoryPoint| {
             let name = if shared { point.shift.described().0 } else { &point.name };
             let known = names.iter().position(|known| known == name);
             known.unwrap_or_else(|| {
@@ -31,13 +37,17 @@ impl Supervisor {
                 names.len() - 1
             })
         };
-        let actions: Vec<usize> = guideline.supervisory_points().iter().map(action).collect();
+        let points = guideline.supervisory_points();
+        let shifted: Vec<usize> =
+            (0..points.len()).filter(|&index| acting.sets(points[index].shift)).collect();
+        let actions: Vec<usize> = shifted.iter().map(|&index| action(&points[index])).collect();
         Self {
-            values: vec![0.0; actions.len()],
+            values: vec![0.0; points.len()],
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
             guideline,
             names,
+            shifted,
             actions,
         }
     }
@@ -45,6 +55,11 @@ impl Supervisor {
     /// Returns the names of the actions.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Returns the points that it shifts.
+    pub(crate) fn points(&self) -> impl Iterator<Item = &SupervisoryPoint> {
+        self.shifted.iter().map(|&index| &self.guideline.supervisory_points()[index])
     }
 
     /// Returns the sequences.
@@ -69,10 +84,11 @@ impl Supervisor {
 
     /// Returns the action of the sequences, in physical units, for an action of the agent in [-1, 1].
     pub(crate) fn act(&mut self, row: &[f32]) -> &[f64] {
-        let points = self.guideline.supervisory_points().iter().zip(&self.actions);
-        for (value, (point, action)) in self.values.iter_mut().zip(points) {
-            let share = f64::from(row[*action]);
-            *value = if share < 0.0 { -share * point.low } else { share * point.high };
+        let points = self.guideline.supervisory_points();
+        for (&index, &action) in self.shifted.iter().zip(&self.actions) {
+            let share = f64::from(row[action]);
+            let point = &points[index];
+            self.values[index] = if share < 0.0 { -share * point.low } else { share * point.high };
         }
         self.guideline.supervise(&self.values);
         self.guideline.act(&self.observation, &mut self.action);

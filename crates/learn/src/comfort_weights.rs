@@ -12,9 +12,6 @@ use crate::error::Result;
 const RESOLVED: f64 = 0.05;
 /// Largest change of a multiplier by one evaluation at a rate of 1, as a factor.
 const LARGEST_CHANGE: f64 = 2.0;
-/// Limits of a multiplier.
-const LIMITS: [f32; 2] = [0.03, 30.0];
-
 /// The multipliers of a run, relative to the task's own weight of discomfort.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComfortWeights {
@@ -24,9 +21,12 @@ pub struct ComfortWeights {
 }
 
 impl ComfortWeights {
-    /// Returns multipliers of 1 for the buildings and run periods of evaluations.
-    pub fn new(held: Vec<(String, Period)>) -> Self {
-        Self { weights: vec![1.0; held.len()], held }
+    /// Limits of a multiplier.
+    pub const LIMITS: [f32; 2] = [0.03, 30.0];
+
+    /// Returns multipliers for the buildings and run periods of evaluations, which begin at this value.
+    pub fn new(held: Vec<(String, Period)>, first: f32) -> Self {
+        Self { weights: vec![first; held.len()], held }
     }
 
     /// Returns the numbers of the evaluations whose multipliers count in an episode of a building: its own in the run
@@ -87,7 +87,7 @@ impl ComfortWeights {
         let change = excess.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE).powf(rate);
         if change.is_finite() {
             let weight = &mut self.weights[evaluation];
-            *weight = (*weight * change as f32).clamp(LIMITS[0], LIMITS[1]);
+            *weight = (*weight * change as f32).clamp(Self::LIMITS[0], Self::LIMITS[1]);
         }
     }
 }
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn a_multiplier_grows_with_too_much_discomfort_and_falls_with_less_than_allowed() {
         let winter = |name: &str| (name.to_owned(), Period::WINTER);
-        let mut weights = ComfortWeights::new(vec![winter("A"), winter("B")]);
+        let mut weights = ComfortWeights::new(vec![winter("A"), winter("B")], 1.0);
         weights.follow(0, 0.35, 0.15, 1.0);
         weights.follow(1, 0.0, 0.15, 0.5);
         assert_eq!(weights.weights(), [2.0, 0.5f32.sqrt()]);
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn every_run_period_has_its_own_multiplier() {
         let held = |days: &str| ("A".to_owned(), days.parse().unwrap());
-        let mut weights = ComfortWeights::new(vec![held("winter"), held("summer")]);
+        let mut weights = ComfortWeights::new(vec![held("winter"), held("summer")], 1.0);
         weights.follow(1, 0.35, 0.15, 1.0);
         for (building, days, expected) in
             [("A", "01-08..01-21", 1.0), ("A", "07-08..07-21", 2.0), ("B", "07-08..07-21", 2.0)]

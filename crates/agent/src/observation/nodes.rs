@@ -104,7 +104,8 @@ impl AgentObservation {
             building: spaces.building.name.clone(),
             source: format!("{what} {name}").into(),
         };
-        let supervisor = interface.acting.is_supervision().then(|| Supervisor::new(false, spaces));
+        let supervisor =
+            interface.acting.is_supervision().then(|| Supervisor::new(interface.acting, true, spaces));
         let (mut features, mut widths) = (Vec::new(), Vec::new());
         for node in &plan.nodes {
             let supervised =
@@ -144,8 +145,7 @@ impl AgentObservation {
 fn acted(spaces: &Spaces, supervisor: Option<&Supervisor>) -> Vec<(Owner, String)> {
     match supervisor {
         Some(supervisor) => {
-            let points = supervisor.guideline().supervisory_points().iter();
-            points.map(|point| (point.owner, point.shift.described().0.to_owned())).collect()
+            supervisor.points().map(|point| (point.owner, point.shift.described().0.to_owned())).collect()
         }
         None => {
             let action = &spaces.action;
@@ -158,7 +158,10 @@ fn acted(spaces: &Spaces, supervisor: Option<&Supervisor>) -> Vec<(Owner, String
 /// Returns the names of the actions of a node of a type.
 fn action_names(interface: Interface, node_type: NodeType) -> Vec<String> {
     match interface.acting.is_supervision() {
-        true => node_shifts(node_type).into_iter().map(|shift| shift.described().0.to_owned()).collect(),
+        true => {
+            let shifts = node_shifts(node_type).into_iter().filter(|shift| interface.acting.sets(*shift));
+            shifts.map(|shift| shift.described().0.to_owned()).collect()
+        }
         false => node_type.action().iter().map(|slot| text(&slot.quantity)).collect(),
     }
 }
@@ -255,7 +258,7 @@ fn local_features(
     let mut features = match interface.observation.form {
         ObservationForm::Raw | ObservationForm::Roles => observed(node_type, places),
         ObservationForm::Features if is_supervision && !node_shifts(node_type).is_empty() => {
-            node_features(node_type, supervised)
+            node_features(interface.acting, node_type, supervised)
         }
         ObservationForm::Features => computed(interface, node_type, places),
     };

@@ -9,6 +9,7 @@ use b2b_env::{DecisionSlot, Spaces, Target};
 use super::feature::{Feature, Source};
 use super::features::{energy, hours_and_seasons, temperature, weather};
 use super::outdoor::OUTDOOR;
+use crate::acting::Acting;
 use crate::supervisor::Supervisor;
 
 /// Hours ahead for which prices, outdoor temperatures and radiation are observed, if the task has a preview.
@@ -176,7 +177,7 @@ impl<'a> SupervisedNode<'a> {
 
     /// Returns the index of a shift's action.
     fn action(&self, shift: Shift) -> Option<usize> {
-        let points = self.supervisor.guideline().supervisory_points().iter();
+        let points = self.supervisor.points();
         points.zip(0..).find(|(point, _)| point.owner == self.owner && point.shift == shift).map(|(_, at)| at)
     }
 
@@ -214,9 +215,13 @@ pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     }
 }
 
-/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type. What a
-/// node lacks is 0. Without a node, only the names count, and all features are 0.
-pub(super) fn node_features(node_type: NodeType, node: Option<&SupervisedNode<'_>>) -> Vec<(String, Source)> {
+/// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type and on
+/// what the agent shifts. What a node lacks is 0. Without a node, only the names count, and all features are 0.
+pub(super) fn node_features(
+    acting: Acting,
+    node_type: NodeType,
+    node: Option<&SupervisedNode<'_>>,
+) -> Vec<(String, Source)> {
     let is_zone = node_type != NodeType::AirLoop;
     let own = node.map_or_else(Vec::new, SupervisedNode::zone_features);
     let of_zone = |name: &str| own.iter().find(|(known, _)| *known == name).map(|(_, source)| *source);
@@ -247,7 +252,8 @@ pub(super) fn node_features(node_type: NodeType, node: Option<&SupervisedNode<'_
         let source = move |decision| Source::Decision { decision, center, scale, limit: 3.0 };
         (what.to_owned(), decided(what, &source))
     }));
-    features.extend(node_shifts(node_type).into_iter().map(|shift| {
+    let shifts = node_shifts(node_type).into_iter().filter(|shift| acting.sets(*shift));
+    features.extend(shifts.map(|shift| {
         let action = node.and_then(|node| node.action(shift));
         (format!("{} previous", shift.described().0), action.map_or(Source::Constant(0.0), Source::Previous))
     }));

@@ -29,7 +29,7 @@ fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> 
 }
 
 const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };
-const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true };
+const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true };
 
 /// Writes an agent with weights of this size that was trained with these types.
 fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
@@ -110,6 +110,17 @@ fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_
     let folder = tempfile::tempdir().unwrap();
     let form = interface(ObservationForm::Features, SUPERVISORY, true);
     let known = NodeSpaces::of(form).actuators();
+    let fewer = interface(
+        ObservationForm::Features,
+        Acting::Supervisory { every: 60, shared: true, setpoints: false },
+        true,
+    );
+    assert!(
+        NodeSpaces::of(fewer)
+            .actuators()
+            .iter()
+            .all(|name| !name.contains("setpoint") && !name.contains("start"))
+    );
     for building in ["OfficeMedium-0007", "OfficeSmall-0042"] {
         let mut env = env(building, "operate+preview");
         let spaces = Arc::clone(env.spaces());

@@ -9,7 +9,7 @@ use b2b_env::{Env, rollout};
 use crate::agent::{actor, env};
 
 fn interface(every: u32, shared: bool) -> Interface {
-    let acting = Acting::Supervisory { every, shared };
+    let acting = Acting::Supervisory { every, shared, setpoints: true };
     Interface { observation: ObservationForm::Features.into(), acting, nodes: None }
 }
 
@@ -74,6 +74,30 @@ fn a_supervisor_that_decides_nothing_is_the_guideline_and_one_that_does_holds_it
     });
     assert_eq!(quarters, 96);
     assert!((colder - alone).abs() > 1e-3 * alone.abs(), "half a kelvin shows: {colder} {alone}");
+}
+
+#[test]
+fn an_agent_without_setpoints_leaves_comfort_to_the_guideline() {
+    let mut env = env("OfficeSmall-0042", "operate");
+    let spaces = Arc::clone(env.spaces());
+    let mut whole = interface(60, true);
+    let written = serde_json::to_string(&whole.acting).unwrap();
+    assert!(!written.contains("setpoints"), "as in the files of older agents: {written}");
+    whole.acting = Acting::Supervisory { every: 60, shared: true, setpoints: false };
+    let mut pilot = Pilot::new(whole, &spaces).unwrap();
+    assert_eq!(
+        pilot.action_names(),
+        [
+            "minimum flow shift",
+            "heating supply air temperature shift",
+            "cooling supply air temperature shift"
+        ]
+    );
+    let mut guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    let alone = rollout(&mut env, &mut guideline, &mut ()).unwrap().episode_return;
+    assert!((episode(&mut env, &mut pilot, |_, _, _| ()) - alone).abs() < 1e-9 * alone.abs());
+    let blowing = episode(&mut env, &mut pilot, |_, _, decision| decision[0] = 1.0);
+    assert!((blowing - alone).abs() > 1e-3 * alone.abs(), "more air shows: {blowing} {alone}");
 }
 
 #[test]

@@ -202,9 +202,10 @@ fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
     let controller = agent.controller(spaces)?;
     let (moved, info) = (controller.actions(), agent.info());
     let (all, what, others) = match info.interface.acting {
-        Acting::Supervisory { .. } => {
+        acting @ Acting::Supervisory { .. } => {
             let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
-            (guideline.supervisory_points().len(), "supervisory points", "guideline36 chooses")
+            let points = guideline.supervisory_points().iter().filter(|point| acting.sets(point.shift));
+            (points.count(), "supervisory points", "guideline36 chooses")
         }
         _ => (spaces.action.len(), "actuators", "the reactive controllers control"),
     };

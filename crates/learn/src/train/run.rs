@@ -90,7 +90,7 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<RunSummary
     let mut run = Run::new(config, &out, collector, monitor)?;
     if judge.is_some() && config.rewards.comfort_rate > 0.0 {
         let held = evaluated.iter().map(|each| (each.name.to_string(), each.period));
-        run.collector.comfort_weights = ComfortWeights::new(held.collect());
+        run.collector.comfort_weights = ComfortWeights::new(held.collect(), config.rewards.comfort_weight);
     }
     run.resume()?;
     run.learn(judge.as_ref(), interrupted)?;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::comfort_weights::ComfortWeights;
 use crate::error::Result;
 use crate::limits::require;
 
@@ -25,6 +26,8 @@ pub struct RewardConfig {
     /// discomfort in each evaluated building is the baseline's: the exponent of the ratio of both, 0 to 1. 0: the
     /// weight is the task's.
     pub comfort_rate: f64,
+    /// Factor of the task's weight of discomfort before the first evaluation, with a `comfort_rate`.
+    pub comfort_weight: f32,
 }
 
 impl Default for RewardConfig {
@@ -35,6 +38,7 @@ impl Default for RewardConfig {
             travel_cost_growth: 1.0,
             credit_by_zone: false,
             comfort_rate: 0.0,
+            comfort_weight: 1.0,
         }
     }
 }
@@ -42,7 +46,14 @@ impl Default for RewardConfig {
 impl RewardConfig {
     /// Checks the values.
     pub(super) fn check(&self) -> Result<()> {
-        let Self { travel_cost, travel_cost_growth, comfort_rate, .. } = *self;
+        let Self { travel_cost, travel_cost_growth, comfort_rate, comfort_weight, .. } = *self;
+        let [low, high] = ComfortWeights::LIMITS;
+        require((low..=high).contains(&comfort_weight), || {
+            format!("`comfort_weight` is {comfort_weight}; expected {low} to {high}")
+        })?;
+        require(comfort_weight == 1.0 || comfort_rate > 0.0, || {
+            format!("`comfort_weight` is {comfort_weight}, which requires a `comfort_rate` above 0")
+        })?;
         require((0.0..=1.0).contains(&comfort_rate), || {
             format!("`comfort_rate` is {comfort_rate}; expected 0 to 1")
         })?;

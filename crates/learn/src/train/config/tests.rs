@@ -126,6 +126,11 @@ fn values_that_do_not_go_together_are_errors() {
             "a whole number of steps, 6 per hour",
         ),
         ("comfort_rate = 0.5", "`comfort_rate` is for tasks of operation"),
+        ("task = 'operate'\ncomfort_weight = 0.1", "requires a `comfort_rate` above 0"),
+        (
+            "task = 'operate'\ncomfort_rate = 0.5\ncomfort_weight = 0",
+            "`comfort_weight` is 0; expected 0.03 to 30",
+        ),
         ("task = 'operate'\ncomfort_rate = 2", "`comfort_rate` is 2; expected 0 to 1"),
         ("task = 'operate'\ncomfort_rate = 0.5\nevaluation.every = 0", "`evaluation.every` is 0"),
         ("task = 'constant,random'\nobservation = 'raw'", "the observation `features`"),
