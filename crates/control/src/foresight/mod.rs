@@ -32,6 +32,8 @@ use trials::{TrialRecord, Trials};
 
 /// Name of the kind.
 const NAME: &str = "foresight";
+/// Revision of the search: it resumes no record of another one, whose episodes had other schedules.
+const SEARCH: u32 = 2;
 
 /// The guideline's sequences under a schedule.
 #[derive(Clone, Debug)]
@@ -141,7 +143,7 @@ pub fn plan(
         return Err(Error::NotOperation { name: NAME, task: task.to_string() });
     }
     let (planned, varied) = (Planned::of(&spaces)?, options.varied(&spaces)?);
-    let record = record.map(|path| TrialRecord::open(path, &(&planned, options))).transpose()?;
+    let record = record.map(|path| TrialRecord::open(path, &(&planned, options, SEARCH))).transpose()?;
     let mut trials = Trials::new(episode, record, done);
     let mut episodes = 0;
     let mut run = |points: &[search::Point]| {
