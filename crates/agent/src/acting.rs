@@ -40,19 +40,13 @@ pub enum Acting {
         #[serde(default = "yes")]
         shared: bool,
         /// Whether setpoints and start times are shifted, too.
-        #[serde(default = "yes", skip_serializing_if = "is_yes")]
+        #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
         setpoints: bool,
     },
 }
 
 const fn yes() -> bool {
     true
-}
-
-/// Returns whether an option has its default. It is left out of files, which are the same as before the option existed.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-const fn is_yes(value: &bool) -> bool {
-    *value
 }
 
 /// Supervision decided every hour, with the same shifts for all zones.

@@ -12,7 +12,7 @@ use super::appended::OF_STEP;
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, hours_and_seasons, temperature, weather};
 use super::options::ObservationForm;
-use super::supervised::{SupervisedNode, node_features, node_preview, node_shifts};
+use super::supervised::{SupervisedNode, node_features, node_preview, node_shifts, set_shifts};
 use crate::interface::Interface;
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
@@ -158,10 +158,7 @@ fn acted(spaces: &Spaces, supervisor: Option<&Supervisor>) -> Vec<(Owner, String
 /// Returns the names of the actions of a node of a type.
 fn action_names(interface: Interface, node_type: NodeType) -> Vec<String> {
     match interface.acting.is_supervision() {
-        true => {
-            let shifts = node_shifts(node_type).into_iter().filter(|shift| interface.acting.sets(*shift));
-            shifts.map(|shift| shift.described().0.to_owned()).collect()
-        }
+        true => set_shifts(interface.acting, node_type).map(|shift| shift.described().0.to_owned()).collect(),
         false => node_type.action().iter().map(|slot| text(&slot.quantity)).collect(),
     }
 }

@@ -199,7 +199,12 @@ const ZONE_FEATURES: [&str; 7] = [
     "change ahead",
 ];
 
-/// Returns the shifts of a node type; a node of the type may lack some.
+/// Returns the shifts of a node type that an agent sets; a node of the type may lack some.
+pub(super) fn set_shifts(acting: Acting, node_type: NodeType) -> impl Iterator<Item = Shift> {
+    node_shifts(node_type).into_iter().filter(move |shift| acting.sets(*shift))
+}
+
+/// Returns all shifts of a node type.
 pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
     match node_type {
         NodeType::AirLoop => Shift::AIR_LOOP.to_vec(),
@@ -252,8 +257,7 @@ pub(super) fn node_features(
         let source = move |decision| Source::Decision { decision, center, scale, limit: 3.0 };
         (what.to_owned(), decided(what, &source))
     }));
-    let shifts = node_shifts(node_type).into_iter().filter(|shift| acting.sets(*shift));
-    features.extend(shifts.map(|shift| {
+    features.extend(set_shifts(acting, node_type).map(|shift| {
         let action = node.and_then(|node| node.action(shift));
         (format!("{} previous", shift.described().0), action.map_or(Source::Constant(0.0), Source::Previous))
     }));

@@ -27,7 +27,7 @@ use crate::terminal::{interrupt, stdout};
 
 /// Search the schedules of the controller foresight
 ///
-/// Runs every episode some 120 times under Guideline 36 with shifted setpoints, start times, supply air temperatures,
+/// Runs every episode some 115 times under Guideline 36 with shifted setpoints, start times, supply air temperatures,
 /// minimum flows and economizer limits, by block of each day, and keeps the schedule with the lowest cost at no more
 /// discomfort. Every episode is kept: the same command resumes an interrupted search.
 /// `b2b run --controller foresight --parameters FILE.json` carries out a schedule.
