@@ -58,6 +58,15 @@ pub enum Error {
         /// The node types that the agent was trained with.
         known: String,
     },
+    /// A building in which an agent has no actions.
+    #[error(
+        "an agent has nothing to set in {building}: its only points are setpoints and start times, which `acting.setpoints` = \
+         false leaves to guideline36; expected `acting.setpoints` = true"
+    )]
+    NothingToSet {
+        /// Name of the building.
+        building: String,
+    },
     /// A building whose graph cannot be made.
     #[error("cannot build the graph of {building}: {source}")]
     Graph {

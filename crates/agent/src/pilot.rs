@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use b2b_env::Spaces;
 
-use crate::Result;
 use crate::acting::Driver;
+use crate::error::{Error, Result};
 use crate::interface::Interface;
 use crate::network::Graph;
 use crate::observation::{AgentObservation, Past, attributes};
@@ -41,7 +41,8 @@ impl Pilot {
     ///
     /// # Errors
     /// The errors of [`attributes`]; [`Error::Weather`](crate::Error::Weather) for an unreadable weather file;
-    /// [`Error::Graph`](crate::Error::Graph) for a graph network in a building whose graph cannot be built.
+    /// [`Error::Graph`](crate::Error::Graph) for a graph network in a building whose graph cannot be built;
+    /// [`Error::NothingToSet`](crate::Error::NothingToSet).
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
         let attributes = attributes(interface.observation, spaces)?;
@@ -70,6 +71,9 @@ impl Pilot {
                 (view.observation, Some(Arc::new(view.graph)), view.actuators)
             }
         };
+        if actions.is_empty() {
+            return Err(Error::NothingToSet { building: spaces.building.name.clone() });
+        }
         Ok(Self {
             row: vec![0.0; observation.width()],
             observation,

@@ -43,6 +43,9 @@ pub trait Learner: Send {
     /// When the state was saved with other options; the learner is then unusable.
     fn restore(&mut self, state: &State) -> Result<()>;
 
+    /// Sets the share of the run that is done, which schedules follow. Called before every update.
+    fn set_done(&mut self, _done: f64) {}
+
     /// Sets the logarithm of the standard deviation of all actions. Only called if [`Abilities::noise`] allows it.
     fn set_log_std(&mut self, _log_std: f32) {}
 

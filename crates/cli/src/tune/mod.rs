@@ -7,9 +7,11 @@ mod compare;
 mod foresight;
 mod mpc;
 mod operation;
+mod prior;
 mod rollouts;
 mod search;
 mod supervisor;
+mod training;
 mod two_weeks;
 
 use anyhow::Result;
@@ -47,6 +49,7 @@ Examples:
   b2b tune foresight OfficeSmall-0509            schedules of supervisory points with perfect foresight
   b2b tune supervisor --type OfficeMedium        one rule of shifts for all buildings of a type
   b2b tune mpc OfficeMedium-0626                 the model of the model predictive controller
+  b2b tune prior --type OfficeMedium             what that controller expects of buildings of a type
   b2b tune operation                             the scale and the weight of rewards of operation
   b2b tune ablations OfficeMedium-0626           what the sequences of Guideline 36 save
   b2b run OfficeSmall --parameters mine.json     run with your own parameters";
@@ -59,6 +62,7 @@ enum Command {
     Foresight(Box<foresight::Arguments>),
     Mpc(Box<mpc::Arguments>),
     Operation(operation::Arguments),
+    Prior(Box<prior::Arguments>),
     Supervisor(Box<supervisor::Arguments>),
 }
 
@@ -76,6 +80,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
         Some(Command::Foresight(arguments)) => foresight::foresight(arguments),
         Some(Command::Mpc(arguments)) => mpc::mpc(arguments),
         Some(Command::Operation(arguments)) => operation::operation(arguments),
+        Some(Command::Prior(arguments)) => prior::prior(arguments),
         Some(Command::Supervisor(arguments)) => supervisor::supervisor(arguments),
         None => search::search(&arguments.search),
     }

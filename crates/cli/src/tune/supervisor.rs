@@ -6,20 +6,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use b2b_base::parallel;
-use b2b_base::spread::spread;
-use b2b_building::{BuildingType, Period};
-use b2b_climate::TwoWeeks;
-use b2b_control::linear_supervisor::{Rule, TriedEpisode, TunedWeights, WeightSearchOptions, run, tune};
-use b2b_dataset::{BuildingId, BuildingName, Catalog, Placement, Split};
-use b2b_env::{EpisodeConfig, Task};
-use b2b_workers::{EpisodeSetting, Source, Workers};
+use b2b_building::BuildingType;
+use b2b_control::linear_supervisor::{Rule, TunedWeights, WeightSearchOptions, run, tune};
+use b2b_dataset::Catalog;
 use serde_json::json;
 
+use super::training::TrainingBuildings;
 use crate::arguments::jobs::Jobs;
-use crate::arguments::task;
 use crate::output_folder::{self, OutputFolder};
 use crate::program;
-use crate::program::worker_options;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
 use crate::terminal::{interrupt, stdout};
@@ -33,18 +28,8 @@ use crate::terminal::{interrupt, stdout};
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
-    /// Building types, each with its own rule
-    #[arg(long = "type", value_name = "TYPE", num_args = 1.., required = true)]
-    types: Vec<BuildingType>,
-    /// Number of training buildings of a type, evenly spread over the training split
-    #[arg(long, default_value_t = 24, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    buildings: u32,
-    /// Run periods [default: the five two-week periods]
-    #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
-    periods: Vec<Period>,
-    /// Task of operation [default: operate]
-    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
-    task: Option<Task>,
+    #[command(flatten)]
+    training: TrainingBuildings,
     /// Rounds of a search
     #[arg(long, default_value_t = WeightSearchOptions::default().rounds, value_name = "N")]
     rounds: usize,
@@ -69,15 +54,13 @@ pub struct Arguments {
 
 /// Name of the file with all rules.
 const ALL: &str = "linear_supervisor.json";
-/// Zone time steps per hour.
-const STEPS_PER_HOUR: u32 = 12;
 
 /// Runs the command.
 pub fn supervisor(arguments: &Arguments) -> Result<()> {
     let _lock = output_folder::lock(&arguments.out)?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let mut all: BTreeMap<String, TunedWeights> = BTreeMap::new();
-    for building_type in &arguments.types {
+    for building_type in &arguments.training.types {
         let tuned = arguments.search(&catalog, *building_type)?;
         if let Some(last) = tuned.rounds.last() {
             write(&arguments.out.join(format!("{building_type}.json")), &last.rule)?;
@@ -93,7 +76,8 @@ pub fn supervisor(arguments: &Arguments) -> Result<()> {
 impl Arguments {
     /// Searches the rule of a type.
     fn search(&self, catalog: &Catalog, building_type: BuildingType) -> Result<TunedWeights> {
-        let (ids, periods, task) = (self.ids(building_type), self.periods(), self.task());
+        let training = &self.training;
+        let (ids, periods, task) = (training.ids(building_type), training.periods(), training.task());
         let options = WeightSearchOptions {
             rounds: self.rounds,
             episodes: self.episodes,
@@ -116,9 +100,10 @@ impl Arguments {
                 let number = first + number;
                 let id = ids[number % ids.len()];
                 let period = periods[(number + number / ids.len()) % periods.len()];
-                let site = self.site(catalog, id, period, &task, tried);
+                let mut episode = training.episode(catalog, id, period)?;
+                let site = run(&mut episode, tried).with_context(|| format!("{id}, {period}"))?;
                 bar.inc(1);
-                site
+                anyhow::Ok(site)
             };
             parallel::map(jobs, &all.iter().enumerate().collect::<Vec<_>>(), site)
         };
@@ -126,42 +111,6 @@ impl Arguments {
         bar.finish_and_clear();
         interrupt::check()?;
         tuned.with_context(|| format!("cannot find a rule for {building_type}"))
-    }
-
-    /// Runs a building in a period.
-    fn site(
-        &self,
-        catalog: &Catalog,
-        id: BuildingId,
-        period: Period,
-        task: &Task,
-        tried: &[Vec<Rule>],
-    ) -> Result<TriedEpisode> {
-        interrupt::check()?;
-        let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Download::new(true))?;
-        let weather = found.weather.clone();
-        let period = period.in_weather(&weather)?;
-        let config = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: task.clone() };
-        let workers = Workers::new(worker_options(catalog.library().path()))?;
-        let mut episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
-        run(&mut episode, tried).with_context(|| format!("{id}, {period}"))
-    }
-
-    /// Returns the training buildings of a type.
-    fn ids(&self, building_type: BuildingType) -> Vec<BuildingId> {
-        let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train);
-        spread(&rows.map(|row| row.id).collect::<Vec<_>>(), self.buildings as usize)
-    }
-
-    fn periods(&self) -> Vec<Period> {
-        match self.periods.is_empty() {
-            true => TwoWeeks::ALL.map(Period::TwoWeeks).to_vec(),
-            false => self.periods.clone(),
-        }
-    }
-
-    fn task(&self) -> Task {
-        self.task.clone().unwrap_or_else(task::usual)
     }
 
     fn text(&self, all: &BTreeMap<String, TunedWeights>) -> String {

@@ -1,7 +1,8 @@
 //! The search over the hours of a day.
 //!
 //! Effects add up over points and hours. At a price of discomfort, every hour has a best level of every shift, so that
-//! the search is for the lowest price at which the day has no more discomfort than under the guideline.
+//! the search is for the lowest price at which the day has no more discomfort than under the guideline, apart from what
+//! hardly counts.
 
 use b2b_env::PREVIEW_HOURS;
 
@@ -12,6 +13,11 @@ use super::model::Model;
 const HIGHEST_PRICE: f64 = 1e3;
 /// Bisections of the price.
 const BISECTIONS: usize = 20;
+
+/// Discomfort that may be added to the guideline's, K·h per zone and day: half the free allowance of a score at comfort.
+const ALLOWED: f64 = 0.05;
+/// Largest part that it may add, because effects are known relative to the guideline's discomfort.
+const LARGEST_PART: f64 = 0.5;
 
 /// Predicted effects of a level in an hour.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,6 +42,8 @@ pub(super) struct DayPlan {
     shifts: Vec<Shifted>,
     /// By effect and hour; `None` for a level that is not known to save cost or discomfort.
     predicted: Vec<[Option<Predicted>; PREVIEW_HOURS]>,
+    /// Discomfort that a day may add, relative to the mean hour's.
+    allowed: f64,
 }
 
 impl DayPlan {
@@ -51,7 +59,9 @@ impl DayPlan {
                 }),
             }
         }
-        Self { shifts, predicted: vec![[None; PREVIEW_HOURS]; model.effects.len()] }
+        let part = ALLOWED / model.deviation.max(ALLOWED / LARGEST_PART);
+        let predicted = vec![[None; PREVIEW_HOURS]; model.effects.len()];
+        Self { shifts, predicted, allowed: part * PREVIEW_HOURS as f64 }
     }
 
     /// Returns the number of a shift, if the model has effects of it.
@@ -69,13 +79,13 @@ impl DayPlan {
 
     /// Chooses the levels of every hour.
     pub(super) fn choose(&mut self) {
-        if self.choose_at(0.0) <= 0.0 {
+        if self.choose_at(0.0) <= self.allowed {
             return;
         }
         let [mut low, mut high] = [0.0, HIGHEST_PRICE];
         for _ in 0..BISECTIONS {
             let price = f64::midpoint(low, high);
-            if self.choose_at(price) > 0.0 { low = price } else { high = price }
+            if self.choose_at(price) > self.allowed { low = price } else { high = price }
         }
         self.choose_at(high);
     }
@@ -114,7 +124,8 @@ mod tests {
     /// A plan of one shift with two levels, the same in all hours.
     fn plan(levels: [Predicted; 2]) -> DayPlan {
         let shift = Shifted { name: "a".to_owned(), effects: vec![0, 1], chosen: [None; PREVIEW_HOURS] };
-        DayPlan { shifts: vec![shift], predicted: levels.map(|own| [Some(own); PREVIEW_HOURS]).into() }
+        let predicted = levels.map(|own| [Some(own); PREVIEW_HOURS]).into();
+        DayPlan { shifts: vec![shift], predicted, allowed: 0.0 }
     }
 
     #[test]
@@ -129,6 +140,10 @@ mod tests {
         own.predicted[1][..12].fill(None);
         own.choose();
         assert_eq!(own.shifts[0].chosen[0], Some(0));
+        let mut own = plan([cheap, comfortable]);
+        own.allowed = 25.0 * cheap.discomfort;
+        own.choose();
+        assert_eq!(own.shifts[0].chosen[0], Some(0), "a little more is allowed");
         let mut own = plan([cheap, cheap]);
         own.choose();
         assert_eq!(own.shifts[0].chosen, [None; PREVIEW_HOURS], "the guideline");

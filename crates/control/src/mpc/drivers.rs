@@ -58,7 +58,13 @@ impl Drivers {
     /// Returns the hours for which a level stays in the identification, so that zones follow: the fabric of a building
     /// stores the heat of an air handler.
     pub(super) fn held(shift: Shift) -> usize {
-        if Shift::AIR_LOOP.contains(&shift) { 4 } else { 2 }
+        if Shift::AIR_LOOP.contains(&shift) { 8 } else { 2 }
+    }
+
+    /// Returns the earlier hours whose mean level still has an effect: fabric and plenums keep the heat of an air
+    /// handler, and a unit's air of another temperature is felt in the next hour.
+    pub(super) fn lasting(shift: Shift) -> usize {
+        if Shift::AIR_LOOP.contains(&shift) { 12 } else { 1 }
     }
 
     /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat
@@ -72,11 +78,11 @@ impl Drivers {
         [(COLD[0] - outdoor) / COLD[1], (outdoor - WARM[0]) / WARM[1]].map(|value| value.clamp(0.0, MOST))
     }
 
-    /// Returns the number of terms of a shift's effect, and the hours for which it lasts: a unit's air of another
-    /// temperature is felt in the next hour too.
+    /// Returns the number of terms of a shift's effect, and whether it has a part for the own hour (1) or also one for
+    /// [earlier hours](Self::lasting) (2).
     pub(super) fn shape(shift: Shift) -> (usize, usize) {
         match shift {
-            Shift::SupplyTemperature => (3, 1),
+            Shift::SupplyTemperature => (3, 2),
             Shift::MinimumFlow => (2, 1),
             _ => (1, 2),
         }

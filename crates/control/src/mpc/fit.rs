@@ -3,6 +3,7 @@
 use super::drivers::Drivers;
 use super::hour::Hour;
 use super::model::{Effect, Model, Response};
+use super::prior::Prior;
 use super::regression::{Estimate, Rows};
 use super::undisturbed::{expected_inputs, inputs};
 use crate::guideline36::{REVISION, Shift};
@@ -11,8 +12,10 @@ use crate::guideline36::{REVISION, Shift};
 const POWERS: usize = 2;
 /// Regularization of the regressors of an hour without shifts.
 const RIDGE: f64 = 1e-2;
-/// Regularization of the powers of a shift: effects of some percent are usual, and much curvature is not.
-const EFFECT_RIDGE: [f64; POWERS] = [30.0, 300.0];
+/// Deviation of the powers of a shift without a prior: effects of some percent are usual, and much curvature is not.
+const USUAL: [f64; POWERS] = [0.18, 0.06];
+/// Cost and discomfort.
+pub(super) const AMOUNTS: usize = 2;
 /// Regularization of the expected amount of an hour.
 const EXPECTED_RIDGE: f64 = 0.1;
 
@@ -22,27 +25,28 @@ const LEAST_SIZE: f64 = 0.1;
 const OFF: f64 = 0.02;
 
 /// Regression of an hourly amount, relative to its mean. Effects are relative to the expected amount of each hour.
-struct Explained {
+pub(super) struct Explained {
     expected: Vec<f64>,
-    estimate: Estimate,
+    pub(super) estimate: Estimate,
 }
 
 /// Identifies the model of a building from consecutive hours.
-pub(super) fn fit(building: &str, identified: String, tried: &[Shift], hours: &[Hour]) -> Model {
-    let pick = |pick: fn(f64, f64) -> f64| hours.iter().map(|hour| hour.setpoint).reduce(pick).unwrap_or(0.0);
-    let setpoints = [pick(f64::min), pick(f64::max)];
-    let drivers: Vec<Drivers> =
-        hours.iter().map(|hour| Drivers::new(hour.outdoor, hour.setpoint, setpoints)).collect();
-    let columns = columns(tried);
-    let explain = |amount: fn(&Hour) -> f64| explain(amount, hours, &drivers, &columns);
-    let (cost, discomfort) = (explain(|hour| hour.cost), explain(|hour| hour.discomfort));
+pub(super) fn fit(
+    building: &str,
+    identified: String,
+    (tried, hours): (&[Shift], &[Hour]),
+    prior: &Prior,
+) -> Model {
+    let columns = columns(tried, prior);
+    let [cost, discomfort] = [0, 1].map(|amount| explain(amount, hours, &columns));
+    let (setpoints, drivers) = drivers(hours);
     let profile = |explained: &Option<Explained>| profile(explained.as_ref(), hours, &drivers);
     let uncertain = columns.iter().map(Column::count).sum();
     let mut first = 0;
     let mut effects = Vec::new();
     for column in &columns {
         let levels = column.levels.into_iter().filter(|level| Drivers::may_be_chosen(column.shift, *level));
-        effects.extend(levels.map(|value| {
+        effects.extend(levels.flat_map(|level| [level, 0.5 * level]).map(|value| {
             let response = |explained: &Option<Explained>| {
                 column.response(value, explained.as_ref().map(|own| &own.estimate), first, uncertain)
             };
@@ -57,26 +61,36 @@ pub(super) fn fit(building: &str, identified: String, tried: &[Shift], hours: &[
         guideline36: REVISION,
         setpoints,
         effects,
+        deviation: 24.0 * hours.iter().map(|hour| hour.deviation).sum::<f64>() / hours.len() as f64,
         cost: profile(&cost),
         discomfort: profile(&discomfort),
     }
 }
 
-/// Returns the regressors of all shifts.
-fn columns(tried: &[Shift]) -> Vec<Column> {
+/// Returns the lowest and the highest setpoint, and the drivers of all hours.
+fn drivers(hours: &[Hour]) -> ([f64; 2], Vec<Drivers>) {
+    let pick = |pick: fn(f64, f64) -> f64| hours.iter().map(|hour| hour.setpoint).reduce(pick).unwrap_or(0.0);
+    let setpoints = [pick(f64::min), pick(f64::max)];
+    let of_hour = |hour: &Hour| Drivers::new(hour.outdoor, hour.setpoint, setpoints);
+    (setpoints, hours.iter().map(of_hour).collect())
+}
+
+/// Returns the regressors of all shifts, with what a prior expects of them.
+pub(super) fn columns(tried: &[Shift], prior: &Prior) -> Vec<Column> {
     let of_shift = |(number, &shift): (usize, &Shift)| {
-        Drivers::levels(shift).map(|levels| Column { shift, number, levels })
+        let levels = Drivers::levels(shift)?;
+        let column = Column { shift, number, levels, expected: Default::default() };
+        let expected = [0, 1].map(|amount| prior.expected(&column, amount));
+        Some(Column { expected, ..column })
     };
     tried.iter().enumerate().filter_map(of_shift).collect()
 }
 
-/// Explains an amount; `None` if there is none at all.
-fn explain(
-    amount: fn(&Hour) -> f64,
-    hours: &[Hour],
-    drivers: &[Drivers],
-    columns: &[Column],
-) -> Option<Explained> {
+/// Explains cost (0) or discomfort (1); `None` if there is none at all.
+pub(super) fn explain(number: usize, hours: &[Hour], columns: &[Column]) -> Option<Explained> {
+    let amount = |hour: &Hour| [hour.cost, hour.discomfort][number];
+    let (_, drivers) = drivers(hours);
+    let drivers = &drivers;
     let mean = hours.iter().map(amount).sum::<f64>() / hours.len() as f64;
     if mean <= 0.0 {
         return None;
@@ -84,9 +98,14 @@ fn explain(
     let values: Vec<f64> = hours.iter().map(|hour| amount(hour) / mean).collect();
     let of_day = hours.iter().map(|hour| hour.of_day).collect();
     let known = expected_inputs(hours, drivers);
-    let ridge = vec![EXPECTED_RIDGE; known.first().map_or(0, Vec::len)];
-    let sizes = vec![1.0; hours.len()];
-    let mut before = Rows { inputs: known, hours: of_day, sizes, ridge };
+    let width = known.first().map_or(0, Vec::len);
+    let mut before = Rows {
+        inputs: known,
+        hours: of_day,
+        sizes: vec![1.0; hours.len()],
+        ridge: vec![EXPECTED_RIDGE; width],
+        means: vec![0.0; width],
+    };
     before.sizes = before.fitted(&values).iter().map(|size| size + LEAST_SIZE).collect();
     let expected = before.fitted(&values);
     let mut inputs = inputs(hours, drivers);
@@ -94,13 +113,17 @@ fn explain(
     for (row, input) in inputs.iter_mut().enumerate() {
         columns.iter().for_each(|column| column.add(row, hours, drivers, expected[row], input));
     }
+    let expected_of = |part: usize| {
+        columns.iter().flat_map(move |column| column.expected[number].iter().map(move |own| own[part]))
+    };
     let least = OFF * hours.iter().map(|hour| hour.cost).sum::<f64>() / hours.len() as f64;
     let runs: Vec<usize> = (0..hours.len()).filter(|&row| hours[row].cost >= least).collect();
     let rows = Rows {
         inputs: runs.iter().map(|&row| std::mem::take(&mut inputs[row])).collect(),
         hours: runs.iter().map(|&row| hours[row].of_day).collect(),
         sizes: runs.iter().map(|&row| expected[row] + LEAST_SIZE).collect(),
-        ridge: std::iter::repeat_n(RIDGE, base).chain(columns.iter().flat_map(Column::ridge)).collect(),
+        ridge: std::iter::repeat_n(RIDGE, base).chain(expected_of(1).map(|own| own.powi(-2))).collect(),
+        means: std::iter::repeat_n(0.0, base).chain(expected_of(0)).collect(),
     };
     let values: Vec<f64> = runs.iter().map(|&row| values[row]).collect();
     Some(Explained { estimate: rows.explain(&values, columns.iter().map(Column::count).sum()), expected })
@@ -121,12 +144,14 @@ fn profile(explained: Option<&Explained>, hours: &[Hour], drivers: &[Drivers]) -
 }
 
 /// The regressors of a shift: its share of the larger level and the square of it, times its terms, in its own hour and
-/// in later ones.
-struct Column {
-    shift: Shift,
+/// in the earlier ones.
+pub(super) struct Column {
+    pub(super) shift: Shift,
     /// Number of the shift among the tried ones.
     number: usize,
     levels: [f64; 2],
+    /// Mean and deviation of each coefficient before its estimate, for cost and for discomfort.
+    expected: [Vec<[f64; 2]>; AMOUNTS],
 }
 
 impl Column {
@@ -143,25 +168,28 @@ impl Column {
     }
 
     /// Number of regressors.
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         let (terms, hours) = Drivers::shape(self.shift);
         POWERS * terms * hours
     }
 
-    /// Returns the regularization of the regressors.
-    fn ridge(&self) -> impl Iterator<Item = f64> {
+    /// Returns mean and deviation of the coefficients in any building.
+    pub(super) fn unknown(&self) -> Vec<[f64; 2]> {
         let each = self.count() / POWERS;
-        EFFECT_RIDGE.into_iter().flat_map(move |ridge| std::iter::repeat_n(ridge, each))
+        USUAL.into_iter().flat_map(|usual| std::iter::repeat_n([0.0, usual], each)).collect()
     }
 
     /// Adds the regressors of an hour.
     fn add(&self, row: usize, hours: &[Hour], drivers: &[Drivers], expected: f64, input: &mut Vec<f64>) {
-        let (terms, lasting) = Drivers::shape(self.shift);
+        let (terms, parts) = Drivers::shape(self.shift);
         let own = drivers[row].terms(self.shift);
+        let earlier = &hours[row.saturating_sub(Drivers::lasting(self.shift))..row];
         for power in 0..POWERS {
-            for later in 0..lasting {
-                let past = row.checked_sub(later).map_or(0.0, |past| self.powers(&hours[past])[power]);
-                input.extend(own[..terms].iter().map(|term| past * expected * term));
+            let mean = |of: &[Hour]| {
+                of.iter().map(|hour| self.powers(hour)[power]).sum::<f64>() / of.len().max(1) as f64
+            };
+            for level in [mean(&hours[row..=row]), mean(earlier)].into_iter().take(parts) {
+                input.extend(own[..terms].iter().map(|term| level * expected * term));
             }
         }
     }
@@ -223,15 +251,15 @@ mod tests {
 
     #[test]
     fn a_level_that_saves_is_distinguished_from_one_without_effect() {
-        let model = fit("a", "days".to_owned(), &[Shift::SupplyTemperature], &hours());
+        let model = fit("a", "days".to_owned(), (&[Shift::SupplyTemperature], &hours()), &Prior::default());
         model.check().unwrap();
         let values: Vec<f64> = model.effects.iter().map(|effect| effect.value).collect();
-        assert_eq!(values, [6.0]);
+        assert_eq!(values, [6.0, 3.0], "the level that was tried, and half of it");
         let at = |setpoint| {
             let drivers = Drivers::new(-2.0, setpoint, model.setpoints);
             model.predict(12, drivers).collect::<Vec<_>>()
         };
-        let [[saving, discomfort]] = at(20.0)[..] else { panic!("{:?}", model.effects) };
+        let [[saving, discomfort], _] = at(20.0)[..] else { panic!("{:?}", model.effects) };
         assert!((-0.15..-0.05).contains(&saving) && discomfort == 0.0, "{saving} {discomfort}");
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct Hour {
     pub(super) cost: f64,
     /// Penalty of discomfort.
     pub(super) discomfort: f64,
+    /// Deviation outside the band, K·h per zone.
+    pub(super) deviation: f64,
 }
 
 /// Where the values are in observations and actions.
@@ -138,6 +140,16 @@ impl Site {
             levels: levels.to_vec(),
             ..Hour::default()
         }
+    }
+
+    /// Adds the deviation outside the band after a step.
+    pub(super) fn deviate(&self, observation: &[f64], hour: &mut Hour) {
+        let outside = |zone: &ZoneSlots| {
+            let (air, band) = (observation[zone.temperature], zone.target.pair_of(observation, true));
+            (band.heating - air).max(air - band.cooling).max(0.0)
+        };
+        let mean = self.zones.iter().map(outside).sum::<f64>() / self.zones.len() as f64;
+        hour.deviation += mean * self.hours_per_step;
     }
 
     /// Adds the heat that the units deliver by an action.

@@ -13,6 +13,7 @@ use super::drivers::Drivers;
 use super::fit::fit;
 use super::hour::{Hour, Site};
 use super::model::{Model, shifts};
+use super::prior::Prior;
 use crate::guideline36::{Guideline36, Guideline36Parameters, Shift};
 use crate::{Error, Result};
 
@@ -33,6 +34,17 @@ const LAST_WEEKS: [u32; 2] = [352, 365];
 /// [`Error::NotOperation`] for a task without bands or without a weight of energy; the errors of [`Episode`], for
 /// example if a weather file does not have these days.
 pub fn identify(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<Model> {
+    let (period, observed) = observe(episode, seed, done)?;
+    let building = &Environment::spaces(episode).building;
+    let Observed { tried, hours } = observed;
+    Ok(fit(&building.name, period.to_string(), (&tried, &hours), &Prior::of(building)))
+}
+
+/// Runs the two weeks before an episode under points that move at random. Returns them, and what happened.
+///
+/// # Errors
+/// Same as [`identify`].
+pub fn observe(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<(RunPeriod, Observed)> {
     let own = &Environment::spaces(episode).episode;
     if !own.task.is_operation() || own.task.energy_weight <= 0.0 {
         return Err(Error::NotOperation { name: NAME, task: own.task.to_string() });
@@ -44,8 +56,15 @@ pub fn identify(episode: &Episode, seed: u64, done: &mut dyn FnMut()) -> Result<
     };
     let mut weeks = episode.workers().episode(&setting)?;
     let spaces = Arc::clone(Environment::spaces(&weeks));
-    let (tried, hours) = run(&mut weeks, &spaces, seed, done)?;
-    Ok(fit(&spaces.building.name, period.to_string(), &tried, &hours))
+    Ok((period, run(&mut weeks, &spaces, seed, done)?))
+}
+
+/// What happened in an identification.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// The shifts that were drawn.
+    pub(super) tried: Vec<Shift>,
+    pub(super) hours: Vec<Hour>,
 }
 
 /// Returns the two weeks before a period.
@@ -55,13 +74,8 @@ fn before(period: RunPeriod) -> RunPeriod {
     RunPeriod::new(Date::of_day(from), Date::of_day(to))
 }
 
-/// Runs an episode under points that move at random. Returns the shifts that were drawn, and the hours.
-fn run(
-    episode: &mut Episode,
-    spaces: &Spaces,
-    seed: u64,
-    done: &mut dyn FnMut(),
-) -> Result<(Vec<Shift>, Vec<Hour>)> {
+/// Runs an episode under points that move at random.
+fn run(episode: &mut Episode, spaces: &Spaces, seed: u64, done: &mut dyn FnMut()) -> Result<Observed> {
     let mut guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
     let site = Site::of(spaces);
     let owned: Vec<Shift> = guideline.supervisory_points().iter().map(|point| point.shift).collect();
@@ -95,11 +109,12 @@ fn run(
             hour.cost += step.reward.energy_penalty;
             hour.discomfort += step.reward.temperature_penalty;
             observation.copy_from_slice(step.observation);
+            site.deviate(&observation, &mut hour);
         }
         hours.push(hour);
         done();
     }
-    Ok((tried, hours))
+    Ok(Observed { tried, hours })
 }
 
 /// Draws levels so that each occurs once in every three draws of a shift.

@@ -5,6 +5,7 @@ use std::path::Path;
 use b2b_workers::Episode;
 use serde_json::Value;
 
+use super::prior::SHIPPED;
 use super::{IDENTIFICATION_HOURS, Model, Mpc, NAME, REVISION, identify};
 use crate::kind::{self, AnyController, Case};
 use crate::parameter_set::{from_json, to_json};
@@ -23,7 +24,7 @@ impl kind::Kind for Kind {
     }
 
     fn identity(&self) -> String {
-        format!("{NAME}#{REVISION}")
+        kind::shipped_identity(&format!("{NAME}#{REVISION}"), SHIPPED)
     }
 
     fn is_stochastic(&self) -> bool {

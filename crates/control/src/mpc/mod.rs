@@ -4,6 +4,7 @@
 //! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, minimum flows
 //!    and the economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
 //! 2. From the hours, regressions estimate the effect of every level of a point on cost and discomfort: a [`Model`].
+//!    They begin from what is known of buildings of the type: a [`Prior`].
 //! 3. Every hour, [`Mpc`] forecasts outdoor temperatures and setpoints for the next 24 hours, and chooses the levels of
 //!    lowest predicted cost at no more predicted discomfort than the guideline's. It carries out the first hour.
 //!
@@ -16,6 +17,7 @@ mod hour;
 mod identification;
 mod kind;
 mod model;
+mod prior;
 mod regression;
 mod undisturbed;
 
@@ -26,14 +28,15 @@ use crate::{Error, Result};
 use day_plan::DayPlan;
 use drivers::Drivers;
 use hour::Site;
-pub use identification::{IDENTIFICATION_HOURS, identify};
+pub use identification::{IDENTIFICATION_HOURS, Observed, identify, observe};
 pub(crate) use kind::Kind;
 pub use model::{Effect, Model, Response};
+pub use prior::Prior;
 
 /// Name of the kind.
 const NAME: &str = "mpc";
 /// Revision of identification and plan, for the results of evaluations: raised whenever actions change.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Errors of the weather forecast 24 hours ahead: the temperature's (K) and the radiation's, which the model does not
 /// read.
 const FORECAST_ERROR: Preview = Preview { temperature_error: 2.0, solar_error: 0.0, seed: 0 };

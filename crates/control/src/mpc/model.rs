@@ -27,11 +27,13 @@ pub struct Model {
     pub guideline36: u32,
     /// Lowest and highest mean heating setpoint, °C.
     pub setpoints: [f64; 2],
+    /// Deviation outside the band, K·h per zone and day.
+    pub deviation: f64,
     /// Expected cost by hour of the day, in setback and outside, relative to the mean hour.
     pub cost: [Vec<f64>; 2],
     /// Expected discomfort, likewise.
     pub discomfort: [Vec<f64>; 2],
-    /// Effects of the tried levels that may be chosen.
+    /// Effects of the tried levels that may be chosen, and of half of them.
     pub effects: Vec<Effect>,
 }
 
@@ -118,6 +120,9 @@ impl Model {
                 self.guideline36
             ));
         }
+        if !self.deviation.is_finite() {
+            return Err("`deviation` is not a finite number".to_owned());
+        }
         if self.cost.iter().chain(&self.discomfort).any(|hours| hours.len() != 24) {
             return Err("an hour of the day is missing in `cost` or `discomfort`".to_owned());
         }
@@ -173,6 +178,7 @@ mod tests {
             identified: "06-01..06-14".to_owned(),
             guideline36: REVISION,
             setpoints: [16.0, 20.0],
+            deviation: 0.2,
             cost: [vec![0.5; 24], vec![2.0; 24]],
             discomfort: [vec![0.0; 24], vec![1.0; 24]],
             effects: vec![effect],

@@ -20,8 +20,10 @@ pub(super) struct Rows {
     pub(super) hours: Vec<usize>,
     /// Usual size of each value, to which its error is proportional.
     pub(super) sizes: Vec<f64>,
-    /// Regularization of each coefficient.
+    /// Regularization of each coefficient: how much its distance from its mean costs.
     pub(super) ridge: Vec<f64>,
+    /// Mean of each coefficient before its estimate.
+    pub(super) means: Vec<f64>,
 }
 
 /// Coefficients with their uncertainty.
@@ -43,28 +45,22 @@ impl Rows {
     /// Explains values; returns the covariances of the last `uncertain` coefficients.
     pub(super) fn explain(&self, values: &[f64], uncertain: usize) -> Estimate {
         let mut errors = Errors { deviation: [1.0; 24], lasting: 0.0 };
-        let mut coefficients = Vec::new();
+        let width = self.ridge.len();
+        let freedom = (values.len() as f64 - width as f64).max(LEAST_FREEDOM);
+        let mut coefficients = self.means.clone();
         let mut matrix = Vec::new();
-        let mut variance = 0.0;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let (inputs, whitened_values) = self.whiten(values, &errors);
-            let (normal, right) = self.normal_equations(&inputs, &whitened_values);
-            matrix.clone_from(&normal);
-            coefficients = right;
+            let rows = inputs.iter().zip(&whitened_values);
+            let squares: f64 = rows.map(|(row, value)| (value - dot(row, &coefficients)).powi(2)).sum();
+            let variance = if round == 0 || squares == 0.0 { 1.0 } else { squares / freedom };
+            (matrix, coefficients) = self.normal_equations(&inputs, &whitened_values, variance);
             solve(&mut matrix.clone(), &mut coefficients);
-            let squares: f64 = inputs
-                .iter()
-                .zip(&whitened_values)
-                .map(|(row, value)| (value - dot(row, &coefficients)).powi(2))
-                .sum();
-            let freedom = (values.len() as f64 - coefficients.len() as f64).max(LEAST_FREEDOM);
-            variance = squares / freedom;
             errors = self.errors(values, &coefficients);
         }
-        let width = coefficients.len();
         let column = |number: usize| {
             let mut column = vec![0.0; width];
-            column[number] = variance;
+            column[number] = 1.0;
             solve(&mut matrix.clone(), &mut column);
             column.split_off(width - uncertain)
         };
@@ -103,7 +99,8 @@ impl Rows {
         whitened
     }
 
-    fn normal_equations(&self, inputs: &[Vec<f64>], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// Returns matrix and right side of the equations for errors of this variance.
+    fn normal_equations(&self, inputs: &[Vec<f64>], values: &[f64], variance: f64) -> (Vec<f64>, Vec<f64>) {
         let width = self.ridge.len();
         let mut matrix = vec![0.0; width * width];
         let mut right = vec![0.0; width];
@@ -114,7 +111,11 @@ impl Rows {
                 entries.iter_mut().zip(row).for_each(|(entry, other)| *entry += own * other);
             }
         }
-        (0..width).for_each(|index| matrix[index * width + index] += self.ridge[index]);
+        matrix.iter_mut().chain(&mut right).for_each(|entry| *entry /= variance);
+        for (index, (ridge, mean)) in self.ridge.iter().zip(&self.means).enumerate() {
+            matrix[index * width + index] += ridge;
+            right[index] += ridge * mean;
+        }
         (matrix, right)
     }
 
@@ -163,6 +164,7 @@ mod tests {
             hours: (0..336).map(|hour| hour % 24).collect(),
             sizes: vec![1.0; 336],
             ridge: vec![1e-3; 2],
+            means: vec![0.0; 2],
         };
         let found = rows.explain(&values, 1);
         let deviation = found.covariance[0][0].sqrt();

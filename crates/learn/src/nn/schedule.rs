@@ -9,19 +9,16 @@ pub enum RateSchedule {
     /// The same rate in all updates.
     #[default]
     Constant,
-    /// A rate that falls linearly to 0 after this number of updates.
-    Linear {
-        /// Number of updates.
-        updates: u64,
-    },
+    /// A rate that falls linearly to 0 at the end of a run.
+    Linear,
 }
 
 impl RateSchedule {
-    /// Returns the factor of the learning rate after this number of updates.
-    pub fn factor(self, done: u64) -> f64 {
+    /// Returns the factor of the learning rate when this share of a run is done.
+    pub fn factor(self, done: f64) -> f64 {
         match self {
             Self::Constant => 1.0,
-            Self::Linear { updates } => 1.0 - done.min(updates) as f64 / updates.max(1) as f64,
+            Self::Linear => 1.0 - done.clamp(0.0, 1.0),
         }
     }
 }
@@ -32,8 +29,7 @@ mod tests {
 
     #[test]
     fn a_linear_schedule_falls_to_0() {
-        let schedule = RateSchedule::Linear { updates: 10 };
-        assert_eq!([0, 5, 10, 12].map(|done| schedule.factor(done)), [1.0, 0.5, 0.0, 0.0]);
-        assert_eq!(RateSchedule::Constant.factor(99), 1.0);
+        assert_eq!([0.0, 0.5, 1.0, 1.2].map(|done| RateSchedule::Linear.factor(done)), [1.0, 0.5, 0.0, 0.0]);
+        assert_eq!(RateSchedule::Constant.factor(0.9), 1.0);
     }
 }

@@ -214,7 +214,7 @@ impl<'a> Run<'a> {
         let mut rollout = Rollout::default();
         while self.steps < self.config.budget.steps {
             let before = self.steps;
-            self.anneal_noise();
+            self.follow_schedules();
             let mut row = match self.update(&mut rollout) {
                 Ok(row) => row,
                 Err(error) => return Err(self.give_up(error)),
@@ -246,10 +246,11 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Lowers the exploration noise according to the share of the run that is done.
-    fn anneal_noise(&mut self) {
+    /// Lowers the exploration noise and the learning rate according to the share of the run that is done.
+    fn follow_schedules(&mut self) {
+        let done = self.steps as f64 / self.config.budget.steps as f64;
+        self.learner.set_done(done);
         if self.config.noise.final_noise < 1.0 {
-            let done = self.steps as f64 / self.config.budget.steps as f64;
             self.learner.set_log_std((self.log_std + done * self.config.noise.final_noise.ln()) as f32);
         }
     }

@@ -17,7 +17,8 @@ fn train<T: Toy>(config: &SacConfig, environments: usize, updates: usize, seed: 
     let mut collector = Local::<T>::new(environments, seed);
     let mut sac = Sac::new(collector.widths(), environments, config.clone(), seed).unwrap();
     let mut rollout = Rollout::default();
-    for _ in 0..updates {
+    for update in 0..updates {
+        sac.set_done(update as f64 / updates as f64);
         collector.collect(&sac.actor(), config.n_steps, &mut rollout).unwrap();
         assert_eq!(sac.update(&rollout).unwrap().skipped, 0);
     }
@@ -68,7 +69,7 @@ fn sac_swings_a_pendulum_up() {
 #[test]
 fn sac_heats_rooms() {
     let config = SacConfig {
-        schedule: RateSchedule::Linear { updates: 300 },
+        schedule: RateSchedule::Linear,
         updates_per_step: 0.5,
         gamma: 0.9,
         return_steps: 1,

@@ -471,6 +471,14 @@ fn an_invalid_request_is_an_error_that_names_the_fault() {
         &["wrong.toml", "unknown field `enviroments`", "did you mean `environments`?"],
     );
     assert!(!path.join("b2b-out").exists(), "nothing is left behind");
+    let acting = "acting = { kind = 'supervisory', every = 60, setpoints = false }";
+    std::fs::write(path.join("nothing.toml"), format!("{acting}\ncomfort_rate = 0\nevaluation.every = 0"))
+        .unwrap();
+    assert_rejected(
+        path,
+        "train SingleFamilyHouse-0042 --control setpoints --task operate --config nothing.toml --out thermostats",
+        &["nothing to set in SingleFamilyHouse-0042+setpoints", "`acting.setpoints` = true"],
+    );
 }
 
 #[test]

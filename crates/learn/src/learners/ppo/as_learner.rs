@@ -12,6 +12,10 @@ use crate::rollout::Rollout;
 use crate::state::State;
 
 impl Learner for Ppo {
+    fn set_done(&mut self, done: f64) {
+        self.done = done;
+    }
+
     fn set_log_std(&mut self, log_std: f32) {
         for parameters in [&mut self.parameters, &mut self.average] {
             parameters[self.networks.log_stds()].fill(log_std);

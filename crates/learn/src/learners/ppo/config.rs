@@ -163,10 +163,8 @@ mod tests {
 
     #[test]
     fn fields_have_defaults_and_unknown_ones_are_errors() {
-        let config: PpoConfig =
-            serde_json::from_str(r#"{"gamma": 0.9, "schedule": {"linear": {"updates": 5}}}"#).unwrap();
-        let schedule = RateSchedule::Linear { updates: 5 };
-        assert_eq!(config, PpoConfig { gamma: 0.9, schedule, ..PpoConfig::default() });
+        let config: PpoConfig = serde_json::from_str(r#"{"gamma": 0.9, "schedule": "linear"}"#).unwrap();
+        assert_eq!(config, PpoConfig { gamma: 0.9, schedule: RateSchedule::Linear, ..PpoConfig::default() });
         assert!(serde_json::from_str::<PpoConfig>(r#"{"gama": 0.9}"#).is_err());
     }
 

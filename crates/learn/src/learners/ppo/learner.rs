@@ -34,6 +34,8 @@ pub struct Ppo {
     pub(super) adam: Adam,
     /// Factor of the learning rate of the actor.
     pub(super) rate: f64,
+    /// Share of the run that is done.
+    pub(super) done: f64,
     pub(super) scale: ValueScale,
     pub(super) features: FeatureScale,
     pub(super) random: RandomStream,
@@ -140,6 +142,7 @@ impl Ppo {
             credits: vec![Arc::new(credit)],
             adam: Adam::new(parameters.len(), config.adam_epsilon),
             rate: 1.0,
+            done: 0.0,
             scale: ValueScale::new(networks.value_kinds(), config.value_rate),
             gradients: vec![0.0; parameters.len()],
             average: parameters.clone(),

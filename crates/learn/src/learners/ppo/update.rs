@@ -96,13 +96,13 @@ impl Ppo {
 
     /// Returns the learning rate of the critic, and of the actor before its adaptation.
     fn learning_rate(&self) -> f64 {
-        self.config.learning_rate * self.config.schedule.factor(self.updates)
+        self.config.learning_rate * self.config.schedule.factor(self.done)
     }
 
     fn adapt_rate(&mut self, update: &Update) {
         let Some(desired) = self.config.desired_kl.map(f64::from) else { return };
         // Divergence grows with the square of the rate.
-        let desired = desired * self.config.schedule.factor(self.updates).powi(2);
+        let desired = desired * self.config.schedule.factor(self.done).powi(2);
         // If the update stopped early, the divergence at the stop says more than the mean over the minibatches before
         // it.
         let kl = update.stopped_kl.unwrap_or(update.approx_kl);

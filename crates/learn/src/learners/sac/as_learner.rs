@@ -15,6 +15,10 @@ use crate::state::State;
 const ADAMS: [&str; 3] = ["adam.actor", "adam.critics", "adam.temperature"];
 
 impl Learner for Sac {
+    fn set_done(&mut self, done: f64) {
+        self.done = done;
+    }
+
     fn actor(&self) -> Actor {
         self.networks.actor(&self.parameters)
     }

@@ -22,6 +22,8 @@ pub struct Sac {
     pub(super) random: RandomStream,
     /// Minibatches still to do for the steps collected so far.
     pub(super) owed: f64,
+    /// Share of the run that is done.
+    pub(super) done: f64,
     /// Number of updates.
     pub(super) updates: u64,
     /// Number of consecutive updates, up to the last, that skipped steps.
@@ -51,6 +53,7 @@ impl Sac {
             workers: vec![SacWorker::new(&networks)],
             batch: ReplayBatch::default(),
             owed: 0.0,
+            done: 0.0,
             updates: 0,
             failures: 0,
             threads: 1,

@@ -54,7 +54,7 @@ impl Sac {
     /// row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<SacUpdate> {
         self.check(rollout)?;
-        let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);
+        let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.done);
         let mut update = SacUpdate { learning_rate, ..SacUpdate::default() };
         self.remember(rollout, &mut update);
         if self.can_learn() {
