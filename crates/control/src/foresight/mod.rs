@@ -33,7 +33,7 @@ use trials::{TrialRecord, Trials};
 /// Name of the kind.
 const NAME: &str = "foresight";
 /// Revision of the search: it resumes no record of another one, whose episodes had other schedules.
-const SEARCH: u32 = 2;
+const SEARCH: u32 = 3;
 
 /// The guideline's sequences under a schedule.
 #[derive(Clone, Debug)]

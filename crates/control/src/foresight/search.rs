@@ -5,7 +5,7 @@
 //! what saved on a day. Rounds refine the best. A round tries mirrored pairs around the best point and estimates from
 //! them the slope of every day's objective; then it goes down the slopes by steps of several lengths. The best point
 //! tried on a day is its next center. The objective of a day is its cost plus a price on discomfort: the lowest price
-//! at which the best days together have no more discomfort than under the guideline.
+//! at which the best days together have no more discomfort than under the guideline, apart from what counts as none.
 
 use b2b_base::random::{standard_normal, stream};
 use rand::RngExt;
@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use super::outcome::{DayUse, EpisodeUse};
 use super::response::{Pair, slopes};
 use crate::Result;
+use crate::search::SAME_DISCOMFORT;
 
 /// Values of the survey, as shares of the lowest and of the highest value.
 const SURVEYED: [f64; 2] = [0.5, 1.0];
@@ -35,8 +36,6 @@ const SCORE_PRICE: f64 = b2b_env::OPERATION_WEIGHT / 24.0;
 const PRICES: [f64; 2] = [0.01, 10.0];
 /// Bisections of the logarithm of the price.
 const BISECTIONS: usize = 20;
-/// Discomfort above the baseline's that counts as none, K·h per zone.
-const SAME_DISCOMFORT: f64 = 0.05;
 /// Difference of a day's objective that counts as none, in days of the guideline's cost.
 const RESOLUTION: f64 = 2e-4;
 
@@ -128,17 +127,22 @@ fn surveyed<'a>(
     })
 }
 
-/// Returns the cost of an episode relative to the baseline, plus a penalty for discomfort beyond the baseline, priced
-/// as in the score at comfort but without its allowance.
+/// Returns the discomfort that counts as the baseline's, K·h per zone.
+fn limit(baseline: &EpisodeUse) -> f64 {
+    baseline.discomfort() + SAME_DISCOMFORT * baseline.days.len() as f64
+}
+
+/// Returns the cost of an episode relative to the baseline, plus a penalty for more discomfort than the baseline's,
+/// priced as in the score at comfort.
 pub(super) fn score(outcome: &EpisodeUse, baseline: &EpisodeUse) -> f64 {
     let days = baseline.days.len() as f64;
-    let excess = (outcome.discomfort() - baseline.discomfort()).max(0.0);
+    let excess = (outcome.discomfort() - limit(baseline)).max(0.0);
     outcome.used() / baseline.used() + SCORE_PRICE * excess / days
 }
 
 /// Returns whether an episode has no more discomfort than the baseline.
 fn holds(outcome: &EpisodeUse, baseline: &EpisodeUse) -> bool {
-    outcome.discomfort() <= baseline.discomfort() + SAME_DISCOMFORT
+    outcome.discomfort() <= limit(baseline)
 }
 
 /// Searches for a point with the lowest score at no more discomfort than the baseline. `parts` are sets of positions in
@@ -192,7 +196,7 @@ impl ScheduleSearch<'_> {
         let (numbers, points): (Vec<usize>, Vec<Point>) =
             surveyed(self.bounds, parts).map(|(part, day)| (part, vec![day; days])).unzip();
         let outcomes = self.run(&points, run)?;
-        self.choose(self.baseline.discomfort());
+        self.choose(limit(&self.baseline));
         let mut together = vec![vec![0.0; self.bounds.len()]; days];
         for (day, values) in together.iter_mut().enumerate() {
             let objective = |number: usize| self.objective(outcomes[number].days[day]);
@@ -209,7 +213,7 @@ impl ScheduleSearch<'_> {
             together.iter().map(|day| day.iter().map(|value| share * value).collect()).collect()
         };
         self.run(&TOGETHER.map(scaled), run)?;
-        self.choose(self.baseline.discomfort());
+        self.choose(limit(&self.baseline));
         Ok(())
     }
 
@@ -227,12 +231,12 @@ impl ScheduleSearch<'_> {
     }
 
     /// Runs the best values of all days in one episode. Returns the sum of discomfort that the days may have by what is
-    /// known of each: less than the baseline's by what the days add to one another.
+    /// known of each: less than the limit by what the days add to one another.
     fn run_center(&mut self, run: &mut Run<'_>) -> Result<f64> {
         let center = self.center.clone();
         let outcome = self.run(std::slice::from_ref(&center), run)?.remove(0);
-        let baseline = self.baseline.discomfort();
-        Ok(baseline - (outcome.discomfort() - baseline).max(0.0))
+        let limit = limit(&self.baseline);
+        Ok(limit - (outcome.discomfort() - limit).max(0.0))
     }
 
     /// Runs points, remembers their days and keeps the best episode.
@@ -404,11 +408,7 @@ mod tests {
     #[test]
     fn the_lowest_cost_at_the_discomfort_of_the_baseline_is_found() {
         let found = search(&BOUNDS, 14, &parts(), EFFORT, &mut toy).unwrap();
-        assert!(
-            found.outcome.discomfort() <= found.baseline.discomfort() + SAME_DISCOMFORT,
-            "{}",
-            found.outcome.discomfort()
-        );
+        assert!(found.outcome.discomfort() <= limit(&found.baseline), "{}", found.outcome.discomfort());
         // 10 - 0.4 instead of 11.8, where discomfort begins.
         let ratio = found.outcome.used() / found.baseline.used();
         assert!(ratio < 0.84, "{ratio}");

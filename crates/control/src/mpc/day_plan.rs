@@ -2,20 +2,19 @@
 //!
 //! Effects add up over points and hours. At a price of discomfort, every hour has a best level of every shift, so that
 //! the search is for the lowest price at which the day has no more discomfort than under the guideline, apart from what
-//! hardly counts.
+//! counts as none.
 
 use b2b_env::PREVIEW_HOURS;
 
 use super::drivers::Drivers;
 use super::model::Model;
+use crate::search::SAME_DISCOMFORT;
 
 /// Highest price of discomfort, in the mean hour's cost per mean hour's discomfort.
 const HIGHEST_PRICE: f64 = 1e3;
 /// Bisections of the price.
 const BISECTIONS: usize = 20;
 
-/// Discomfort that may be added to the guideline's, K·h per zone and day: half the free allowance of a score at comfort.
-const ALLOWED: f64 = 0.05;
 /// Largest part that it may add, because effects are known relative to the guideline's discomfort.
 const LARGEST_PART: f64 = 0.5;
 
@@ -59,7 +58,7 @@ impl DayPlan {
                 }),
             }
         }
-        let part = ALLOWED / model.deviation.max(ALLOWED / LARGEST_PART);
+        let part = SAME_DISCOMFORT / model.deviation.max(SAME_DISCOMFORT / LARGEST_PART);
         let predicted = vec![[None; PREVIEW_HOURS]; model.effects.len()];
         Self { shifts, predicted, allowed: part * PREVIEW_HOURS as f64 }
     }

@@ -68,9 +68,16 @@ impl Drivers {
     }
 
     /// Returns whether a level that is tried may be chosen. Supply air colder than the guideline's takes more reheat
-    /// and cooling than it saves in fans; its effect only helps to estimate the effect of warmer air.
+    /// and cooling than it saves in fans, and a lower limit turns cool outdoor air away; their effects only help to
+    /// estimate those of the other levels.
     pub(super) fn may_be_chosen(shift: Shift, level: f64) -> bool {
-        shift != Shift::SupplyTemperature || level > 0.0
+        !Shift::AIR_LOOP.contains(&shift) || level > 0.0
+    }
+
+    /// Returns whether a shift may be chosen in an hour. In warm hours, warmer supply air opens dampers and speeds up fans
+    /// until zones are short of cooling, later than the trials of an identification show.
+    pub(super) fn allow(self, shift: Shift) -> bool {
+        shift != Shift::SupplyTemperature || self.outdoor < MILD_TO_WARM[0]
     }
 
     /// Returns how cold and how warm an outdoor temperature is, 0 to 2.

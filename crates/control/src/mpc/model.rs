@@ -82,7 +82,7 @@ impl Response {
 impl Effect {
     /// Returns the effects on cost and discomfort in an hour, relative to the hour's, as far as they are sure.
     fn predict(&self, drivers: Drivers) -> [f64; 2] {
-        let Some(shift) = shift(&self.shift) else { return [0.0; 2] };
+        let Some(shift) = shift(&self.shift).filter(|shift| drivers.allow(*shift)) else { return [0.0; 2] };
         let terms = drivers.terms(shift);
         [self.cost.sure(&terms, SURE[0]), self.discomfort.sure(&terms, SURE[1])]
     }

@@ -9,6 +9,8 @@ const ROUNDS: usize = 6;
 const LASTING: [f64; 2] = [-0.3, 0.9];
 /// Addition to the standard deviation of an error, relative to the usual size.
 const LEAST_DEVIATION: f64 = 0.02;
+/// Smallest variance of whitened errors: a few rows are explained exactly, but not known exactly.
+const LEAST_VARIANCE: f64 = 0.01;
 /// Smallest number of degrees of freedom.
 const LEAST_FREEDOM: f64 = 10.0;
 
@@ -53,7 +55,7 @@ impl Rows {
             let (inputs, whitened_values) = self.whiten(values, &errors);
             let rows = inputs.iter().zip(&whitened_values);
             let squares: f64 = rows.map(|(row, value)| (value - dot(row, &coefficients)).powi(2)).sum();
-            let variance = if round == 0 || squares == 0.0 { 1.0 } else { squares / freedom };
+            let variance = if round == 0 { 1.0 } else { (squares / freedom).max(LEAST_VARIANCE) };
             (matrix, coefficients) = self.normal_equations(&inputs, &whitened_values, variance);
             solve(&mut matrix.clone(), &mut coefficients);
             errors = self.errors(values, &coefficients);
