@@ -9,18 +9,17 @@ use b2b_building::Period;
 use b2b_climate::TwoWeeks;
 use b2b_control::foresight::{Planned, SchedulePlan, ScheduleSearchOptions, plan};
 use b2b_dataset::{BuildingName, Catalog};
-use b2b_env::{EpisodeConfig, Task};
+use b2b_env::Task;
 use b2b_evaluate::statistics::median;
-use b2b_workers::{EpisodeSetting, Source, Workers};
 use indicatif::ProgressBar;
 
+use super::training::episode;
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::{self, OutputFolder};
 use crate::program;
-use crate::program::worker_options;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::table::Table;
 use crate::terminal::{interrupt, stdout};
@@ -124,12 +123,8 @@ impl Arguments {
         let (task, options) = (self.task(), self.options());
         let name = format!("{building}_{period}");
         let path = self.out.join(format!("{name}.json"));
-        let found = catalog.find(building, &self.location.placement(), &mut Download::new(true))?;
-        let weather = found.weather.clone();
-        let period = period.in_weather(&weather)?;
-        let config = EpisodeConfig { weather, period, steps_per_hour: self.steps_per_hour, task };
-        let workers = Workers::new(worker_options(catalog.library().path()))?;
-        let mut episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
+        let at = (building, &self.location.placement());
+        let mut episode = episode(catalog, at, *period, self.steps_per_hour, task)?;
         let spaces = b2b_env::Environment::spaces(&episode);
         if path.exists() {
             let plan = SchedulePlan::read(&path)?;

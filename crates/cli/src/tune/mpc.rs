@@ -6,14 +6,13 @@ use anyhow::{Context, Result};
 use b2b_building::Period;
 use b2b_control::mpc::{Effect, IDENTIFICATION_HOURS, Model, Response, identify};
 use b2b_dataset::BuildingName;
-use b2b_env::{EpisodeConfig, Task};
-use b2b_workers::{EpisodeSetting, Source, Workers};
+use b2b_env::Task;
 
+use super::training::episode;
 use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::OutputFolder;
 use crate::program;
-use crate::program::worker_options;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::stdout;
 use crate::terminal::table::Table;
@@ -54,16 +53,9 @@ pub struct Arguments {
 pub fn mpc(arguments: &Arguments) -> Result<()> {
     let Arguments { building, out, json, .. } = arguments;
     let catalog = program::catalog(&mut Download::new(*json))?;
-    let found = catalog.find(building, &arguments.location.placement(), &mut Download::new(true))?;
-    let weather = found.weather.clone();
-    let config = EpisodeConfig {
-        period: arguments.period.in_weather(&weather)?,
-        weather,
-        steps_per_hour: arguments.steps_per_hour,
-        task: arguments.task.clone().unwrap_or_else(task::usual),
-    };
-    let workers = Workers::new(worker_options(catalog.library().path()))?;
-    let episode = workers.episode(&EpisodeSetting::new(Source::from(found), config))?;
+    let task = arguments.task.clone().unwrap_or_else(task::usual);
+    let at = (building, &arguments.location.placement());
+    let episode = episode(&catalog, at, arguments.period, arguments.steps_per_hour, task)?;
     let bar = counter(IDENTIFICATION_HOURS, "hours", *json);
     let model = identify(&episode, arguments.seed, &mut || bar.inc(1))
         .with_context(|| format!("cannot identify a model of {building}"))?;

@@ -1,4 +1,4 @@
-//! Episodes in buildings of the training split.
+//! Episodes of the commands that tune supervisors of Guideline 36, and the training buildings they run in.
 
 use anyhow::Result;
 use b2b_base::spread::spread;
@@ -56,11 +56,22 @@ impl TrainingBuildings {
     /// Returns the episode of a building in a run period.
     pub fn episode(&self, catalog: &Catalog, id: BuildingId, period: Period) -> Result<Episode> {
         interrupt::check()?;
-        let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Download::new(true))?;
-        let weather = found.weather.clone();
-        let period = period.in_weather(&weather)?;
-        let config = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: self.task() };
-        let workers = Workers::new(worker_options(catalog.library().path()))?;
-        Ok(workers.episode(&EpisodeSetting::new(Source::from(found), config))?)
+        episode(catalog, (&BuildingName::Id(id), &Placement::default()), period, STEPS_PER_HOUR, self.task())
     }
+}
+
+/// Returns the episode of a building at a place in a run period.
+pub fn episode(
+    catalog: &Catalog,
+    (building, placement): (&BuildingName, &Placement),
+    period: Period,
+    steps_per_hour: u32,
+    task: Task,
+) -> Result<Episode> {
+    let found = catalog.find(building, placement, &mut Download::new(true))?;
+    let weather = found.weather.clone();
+    let period = period.in_weather(&weather)?;
+    let config = EpisodeConfig { weather, period, steps_per_hour, task };
+    let workers = Workers::new(worker_options(catalog.library().path()))?;
+    Ok(workers.episode(&EpisodeSetting::new(Source::from(found), config))?)
 }

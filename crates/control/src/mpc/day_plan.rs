@@ -14,8 +14,7 @@ use crate::search::SAME_DISCOMFORT;
 const HIGHEST_PRICE: f64 = 1e3;
 /// Bisections of the price.
 const BISECTIONS: usize = 20;
-
-/// Largest part that it may add, because effects are known relative to the guideline's discomfort.
+/// Largest discomfort that may be added, relative to the guideline's: effects are known relative to it.
 const LARGEST_PART: f64 = 0.5;
 
 /// Predicted effects of a level in an hour.

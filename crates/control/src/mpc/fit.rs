@@ -38,10 +38,10 @@ pub(super) fn fit(
     prior: &Prior,
 ) -> Model {
     let columns = columns(tried, prior);
-    let [cost, discomfort] = [0, 1].map(|amount| explain(amount, hours, &columns));
     let (setpoints, drivers) = drivers(hours);
+    let [cost, discomfort] = [0, 1].map(|amount| explain(amount, hours, &drivers, &columns));
     let profile = |explained: &Option<Explained>| profile(explained.as_ref(), hours, &drivers);
-    let uncertain = columns.iter().map(Column::count).sum();
+    let uncertain = columns.iter().map(|column| count(column.shift)).sum();
     let mut first = 0;
     let mut effects = Vec::new();
     for column in &columns {
@@ -53,7 +53,7 @@ pub(super) fn fit(
             let [cost, discomfort] = [&cost, &discomfort].map(response);
             Effect { shift: column.shift.described().0.to_owned(), value, cost, discomfort }
         }));
-        first += column.count();
+        first += count(column.shift);
     }
     Model {
         building: building.to_owned(),
@@ -68,7 +68,7 @@ pub(super) fn fit(
 }
 
 /// Returns the lowest and the highest setpoint, and the drivers of all hours.
-fn drivers(hours: &[Hour]) -> ([f64; 2], Vec<Drivers>) {
+pub(super) fn drivers(hours: &[Hour]) -> ([f64; 2], Vec<Drivers>) {
     let pick = |pick: fn(f64, f64) -> f64| hours.iter().map(|hour| hour.setpoint).reduce(pick).unwrap_or(0.0);
     let setpoints = [pick(f64::min), pick(f64::max)];
     let of_hour = |hour: &Hour| Drivers::new(hour.outdoor, hour.setpoint, setpoints);
@@ -78,19 +78,32 @@ fn drivers(hours: &[Hour]) -> ([f64; 2], Vec<Drivers>) {
 /// Returns the regressors of all shifts, with what a prior expects of them.
 pub(super) fn columns(tried: &[Shift], prior: &Prior) -> Vec<Column> {
     let of_shift = |(number, &shift): (usize, &Shift)| {
-        let levels = Drivers::levels(shift)?;
-        let column = Column { shift, number, levels, expected: Default::default() };
-        let expected = [0, 1].map(|amount| prior.expected(&column, amount));
-        Some(Column { expected, ..column })
+        let expected = || [0, 1].map(|amount| prior.expected(shift, amount));
+        Drivers::levels(shift).map(|levels| Column { shift, number, levels, expected: expected() })
     };
     tried.iter().enumerate().filter_map(of_shift).collect()
 }
 
+/// Returns the number of regressors of a shift.
+pub(super) fn count(shift: Shift) -> usize {
+    let (terms, parts) = Drivers::shape(shift);
+    POWERS * terms * parts
+}
+
+/// Returns mean and deviation of the coefficients of a shift in any building.
+pub(super) fn unknown(shift: Shift) -> Vec<[f64; 2]> {
+    let each = count(shift) / POWERS;
+    USUAL.into_iter().flat_map(|usual| std::iter::repeat_n([0.0, usual], each)).collect()
+}
+
 /// Explains cost (0) or discomfort (1); `None` if there is none at all.
-pub(super) fn explain(number: usize, hours: &[Hour], columns: &[Column]) -> Option<Explained> {
+pub(super) fn explain(
+    number: usize,
+    hours: &[Hour],
+    drivers: &[Drivers],
+    columns: &[Column],
+) -> Option<Explained> {
     let amount = |hour: &Hour| [hour.cost, hour.discomfort][number];
-    let (_, drivers) = drivers(hours);
-    let drivers = &drivers;
     let mean = hours.iter().map(amount).sum::<f64>() / hours.len() as f64;
     if mean <= 0.0 {
         return None;
@@ -126,7 +139,10 @@ pub(super) fn explain(number: usize, hours: &[Hour], columns: &[Column]) -> Opti
         means: std::iter::repeat_n(0.0, base).chain(expected_of(0)).collect(),
     };
     let values: Vec<f64> = runs.iter().map(|&row| values[row]).collect();
-    Some(Explained { estimate: rows.explain(&values, columns.iter().map(Column::count).sum()), expected })
+    Some(Explained {
+        estimate: rows.explain(&values, columns.iter().map(|column| count(column.shift)).sum()),
+        expected,
+    })
 }
 
 /// Returns the mean expected amount by hour of the day, in setback and outside.
@@ -165,18 +181,6 @@ impl Column {
         let share =
             hour.levels[self.number].checked_sub(1).map_or(0.0, |level| self.share(self.levels[level]));
         [share, share * share]
-    }
-
-    /// Number of regressors.
-    pub(super) fn count(&self) -> usize {
-        let (terms, hours) = Drivers::shape(self.shift);
-        POWERS * terms * hours
-    }
-
-    /// Returns mean and deviation of the coefficients in any building.
-    pub(super) fn unknown(&self) -> Vec<[f64; 2]> {
-        let each = self.count() / POWERS;
-        USUAL.into_iter().flat_map(|usual| std::iter::repeat_n([0.0, usual], each)).collect()
     }
 
     /// Adds the regressors of an hour.

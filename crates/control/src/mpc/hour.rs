@@ -145,8 +145,7 @@ impl Site {
     /// Adds the deviation outside the band after a step.
     pub(super) fn deviate(&self, observation: &[f64], hour: &mut Hour) {
         let outside = |zone: &ZoneSlots| {
-            let (air, band) = (observation[zone.temperature], zone.target.pair_of(observation, true));
-            (band.heating - air).max(air - band.cooling).max(0.0)
+            zone.target.pair_of(observation, true).deviation(observation[zone.temperature]).abs()
         };
         let mean = self.zones.iter().map(outside).sum::<f64>() / self.zones.len() as f64;
         hour.deviation += mean * self.hours_per_step;

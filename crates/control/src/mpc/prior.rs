@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use b2b_building::PreparedBuilding;
 use serde::{Deserialize, Serialize};
 
-use super::fit::{AMOUNTS, Column, Explained, columns, explain};
+use super::fit::{AMOUNTS, Explained, columns, count, drivers, explain, unknown};
 use super::identification::Observed;
-use crate::search::least_squares::solve;
+use crate::guideline36::Shift;
+use crate::search::least_squares::{dot, solve};
 
 /// The priors that ship with the program, by building type.
 pub(super) const SHIPPED: &str = include_str!("../../data/mpc_prior.json");
@@ -36,34 +37,32 @@ impl Prior {
     }
 
     /// Returns what is expected of the coefficients of a shift for an amount.
-    pub(super) fn expected(&self, column: &Column, amount: usize) -> Vec<Expected> {
-        match self.0.get(column.shift.described().0).map(|own| &own[amount]) {
-            Some(own) if own.len() == column.count() => own.clone(),
-            _ => column.unknown(),
-        }
+    pub(super) fn expected(&self, shift: Shift, amount: usize) -> Vec<Expected> {
+        self.0.get(shift.described().0).map_or_else(|| unknown(shift), |own| own[amount].clone())
     }
 
     /// Estimates means and deviations from what was observed in buildings of a type, by expectation maximization.
     pub fn learn(observed: &[Observed]) -> Self {
         let mut evidence: BTreeMap<&str, [Vec<Evidence>; AMOUNTS]> = BTreeMap::new();
-        let mut unknown: BTreeMap<&str, Vec<Expected>> = BTreeMap::new();
+        let mut first_guess: BTreeMap<&str, Vec<Expected>> = BTreeMap::new();
         for own in observed {
             let columns = columns(&own.tried, &Self::default());
+            let (_, drivers) = drivers(&own.hours);
             for amount in 0..AMOUNTS {
-                let Some(explained) = explain(amount, &own.hours, &columns) else { continue };
+                let Some(explained) = explain(amount, &own.hours, &drivers, &columns) else { continue };
                 let mut first = 0;
                 for column in &columns {
                     let name = column.shift.described().0;
-                    unknown.insert(name, column.unknown());
-                    let own = Evidence::of(column, first, &explained);
+                    first_guess.insert(name, unknown(column.shift));
+                    let own = Evidence::of(column.shift, first, &explained);
                     // A building that is off for nearly all hours says nothing.
                     evidence.entry(name).or_default()[amount].extend(Some(own).filter(Evidence::is_finite));
-                    first += column.count();
+                    first += count(column.shift);
                 }
             }
         }
         let learned = |(name, amounts): (&str, [Vec<Evidence>; AMOUNTS])| {
-            let of_amount = |own: Vec<Evidence>| maximize(&own, unknown[name].clone());
+            let of_amount = |own: Vec<Evidence>| maximize(&own, first_guess[name].clone());
             (name.to_owned(), amounts.map(of_amount))
         };
         Self(evidence.into_iter().map(learned).collect())
@@ -78,8 +77,8 @@ struct Evidence {
 
 impl Evidence {
     /// Takes from an estimate what was expected before.
-    fn of(column: &Column, first: usize, explained: &Explained) -> Self {
-        let width = column.count();
+    fn of(shift: Shift, first: usize, explained: &Explained) -> Self {
+        let width = count(shift);
         let estimate = &explained.estimate;
         let base = estimate.coefficients.len() - estimate.covariance.len();
         let mean = &estimate.coefficients[base + first..][..width];
@@ -88,7 +87,7 @@ impl Evidence {
             .collect();
         let mut precision = inverse(&covariance, width);
         let mut weighted = multiply(&precision, mean);
-        for (number, [expected, deviation]) in column.unknown().into_iter().enumerate() {
+        for (number, [expected, deviation]) in unknown(shift).into_iter().enumerate() {
             precision[number * width + number] -= deviation.powi(-2);
             weighted[number] -= expected * deviation.powi(-2);
         }
@@ -100,9 +99,12 @@ impl Evidence {
     }
 }
 
-/// Returns means and deviations under which the evidence is likely, beginning from some.
+/// Returns means and deviations under which the evidence is likely, beginning from some; without evidence, these.
 fn maximize(evidence: &[Evidence], mut expected: Vec<Expected>) -> Vec<Expected> {
     let width = expected.len();
+    if evidence.is_empty() {
+        return expected;
+    }
     for _ in 0..ROUNDS {
         let posteriors: Vec<(Vec<f64>, Vec<f64>)> =
             evidence.iter().map(|own| posterior(own, &expected)).collect();
@@ -144,13 +146,14 @@ fn inverse(matrix: &[f64], width: usize) -> Vec<f64> {
 }
 
 fn multiply(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
-    matrix.chunks_exact(vector.len()).map(|row| crate::search::least_squares::dot(row, vector)).collect()
+    matrix.chunks_exact(vector.len()).map(|row| dot(row, vector)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use b2b_base::random::{standard_normal, stream};
 
+    use super::super::model::shifts;
     use super::*;
 
     #[test]
@@ -158,6 +161,10 @@ mod tests {
         let all: BTreeMap<String, Prior> = serde_json::from_str(SHIPPED).unwrap();
         for (name, prior) in all {
             name.parse::<b2b_building::BuildingType>().unwrap();
+            for (shift, amounts) in &prior.0 {
+                let own = shifts().find(|own| own.described().0 == shift).unwrap();
+                assert_eq!(amounts.each_ref().map(Vec::len), [count(own); AMOUNTS], "{name}, {shift}");
+            }
             let values = prior.0.values().flatten().flatten();
             assert!(values.clone().count() > 0 && values.flatten().all(|value| value.is_finite()), "{name}");
         }
@@ -175,6 +182,7 @@ mod tests {
         let [[mean, deviation]] = maximize(&evidence, vec![[0.0, 0.2]])[..] else {
             panic!("one coefficient")
         };
+        assert_eq!(maximize(&[], vec![[0.0, 0.2]]), [[0.0, 0.2]], "no building says anything");
         assert!((mean + 0.06).abs() < 0.008 && (0.01..0.035).contains(&deviation), "{mean} {deviation}");
     }
 }
