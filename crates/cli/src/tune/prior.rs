@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_base::parallel;
-use b2b_control::mpc::{Observed, Prior, observe};
+use b2b_building::BuildingType;
+use b2b_control::mpc::{Observed, Prior, Priors, observe};
 
 use super::training::TrainingBuildings;
 use crate::arguments::jobs::Jobs;
@@ -42,7 +43,7 @@ pub fn prior(arguments: &Arguments) -> Result<()> {
     let Arguments { training, seed, jobs, out, json } = arguments;
     let catalog = program::catalog(&mut Download::new(*json))?;
     let jobs = jobs.count()?;
-    let mut all: BTreeMap<String, Prior> = BTreeMap::new();
+    let mut all: BTreeMap<BuildingType, Prior> = BTreeMap::new();
     for building_type in &training.types {
         let periods = training.periods();
         let cases: Vec<_> = training
@@ -59,8 +60,9 @@ pub fn prior(arguments: &Arguments) -> Result<()> {
             anyhow::Ok(observed)
         })?;
         bar.finish_and_clear();
-        all.insert(building_type.to_string(), Prior::learn(&observed));
+        all.insert(*building_type, Prior::learn(&observed));
     }
+    let all = Priors::new(&training.task(), all);
     OutputFolder::write_file(out, |file| serde_json::to_writer(file, &all).map_err(Into::into))?;
     stdout::print_result(*json, &all, || format!("  {}", out.display()))
 }

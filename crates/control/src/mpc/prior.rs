@@ -3,12 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
 use super::fit::{AMOUNTS, Explained, columns, count, drivers, explain, unknown};
 use super::identification::Observed;
-use crate::guideline36::Shift;
+use crate::guideline36::{REVISION, Shift};
 use crate::search::least_squares::{dot, solve};
 
 /// The priors that ship with the program, by building type.
@@ -21,6 +22,30 @@ const LEAST_DEVIATION: f64 = 0.003;
 /// Mean and deviation of a coefficient over the buildings of a type.
 type Expected = [f64; 2];
 
+/// Priors of building types, and what they were learned under.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Priors {
+    /// Revision of the sequences ([`REVISION`]).
+    guideline36: u32,
+    /// Task. Effects are relative to the cost of their hour, so that they hold under other tariffs too.
+    task: String,
+    /// Priors by building type.
+    types: BTreeMap<String, Prior>,
+}
+
+impl Priors {
+    /// Returns priors that were learned under the sequences as they are and under this task.
+    pub fn new(task: &Task, types: BTreeMap<BuildingType, Prior>) -> Self {
+        let named = types.into_iter().map(|(building_type, prior)| (building_type.to_string(), prior));
+        Self { guideline36: REVISION, task: task.to_string(), types: named.collect() }
+    }
+
+    fn shipped() -> Self {
+        serde_json::from_str(SHIPPED).expect("a test reads the shipped priors")
+    }
+}
+
 /// Expected coefficients of cost and of discomfort, by the name of a shift. Nothing is expected of the effect of a shift
 /// without an entry, besides its usual size.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,9 +55,7 @@ pub struct Prior(BTreeMap<String, [Vec<Expected>; AMOUNTS]>);
 impl Prior {
     /// Returns the shipped prior of a building's type; for other buildings, one that expects nothing.
     pub(super) fn of(building: &PreparedBuilding) -> Self {
-        let all: BTreeMap<String, Self> =
-            serde_json::from_str(SHIPPED).expect("a test reads the shipped priors");
-        let own = building.class.and_then(|class| all.get(class.building_type.name()).cloned());
+        let own = building.class.and_then(|class| Priors::shipped().types.remove(class.building_type.name()));
         own.unwrap_or_default()
     }
 
@@ -158,9 +181,10 @@ mod tests {
 
     #[test]
     fn the_shipped_priors_are_read() {
-        let all: BTreeMap<String, Prior> = serde_json::from_str(SHIPPED).unwrap();
-        for (name, prior) in all {
-            name.parse::<b2b_building::BuildingType>().unwrap();
+        let Priors { guideline36, types, .. } = Priors::shipped();
+        assert_eq!(guideline36, REVISION, "learn them again by `b2b tune prior`");
+        for (name, prior) in types {
+            name.parse::<BuildingType>().unwrap();
             for (shift, amounts) in &prior.0 {
                 let own = shifts().find(|own| own.described().0 == shift).unwrap();
                 assert_eq!(amounts.each_ref().map(Vec::len), [count(own); AMOUNTS], "{name}, {shift}");

@@ -239,6 +239,18 @@ fn the_preset_for_many_buildings_draws_some_of_the_training_split_and_holds_comf
     let spread = drawn.windows(2).all(|pair| (30..60).contains(&(pair[1].number() - pair[0].number())));
     assert!(spread, "{drawn:?}");
     assert_eq!(config.training_set.periods().unwrap().len(), 5);
+    let turns = changed(&config, "type_turns = { OfficeMedium = 3 }").training_set.turns().unwrap();
+    assert_eq!(
+        turns.iter().map(BuildingType::name).collect::<Vec<_>>().join(" "),
+        "OfficeMedium Warehouse OfficeMedium OfficeMedium"
+    );
+    let said = changed(&config, "type_turns = { Warehouse = 0 }").check().unwrap_err().to_string();
+    assert!(said.contains("`type_turns` of Warehouse is 0"), "{said}");
+    let said = changed(&config, "type_turns = { OfficeSmall = 2 }").check().unwrap_err().to_string();
+    assert!(
+        said.contains("`OfficeSmall`, which is not in `building_type` (OfficeMedium, Warehouse)"),
+        "{said}"
+    );
     let said = changed(&config, "period = 'peak-heating,wintr'").check().unwrap_err().to_string();
     assert!(said.contains("wintr"), "{said}");
     let said = changed(&config, "window_days = 20").check().unwrap_err().to_string();

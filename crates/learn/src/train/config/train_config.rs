@@ -161,7 +161,7 @@ impl TrainConfig {
 
     /// Checks that the agent and the number of environments suit the building types and tasks.
     fn check_variety(&self) -> Result<()> {
-        let types = self.training_set.building_type.len();
+        let (types, turns) = (self.training_set.building_type.len(), self.training_set.turns()?.len());
         let is_one_task = self.training_set.task.as_slice().len() == 1;
         require(is_one_task || self.agent.observation.form == ObservationForm::Features, || {
             "tasks with different observations require the observation `features`".into()
@@ -171,10 +171,10 @@ impl TrainConfig {
             "several building types are for graph networks; choose the preset graph, or one type".into()
         })?;
         let environments = self.budget.environments;
-        require(types <= self.distinct_environments(), || {
+        require(turns <= self.distinct_environments(), || {
             format!(
-                "`environments` is {environments}; expected at least {} for {types} building types{}",
-                types * environments.div_ceil(self.distinct_environments()),
+                "`environments` is {environments}; expected at least {} for {turns} turns of {types} building types{}",
+                turns * environments.div_ceil(self.distinct_environments()),
                 if self.noise.mirrored_noise { " with mirrored noise" } else { "" }
             )
         })

@@ -1,6 +1,6 @@
 //! Buildings, tasks and period of a training run.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use b2b_base::spread::spread;
@@ -37,6 +37,8 @@ pub struct TrainingSet {
     /// over the environments. Empty: `buildings`.
     #[serde(with = "one_or_many")]
     pub building_type: Vec<String>,
+    /// Turns of a type among the types of the environments, such as `{ OfficeMedium = 3 }`. Other types have 1.
+    pub type_turns: BTreeMap<String, usize>,
     /// Number of buildings of each type to draw from, evenly spread over its training split. 0: all.
     pub type_buildings: usize,
     /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
@@ -73,6 +75,7 @@ impl Default for TrainingSet {
             keep_design_days: false,
             allow_external: false,
             building_type: Vec::new(),
+            type_turns: BTreeMap::new(),
             type_buildings: 0,
             excluded_climate_zones: Vec::new(),
             building_episodes: 1,
@@ -127,6 +130,18 @@ impl TrainingSet {
             name.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
         };
         self.building_type.iter().map(parsed).collect()
+    }
+
+    /// Returns the types of the environments in turn: every type once, and then those with more turns again.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub(crate) fn turns(&self) -> Result<Vec<BuildingType>> {
+        let types = self.building_types()?;
+        let turns = |each: &BuildingType| self.type_turns.get(each.name()).copied().unwrap_or(1);
+        let rounds = types.iter().map(turns).max().unwrap_or(0);
+        let of_round = |round| types.iter().filter(move |each| round < turns(each));
+        Ok((0..rounds).flat_map(of_round).copied().collect())
     }
 
     /// Returns the buildings of a type to draw from: its training split, without the excluded climate zones, or some of
@@ -201,7 +216,20 @@ impl TrainingSet {
                 )
             },
         )?;
+        self.check_turns()?;
         self.check_zones()
+    }
+
+    /// Checks the turns of types.
+    fn check_turns(&self) -> Result<()> {
+        for (name, turns) in &self.type_turns {
+            require(self.building_type.contains(name), || {
+                let types = self.building_type.join(", ");
+                format!("`type_turns` has `{name}`, which is not in `building_type` ({types})")
+            })?;
+            require(*turns > 0, || format!("`type_turns` of {name} is 0; remove it from `building_type`"))?;
+        }
+        Ok(())
     }
 
     /// Checks which buildings are named or drawn, and where they are.

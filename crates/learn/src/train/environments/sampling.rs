@@ -237,7 +237,7 @@ impl<'a> Environments<'a> {
         settings: &[EpisodeSetting],
         environments: usize,
     ) -> Result<Box<dyn Sampler>> {
-        let types = self.config.training_set.building_types()?;
+        let types = self.config.training_set.turns()?;
         if !types.is_empty() {
             let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
                 Ok(Box::new(self.population(*building_type, period)))
