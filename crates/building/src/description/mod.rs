@@ -253,7 +253,9 @@ impl Description {
             levels: shape.levels(is_conditioned),
             envelope: Envelope {
                 infiltration: ratio(total(|zone| zone.infiltration * zone.volume), volume),
-                ..envelope(model, &shape, is_conditioned)
+                ..envelope(model, &shape, is_conditioned, |zone| {
+                    zones.get(zone).map_or(1.0, |zone| zone.multiplier)
+                })
             },
             adjacency: adjacency.collect(),
             zones,
@@ -311,34 +313,40 @@ fn describe_zone(
     }
 }
 
-/// The envelope without its leakage.
-fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool) -> Envelope {
+/// The envelope without its leakage. `times` is the multiplier of a zone.
+fn envelope(
+    model: &Model,
+    shape: &Shape,
+    is_conditioned: impl Fn(usize) -> bool,
+    times: impl Fn(usize) -> f64,
+) -> Envelope {
     let (mut walls, mut roofs) = (Mean::default(), Mean::default());
     let (mut window_u, mut window_shgc) = (Mean::default(), Mean::default());
     let (mut gross_walls, mut glass_in_walls, mut gross_roofs, mut skylights) = (0.0, 0.0, 0.0, 0.0);
     for face in shape.faces.iter().filter(|face| face.outside_boundary == OutsideBoundary::Outdoors) {
-        let (area, glass) = (face.area(), face.glass_area());
+        let times = times(face.zone);
+        let [area, glass, openings] = [face.area(), face.glass_area(), openings(face)].map(|own| times * own);
         match face.kind {
             SurfaceKind::Wall => {
                 gross_walls += area;
                 glass_in_walls += glass;
                 if is_conditioned(face.zone) {
-                    walls.add(u(model, &face.construction, WALL_FILMS), area - openings(face));
+                    walls.add(u(model, &face.construction, WALL_FILMS), area - openings);
                 }
                 for window in face.openings.iter().filter(|opening| opening.is_glass) {
                     let glazing = glazing(model, &window.construction);
-                    window_u.add(glazing.map(|g| g.u), window.area());
-                    window_shgc.add(glazing.map(|g| g.shgc), window.area());
+                    window_u.add(glazing.map(|g| g.u), times * window.area());
+                    window_shgc.add(glazing.map(|g| g.shgc), times * window.area());
                 }
             }
             SurfaceKind::Roof if is_conditioned(face.zone) => {
                 gross_roofs += area;
                 skylights += glass;
-                roofs.add(u(model, &face.construction, ROOF_FILMS), area - openings(face));
+                roofs.add(u(model, &face.construction, ROOF_FILMS), area - openings);
             }
             SurfaceKind::Roof => {
                 let (u, area) = better_of_roof_and_ceilings(model, shape, face, &is_conditioned);
-                roofs.add(u, area);
+                roofs.add(u, times * area);
             }
             SurfaceKind::Floor | SurfaceKind::Ceiling => {}
         }

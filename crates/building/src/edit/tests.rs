@@ -58,6 +58,22 @@ fn edits(changes: &[(Change, f64)]) -> Edits {
 }
 
 #[test]
+fn means_of_the_envelope_count_identical_zones() {
+    let mut model = room();
+    model.insert("Zone", "Hall", json!({"multiplier": 3}));
+    let wall = [[0.0, 9.0, 3.0], [0.0, 9.0, 0.0], [10.0, 9.0, 0.0], [10.0, 9.0, 3.0]];
+    let mut north = surface("Wall", "Outdoors", "Glass wall", &wall);
+    north["zone_name"] = json!("Hall");
+    model.insert("BuildingSurface:Detailed", "North", north);
+    model.insert("Construction", "Glass wall", json!({"outside_layer": "Board"}));
+    model.insert("Material", "Board", json!({"thickness": 0.1, "conductivity": 0.5}));
+    let report = apply(&mut model, &edits(&[(Change::WallU, 0.3)])).unwrap();
+    let [before, after] = [report.changes[0].before, report.changes[0].after].map(Option::unwrap);
+    let expected = (26.0 / 2.15 + 3.0 * 30.0 / 0.35) / (26.0 + 3.0 * 30.0);
+    assert!((before - expected).abs() < 1e-9 && (after - 0.3).abs() < 1e-9, "{before}, {after}");
+}
+
+#[test]
 fn every_change_reports_its_quantity_before_and_after() {
     let mut model = room();
     let changes = [

@@ -35,6 +35,7 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
             let own: Vec<&Episode> = episodes.iter().filter(|episode| episode.period == *period).collect();
             rows.extend(cells(building_type.name(), period, &own, others.len()));
         }
+        rows.extend(cells(building_type.name(), "all", &episodes.iter().collect::<Vec<_>>(), others.len()));
         all.extend(episodes);
     }
     rows.extend(cells("all", "all", &all.iter().collect::<Vec<_>>(), others.len()));
