@@ -221,7 +221,10 @@ pub(super) fn node_shifts(node_type: NodeType) -> Vec<Shift> {
 }
 
 /// Returns the features of an air handler or of a controlled zone, in an order that only depends on its type and on
-/// what the agent shifts. What a node lacks is 0. Without a node, only the names count, and all features are 0.
+/// what the agent shifts. What a node lacks is 0. Without a node, only the names count.
+///
+/// The weather is among them, although it has a node: what saves with cold air outside costs with warm air, and an
+/// agent that learns of it from the weather's node alone often does not tell them apart.
 pub(super) fn node_features(
     acting: Acting,
     node_type: NodeType,
@@ -257,6 +260,12 @@ pub(super) fn node_features(
         let source = move |decision| Source::Decision { decision, center, scale, limit: 3.0 };
         (what.to_owned(), decided(what, &source))
     }));
+    let [outdoor, humidity] = node.map_or([0, 0], |node| {
+        let space = &node.spaces.observation;
+        [space.outdoor_temperature(), space.outdoor_humidity()]
+    });
+    let of_weather = weather(outdoor, humidity).into_iter();
+    features.extend(of_weather.map(|(name, source)| (name.to_owned(), source)));
     features.extend(set_shifts(acting, node_type).map(|shift| {
         let action = node.and_then(|node| node.action(shift));
         (format!("{} previous", shift.described().0), action.map_or(Source::Constant(0.0), Source::Previous))
