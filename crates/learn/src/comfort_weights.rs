@@ -2,7 +2,8 @@
 //! which grows while the agent, acting without noise, leaves more discomfort than it may, and falls while it leaves
 //! less (Tessler et al. 2019).
 
-use b2b_building::Period;
+use b2b_building::{BuildingType, Period};
+use b2b_dataset::BuildingId;
 use b2b_env::EpisodeConfig;
 
 use crate::error::Result;
@@ -30,8 +31,8 @@ impl ComfortWeights {
     }
 
     /// Returns the numbers of the evaluations whose multipliers count in an episode of a building: its own in the run
-    /// period of the episode or, for a building that is not evaluated, all in this period. Empty if no evaluation is in
-    /// this period.
+    /// period of the episode; for a building that is not evaluated, those of its type in this period; for a type that
+    /// is not evaluated, all in this period. Empty if no evaluation is in this period.
     ///
     /// # Errors
     /// [`Error::Env`](crate::Error::Env) for an unreadable weather file.
@@ -50,9 +51,14 @@ impl ComfortWeights {
             };
             in_period.extend(has_it.then_some(number));
         }
-        let own: Vec<usize> =
-            in_period.iter().copied().filter(|number| self.held[*number].0 == building).collect();
-        Ok(if own.is_empty() { in_period } else { own })
+        let own_type = type_of(building);
+        let is_own = |held: &str| held == building;
+        let is_of_type = |held: &str| own_type.is_some() && type_of(held) == own_type;
+        let nearest = [&is_own as &dyn Fn(&str) -> bool, &is_of_type].into_iter().find_map(|is_near| {
+            let near = in_period.iter().copied().filter(|number| is_near(&self.held[*number].0));
+            Some(near.collect::<Vec<_>>()).filter(|near| !near.is_empty())
+        });
+        Ok(nearest.unwrap_or(in_period))
     }
 
     /// Returns the geometric mean of the multipliers of some evaluations; of all if there are none.
@@ -90,6 +96,11 @@ impl ComfortWeights {
             *weight = (*weight * change as f32).clamp(Self::LIMITS[0], Self::LIMITS[1]);
         }
     }
+}
+
+/// Returns the type of a building of the dataset.
+fn type_of(building: &str) -> Option<BuildingType> {
+    building.parse().ok().map(|id: BuildingId| id.building_type())
 }
 
 /// Returns the geometric mean; 1 without values.
@@ -131,6 +142,16 @@ mod tests {
         (0..99).for_each(|_| weights.follow(0, 9.0, 0.0, 1.0));
         assert_eq!(of(&weights, "A"), 30.0);
         assert_eq!(of(&ComfortWeights::default(), "A"), 1.0, "no constraint");
+    }
+
+    #[test]
+    fn a_building_of_an_evaluated_type_has_the_multiplier_of_its_type() {
+        let held = ["OfficeMedium-0021", "Warehouse-0021"].map(|name| (name.to_owned(), Period::WINTER));
+        let mut weights = ComfortWeights::new(held.into(), 1.0);
+        weights.follow(0, 0.0, 0.05, 1.0);
+        let of = |name: &str| weights.of(&weights.counting(name, &episode("01-08..01-21")).unwrap());
+        assert_eq!([of("OfficeMedium-0500"), of("Warehouse-0500")], [0.5, 1.0]);
+        assert!((of("OfficeSmall-0500") - 0.5f32.sqrt()).abs() < 1e-6, "of all types");
     }
 
     #[test]
