@@ -364,7 +364,9 @@ impl ScheduleSearch<'_> {
             }
         }
         let outcome = one(run, &sparse)?;
-        let as_good = score(&outcome, &self.baseline) < whole.2 + RESOLUTION * parts.len() as f64;
+        // As good as the whole, and better than the guideline.
+        let bound = (whole.2 + RESOLUTION * parts.len() as f64).min(1.0);
+        let as_good = score(&outcome, &self.baseline) < bound;
         if as_good && holds(&outcome, &self.baseline) {
             self.best.point = sparse;
             self.best.outcome = outcome;
@@ -428,6 +430,22 @@ mod tests {
         assert_eq!(search(&BOUNDS, 3, &parts(), EFFORT, &mut toy).unwrap().point, first.point);
         let other = search(&BOUNDS, 3, &parts(), Effort { seed: 1, ..EFFORT }, &mut toy).unwrap();
         assert_ne!(other.point, first.point);
+    }
+
+    #[test]
+    fn what_is_left_without_parts_that_save_little_is_better_than_the_guideline() {
+        // The values save little together, and cost a little one at a time.
+        let day = |day: &Vec<f64>| DayUse {
+            used: 10.0 + if day.iter().all(|value| *value > 0.4) { -0.003 } else { 0.0005 * day[0].abs() },
+            discomfort: 1.0,
+        };
+        let mut slight = |points: &[Point]| {
+            Ok(points.iter().map(|point| EpisodeUse { days: point.iter().map(day).collect() }).collect())
+        };
+        let bounds = [[0.0, 1.0]; 2];
+        let parts = [vec![0, 1], vec![1]];
+        let found = search(&bounds, 3, &parts, EFFORT, &mut slight).unwrap();
+        assert!(found.outcome.used() < found.baseline.used(), "{:?}", found.point);
     }
 
     #[test]

@@ -241,7 +241,7 @@ fn the_preset_for_many_buildings_draws_some_of_the_training_split_and_holds_comf
     assert_eq!(config.training_set.periods().unwrap().len(), 5);
     let turns = changed(&config, "type_turns = { OfficeMedium = 3 }").training_set.turns().unwrap();
     assert_eq!(
-        turns.iter().map(BuildingType::name).collect::<Vec<_>>().join(" "),
+        turns.iter().map(|each| each.name()).collect::<Vec<_>>().join(" "),
         "OfficeMedium Warehouse OfficeMedium OfficeMedium"
     );
     let said = changed(&config, "type_turns = { Warehouse = 0 }").check().unwrap_err().to_string();
