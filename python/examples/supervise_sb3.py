@@ -7,12 +7,11 @@ guideline's.
 """
 
 import argparse
+import copy
 import time
 
-import building2building as b2b
-import numpy as np
 import torch
-from building2building.learning.acting import acting_controller
+from building2building.learning.comfort import ComfortConstraint
 from building2building.sb3 import make_sb3_vec
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
@@ -31,12 +30,7 @@ arguments = parser.parse_args()
 ACTING, ENVS = "supervisory:60", 8
 # A decision lasts twelve steps, each of which discounts by 0.995.
 GAMMA = 0.995**12
-comfort_weight = 1.0
-
-
-def reward(info):
-    """Returns the task's reward with another weight of discomfort."""
-    return comfort_weight * info["reward_terms"]["temperature"] + info["reward_terms"]["energy"]
+constraint = ComfortConstraint(arguments.building, arguments.held_out, acting=ACTING)
 
 
 def schedule(remaining):
@@ -52,7 +46,7 @@ envs = make_sb3_vec(
     run_period=arguments.period,
     window_days=14,
     window_starts=6,
-    reward=reward,
+    reward=constraint.reward,
 )
 model = PPO(
     "MlpPolicy",
@@ -76,53 +70,29 @@ def act(seen):
     return model.predict(seen, deterministic=True)[0]
 
 
-def evaluate(*periods):
-    """Returns rows with the scores of the policy without noise."""
-    policy = acting_controller(act, ACTING)
-    return b2b.evaluate(policy, arguments.building, "operate", run_periods=periods, jobs=1).rows
+class Comfort(BaseCallback):
+    """Changes the weight of discomfort after evaluations, and keeps the best policy."""
 
-
-def discomfort(row):
-    """Returns the discomfort of the agent and of the guideline, K·h per zone and day."""
-    days = row["steps"] / 288
-    return row["tdis_tot"] / days, row["baseline_discomfort_k_h"] / days
-
-
-def described(row):
-    own, allowed = discomfort(row)
-    cost, score = row["relative_resource"], row["score"]
-    return f"cost {cost:.3f}, discomfort {own:.2f} instead of {allowed:.2f}, score {score:.3f}"
-
-
-class Constraint(BaseCallback):
-    """Evaluates the policy, changes the weight of discomfort, and keeps the best policy."""
-
-    def __init__(self):
-        super().__init__()
-        self.best, self.weights = np.inf, None
+    def _on_training_start(self):
+        self.weights = self.model.policy.state_dict()  # those of the moment, until an evaluation
 
     def _on_step(self):
         return True
 
     def _on_rollout_end(self):
-        global comfort_weight
         if self.num_timesteps % arguments.every == 0:
-            (row,) = evaluate(arguments.held_out)
-            own, allowed = discomfort(row)
-            comfort_weight *= float(np.clip((own + 0.05) / (allowed + 0.05), 0.5, 2))
-            if row["score"] < self.best:
-                self.best = row["score"]
-                self.weights = {name: value.clone() for name, value in self.model.policy.state_dict().items()}
-            print(f"{self.num_timesteps:7d} decisions: {described(row)}, weight {comfort_weight:.2f}", flush=True)
+            comparison, best = constraint.update(act)
+            if best:
+                self.weights = copy.deepcopy(self.model.policy.state_dict())
+            print(f"{self.num_timesteps:7d} decisions: {comparison}, weight {constraint.weight:.2f}", flush=True)
 
 
 # Small networks are slower with several threads, and the engine needs the processors.
 torch.set_num_threads(1)
-constraint, start = Constraint(), time.perf_counter()
-model.learn(arguments.decisions, callback=constraint)
-print(f"{model.num_timesteps} decisions in {time.perf_counter() - start:.0f} s")
-if constraint.weights is not None:
-    model.policy.load_state_dict(constraint.weights)
-for row in evaluate(arguments.period, *arguments.test):
-    print(f"{row['period']}: {described(row)}")
+comfort, start = Comfort(), time.perf_counter()
+model.learn(arguments.decisions, callback=comfort)
+print(f"{model.num_timesteps} decisions in {(time.perf_counter() - start) / 60:.1f} min")
+model.policy.load_state_dict(comfort.weights)
+for comparison in constraint.evaluate(act, arguments.period, *arguments.test):
+    print(f"{comparison.period}: {comparison}")
 envs.close()
