@@ -146,21 +146,22 @@ def main():
     envs = make_envs(constraint)
     agent = Agent(envs)
     optimizer = torch.optim.Adam(agent.parameters(), lr=LEARNING_RATE, eps=1e-5)
-    obs, start, weights = torch.as_tensor(envs.reset(seed=args.seed)[0]), time.perf_counter(), agent.state_dict()
-    updates = args.decisions // BATCH
+    obs, start = torch.as_tensor(envs.reset(seed=args.seed)[0]), time.perf_counter()
+    weights, evaluated, updates = copy.deepcopy(agent.state_dict()), 0, args.decisions // BATCH
     for number in range(updates):
         optimizer.param_groups[0]["lr"] = LEARNING_RATE * (1 - number / updates)
         obs, batch = rollout(agent, envs, obs)
         update(agent, optimizer, batch)
         decisions = (number + 1) * BATCH
-        if decisions % args.every == 0:
+        if decisions // args.every > evaluated:
+            evaluated = decisions // args.every
             comparison, best = constraint.update(agent.act)
             weights = copy.deepcopy(agent.state_dict()) if best else weights
             print(f"{decisions:7d} decisions: {comparison}, weight {constraint.weight:.2f}", flush=True)
     print(f"{updates * BATCH} decisions in {(time.perf_counter() - start) / 60:.1f} min")
     agent.load_state_dict(weights)
     for comparison in constraint.evaluate(agent.act, args.period, *args.test):
-        print(f"{comparison.period}: {comparison}")
+        print(f"{comparison.run_period}: {comparison}")
     envs.close()
 
 

@@ -29,7 +29,7 @@ parser.add_argument("--every", type=int, default=5_760, help="decisions between 
 parser.add_argument("--period", default="01-01..01-31")
 parser.add_argument("--held-out", default="01-10..01-23", help="days of the evaluations")
 parser.add_argument("--test", nargs="*", default=["02-01..02-28"])
-parser.add_argument("--runners", type=int, default=0, help="processes of Ray; 0: this process")
+parser.add_argument("--runners", type=int, default=0, choices=[0, 1, 2, 4, 8], help="processes of Ray; 0: this process")
 parser.add_argument("--seed", type=int, default=0)
 
 ACTING, ENVS, BATCH, MINIBATCH, EPOCHS = "supervisory:60", 8, 192, 96, 4
@@ -141,7 +141,7 @@ def main():
         if runner.env is not None:
             runner.env.unwrapped.constraint.weight = weight
 
-    weights, decisions, evaluated, start = module.get_state(), 0, 0, time.perf_counter()
+    weights, decisions, evaluated, start = copy.deepcopy(module.get_state()), 0, 0, time.perf_counter()
     while decisions < arguments.decisions:
         decisions = int(algorithm.train()["num_env_steps_sampled_lifetime"])
         if decisions // arguments.every > evaluated:
@@ -154,7 +154,7 @@ def main():
     print(f"{decisions} decisions in {(time.perf_counter() - start) / 60:.1f} min")
     module.set_state(weights)
     for comparison in constraint.evaluate(act, arguments.period, *arguments.test):
-        print(f"{comparison.period}: {comparison}")
+        print(f"{comparison.run_period}: {comparison}")
     algorithm.stop()
     ray.shutdown()
 

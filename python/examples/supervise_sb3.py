@@ -73,13 +73,14 @@ class Comfort(BaseCallback):
     """Changes the weight of discomfort after evaluations, and keeps the best policy."""
 
     def _on_training_start(self):
-        self.weights = self.model.policy.state_dict()  # those of the moment, until an evaluation
+        self.weights, self.evaluated = copy.deepcopy(self.model.policy.state_dict()), 0
 
     def _on_step(self):
         return True
 
     def _on_rollout_end(self):
-        if self.num_timesteps % arguments.every == 0:
+        if self.num_timesteps // arguments.every > self.evaluated:
+            self.evaluated = self.num_timesteps // arguments.every
             comparison, best = constraint.update(act)
             if best:
                 self.weights = copy.deepcopy(self.model.policy.state_dict())
@@ -93,5 +94,5 @@ model.learn(arguments.decisions, callback=comfort)
 print(f"{model.num_timesteps} decisions in {(time.perf_counter() - start) / 60:.1f} min")
 model.policy.load_state_dict(comfort.weights)
 for comparison in constraint.evaluate(act, arguments.period, *arguments.test):
-    print(f"{comparison.period}: {comparison}")
+    print(f"{comparison.run_period}: {comparison}")
 envs.close()

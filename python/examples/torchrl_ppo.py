@@ -149,21 +149,22 @@ def main():
     def act(observation):
         return actor(TensorDict({"observation": torch.as_tensor(observation)}))["loc"].clamp(-1.0, 1.0).numpy()
 
-    weights, decisions, start = actor.state_dict(), 0, time.perf_counter()
+    weights, decisions, evaluated, start = copy.deepcopy(actor.state_dict()), 0, 0, time.perf_counter()
     for batch in collector:
         with torch.no_grad():
             advantage(batch)
         update(loss, optimizer, batch.reshape(-1))
         schedule.step()
         decisions += BATCH
-        if decisions % arguments.every == 0:
+        if decisions // arguments.every > evaluated:
+            evaluated = decisions // arguments.every
             comparison, best = constraint.update(act)
             weights = copy.deepcopy(actor.state_dict()) if best else weights
             print(f"{decisions:7d} decisions: {comparison}, weight {constraint.weight:.2f}", flush=True)
     print(f"{decisions} decisions in {(time.perf_counter() - start) / 60:.1f} min")
     actor.load_state_dict(weights)
     for comparison in constraint.evaluate(act, arguments.period, *arguments.test):
-        print(f"{comparison.period}: {comparison}")
+        print(f"{comparison.run_period}: {comparison}")
     collector.shutdown()
 
 

@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use super::learning::pilot::Pilot;
     #[pymodule_export]
-    use super::learning::{agent_info, train};
+    use super::learning::{agent_info, next_comfort_weight, train};
     #[pymodule_export]
     use super::spaces::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
     #[pymodule_export]

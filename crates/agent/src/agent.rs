@@ -158,6 +158,10 @@ impl Agent {
             .or_else(|| difference("actuator", &self.info.actuators, actuators));
         match why {
             None => Ok(()),
+            // The spaces of a graph agent are the same in all buildings.
+            Some(why) if self.info.interface.nodes.is_some() => {
+                Err(Error::OtherVersion { agent: self.folder.display().to_string(), why })
+            }
             Some(why) => Err(Error::OtherBuilding {
                 agent: self.folder.display().to_string(),
                 building: spaces.building.name.clone(),

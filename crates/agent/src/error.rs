@@ -41,6 +41,14 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
+    /// A graph agent whose nodes have other features or actions than here.
+    #[error("the agent {agent} was saved by another version, whose nodes differ: {why}; train it again")]
+    OtherVersion {
+        /// Folder of the agent.
+        agent: String,
+        /// The first difference found.
+        why: String,
+    },
     /// A building with actuators at a node type that is unknown to a graph agent with direct actions.
     #[error(
         "the agent {agent} was not trained with the node type `{node_type}` of `{node}` in {building}, only with {known}; train it \
@@ -66,6 +74,14 @@ pub enum Error {
     NothingToSet {
         /// Name of the building.
         building: String,
+    },
+    /// Supervision in a task without comfort bands.
+    #[error(
+        "supervision shifts guideline36, the controller of operation, and the task is {task}; choose `operate`"
+    )]
+    NotOperation {
+        /// The task.
+        task: String,
     },
     /// A building whose graph cannot be made.
     #[error("cannot build the graph of {building}: {source}")]

@@ -42,7 +42,7 @@ impl Pilot {
     /// # Errors
     /// The errors of [`attributes`]; [`Error::Weather`](crate::Error::Weather) for an unreadable weather file;
     /// [`Error::Graph`](crate::Error::Graph) for a graph network in a building whose graph cannot be built;
-    /// [`Error::NothingToSet`](crate::Error::NothingToSet).
+    /// [`Error::NothingToSet`](crate::Error::NothingToSet); [`Error::NotOperation`](crate::Error::NotOperation).
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
         let attributes = attributes(interface.observation, spaces)?;
@@ -60,6 +60,10 @@ impl Pilot {
         plan: Option<&NodePlan>,
         attributes: &[f64],
     ) -> Result<Self> {
+        let task = &spaces.episode.task;
+        if interface.acting.is_supervision() && !task.is_operation() {
+            return Err(Error::NotOperation { task: task.to_string() });
+        }
         let driver = Driver::new(interface.acting, plan.is_some(), spaces);
         let (observation, graph, actions) = match plan {
             None => {

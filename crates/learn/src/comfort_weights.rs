@@ -3,7 +3,7 @@
 //! less (Tessler et al. 2019).
 
 use b2b_building::{BuildingType, Period};
-use b2b_dataset::BuildingId;
+use b2b_dataset::BuildingName;
 use b2b_env::EpisodeConfig;
 
 use crate::error::Result;
@@ -51,14 +51,15 @@ impl ComfortWeights {
             };
             in_period.extend(has_it.then_some(number));
         }
-        let own_type = type_of(building);
-        let is_own = |held: &str| held == building;
-        let is_of_type = |held: &str| own_type.is_some() && type_of(held) == own_type;
-        let nearest = [&is_own as &dyn Fn(&str) -> bool, &is_of_type].into_iter().find_map(|is_near| {
-            let near = in_period.iter().copied().filter(|number| is_near(&self.held[*number].0));
-            Some(near.collect::<Vec<_>>()).filter(|near| !near.is_empty())
-        });
-        Ok(nearest.unwrap_or(in_period))
+        let those = |is_near: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            in_period.iter().copied().filter(|number| is_near(&self.held[*number].0)).collect()
+        };
+        let own = those(&|held| held == building);
+        if !own.is_empty() {
+            return Ok(own);
+        }
+        let of_type = type_of(building).map(|own| those(&|held| type_of(held) == Some(own)));
+        Ok(of_type.filter(|of_type| !of_type.is_empty()).unwrap_or(in_period))
     }
 
     /// Returns the geometric mean of the multipliers of some evaluations; of all if there are none.
@@ -89,18 +90,28 @@ impl ComfortWeights {
     /// Updates the multiplier of an evaluation, by its number, with the discomfort that it `reached` and what is
     /// `allowed`, K·h per zone and day.
     pub fn follow(&mut self, evaluation: usize, reached: f64, allowed: f64, rate: f64) {
+        let weight = &mut self.weights[evaluation];
+        *weight = Self::next(*weight, reached, allowed, rate);
+    }
+
+    /// Returns the multiplier after an evaluation: see [`ComfortWeights::follow`].
+    pub fn next(weight: f32, reached: f64, allowed: f64, rate: f64) -> f32 {
         let excess = (reached + RESOLVED) / (allowed + RESOLVED);
         let change = excess.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE).powf(rate);
-        if change.is_finite() {
-            let weight = &mut self.weights[evaluation];
-            *weight = (*weight * change as f32).clamp(Self::LIMITS[0], Self::LIMITS[1]);
+        match change.is_finite() {
+            true => (weight * change as f32).clamp(Self::LIMITS[0], Self::LIMITS[1]),
+            false => weight,
         }
     }
 }
 
-/// Returns the type of a building of the dataset.
+/// Returns the type of a building; none for a model file.
 fn type_of(building: &str) -> Option<BuildingType> {
-    building.parse().ok().map(|id: BuildingId| id.building_type())
+    match building.parse().ok()? {
+        BuildingName::Type(building_type) => Some(building_type),
+        BuildingName::Id(id) => Some(id.building_type()),
+        BuildingName::Model(_) => None,
+    }
 }
 
 /// Returns the geometric mean; 1 without values.

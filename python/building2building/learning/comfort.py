@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from ..buildings import Building
 from ..env.tasks import Task
 from ..errors import EvaluationError, SettingError
@@ -20,17 +20,13 @@ Policy = Callable[[Array], ArrayLike]
 
 #: Steps of an evaluation in a day.
 _STEPS = 288
-#: Discomfort added to both sides of a ratio, so that values near 0 count as equal, K·h per zone and day.
-_RESOLVED = 0.05
-#: Limits of the factor by which an evaluation changes the weight, and of the weight.
-_CHANGE, _WEIGHT = (0.5, 2.0), (0.03, 30.0)
 
 
 @dataclass(frozen=True)
 class Comparison:
     """A policy, without exploration, beside ``guideline36`` in the same building and run period."""
 
-    period: str
+    run_period: str
     #: Cost, or another resource of the task, relative to the guideline's.
     cost: float
     #: Discomfort, K·h per controlled zone and day.
@@ -59,44 +55,44 @@ class ComfortConstraint:
     def __init__(
         self,
         building: str | Building,
-        period: str,
+        run_period: str,
         *,
         task: Task = "operate",
         acting: str = "supervisory:60",
         observation: str = "features",
     ):
-        """``period`` is the run period of the evaluations that change the weight."""
-        self.building, self.period, self.task = building, period, task
+        """``run_period`` is the run period of the evaluations that change the weight."""
+        self.building, self.run_period, self.task = building, run_period, task
         self.acting, self.observation = acting, observation
         #: Weight of discomfort, relative to the task's own.
         self.weight = 1.0
-        #: Lowest score of an update.
-        self.best = float("inf")
+        #: Lowest score of an update; at first 1, the guideline's.
+        self.best = 1.0
 
     def reward(self, info: dict[str, Any]) -> Any:
         """Returns the task's reward with this weight of discomfort; pass it to the environments as ``reward``."""
         terms = info["reward_terms"]
         return self.weight * terms["temperature"] + terms["energy"]
 
-    def evaluate(self, policy: Policy, *periods: str) -> list[Comparison]:
+    def evaluate(self, policy: Policy, *run_periods: str) -> list[Comparison]:
         """Compares a policy with the guideline in every run period.
 
         Raises :class:`~building2building.errors.SettingError` for a task that is not operation, and
         :class:`~building2building.errors.EvaluationError` for an episode that was lost.
         """
         controller = acting_controller(policy, self.acting, self.observation)
-        result = evaluate(controller, self.building, self.task, run_periods=periods, name="policy", jobs=1)
+        result = evaluate(controller, self.building, self.task, run_periods=run_periods, name="policy", jobs=1)
         return [self._comparison(row) for row in result.rows]
 
     def update(self, policy: Policy) -> tuple[Comparison, bool]:
-        """Evaluates a policy and changes the weight; also returns whether its score is the lowest so far.
+        """Evaluates a policy and changes the weight; also returns whether its score is below the guideline's and the
+        lowest so far.
 
         The weight is multiplied by (D + 0.05)/(D₀ + 0.05), limited to [0.5, 2], with the discomfort of the policy and
-        of the guideline in K·h per zone and day. Raises as :meth:`evaluate`.
+        of the guideline in K·h per zone and day, and stays within [0.03, 30]. Raises as :meth:`evaluate`.
         """
-        (comparison,) = self.evaluate(policy, self.period)
-        change = (comparison.discomfort + _RESOLVED) / (comparison.allowed + _RESOLVED)
-        self.weight = float(np.clip(self.weight * np.clip(change, *_CHANGE), *_WEIGHT))
+        (comparison,) = self.evaluate(policy, self.run_period)
+        self.weight = _core.next_comfort_weight(self.weight, comparison.discomfort, comparison.allowed)
         is_best = comparison.score < self.best
         self.best = min(comparison.score, self.best)
         return comparison, is_best

@@ -180,7 +180,9 @@ pub fn of_control(error: b2b_control::Error) -> PyErr {
 /// Converts an error of an agent to an exception.
 pub fn of_agent(error: b2b_agent::Error) -> PyErr {
     let exception = match &error {
-        b2b_agent::Error::UnknownObservation { .. } => Exception::Setting,
+        b2b_agent::Error::UnknownObservation { .. }
+        | b2b_agent::Error::NotOperation { .. }
+        | b2b_agent::Error::NothingToSet { .. } => Exception::Setting,
         _ => Exception::Evaluation,
     };
     exception.new_err(error.to_string())

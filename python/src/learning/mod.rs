@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use b2b_agent::Agent;
+use b2b_learn::ComfortWeights;
 use b2b_learn::train::{Monitor, ProgressRow, RunOptions, TrainConfig};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -15,6 +16,13 @@ use crate::evaluation::{running, wait_for};
 use crate::interpreter::error::{of_agent, of_training};
 use crate::interpreter::process::locked;
 use crate::interpreter::signals::stopped;
+
+/// Returns the weight of discomfort after an evaluation, given the weight before, and the discomfort of the policy and of
+/// the baseline, K·h per zone and day.
+#[pyfunction]
+pub fn next_comfort_weight(weight: f32, reached: f64, allowed: f64) -> f32 {
+    ComfortWeights::next(weight, reached, allowed, 1.0)
+}
 
 /// Trains an agent in a folder, or resumes the run in the folder, and returns the result as JSON text.
 ///

@@ -114,6 +114,13 @@ def test_an_environment_that_is_lost_is_truncated_and_begins_again_with_a_decisi
     envs.close()
 
 
+def test_supervision_is_for_tasks_of_operation():
+    arguments = {"task": "occupancy", "acting": "supervisory:60", **DAY}
+    for make in (b2b.make_env, lambda name, **others: b2b.make_vec(name, 2, **others)):
+        with pytest.raises(b2b.errors.SettingError, match="the task is occupancy; choose `operate`"):
+            make("OfficeSmall-0042", **arguments)
+
+
 def test_an_id_takes_an_acting_as_make_env_does():
     arguments = {"building_id": "OfficeSmall-0042", "acting": "supervisory:60", **DAY}
     env = gymnasium.make("b2b/OfficeSmall-v1", **arguments)

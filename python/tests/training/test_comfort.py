@@ -4,7 +4,7 @@ import building2building as b2b
 import numpy as np
 import pytest
 from building2building.errors import SettingError
-from building2building.learning.comfort import ComfortConstraint
+from building2building.learning.comfort import Comparison, ComfortConstraint
 
 BUILDING, DAY = "OfficeSmall-0042", "01-10..01-10"
 ENV = b2b.make_env(BUILDING, acting="supervisory:60", run_period=DAY)
@@ -20,20 +20,38 @@ def shifted(amount: float):
 def test_the_guideline_itself_leaves_the_weight():
     constraint = ComfortConstraint(BUILDING, DAY)
     comparison, best = constraint.update(shifted(0.0))
-    assert comparison.cost == pytest.approx(1) == comparison.score and comparison.period == DAY
+    assert comparison.cost == pytest.approx(1) == comparison.score and comparison.run_period == DAY
     assert comparison.discomfort == pytest.approx(comparison.allowed) and comparison.allowed > 0
-    assert best and constraint.weight == pytest.approx(1)
+    assert not best and constraint.weight == pytest.approx(1)
     assert str(comparison).startswith("cost 1.000, discomfort ")
 
 
-def test_discomfort_raises_the_weight_and_only_the_lowest_score_is_best():
+def test_discomfort_raises_the_weight():
     constraint = ComfortConstraint(BUILDING, DAY)
-    assert constraint.update(shifted(0.0))[1]
-    comparison, best = constraint.update(shifted(-1.0))
+    comparison, _ = constraint.update(shifted(-1.0))
     assert comparison.discomfort > comparison.allowed and comparison.cost < 1
-    assert best == (comparison.score < 1)
     ratio = (comparison.discomfort + 0.05) / (comparison.allowed + 0.05)
     assert constraint.weight == pytest.approx(min(ratio, 2)) and constraint.weight > 1
+
+
+def test_the_weight_follows_within_limits_and_only_the_lowest_score_is_best():
+    constraint = ComfortConstraint(BUILDING, DAY)
+    steps = [
+        (0.15, 1.05, 1.0, False),
+        (0.35, 0.98, 2.0, True),
+        (0.15, 0.98, 2.0, False),
+        (0.0, 0.99, 1.0, False),
+        (0.1, 0.97, 0.75, True),
+    ]
+    for discomfort, score, weight, is_best in steps:
+        constraint.evaluate = lambda *_, d=discomfort, s=score: [Comparison(DAY, s, d, 0.15, s)]
+        _, best = constraint.update(shifted(0.0))
+        assert (best, constraint.weight) == (is_best, pytest.approx(weight))
+    for discomfort, limit in [(9.0, 30.0), (0.0, 0.03)]:
+        constraint.evaluate = lambda *_, d=discomfort: [Comparison(DAY, 1.0, d, 0.15, 1.0)]
+        for _ in range(20):
+            constraint.update(shifted(0.0))
+        assert constraint.weight == pytest.approx(limit)
 
 
 def test_environments_take_the_reward_with_the_weight_of_the_moment():

@@ -157,7 +157,23 @@ fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_
             let mut named = all.iter().filter(|(name, _)| name.contains(what));
             assert!(named.any(|(_, value)| *value != 0.0), "{building}: {what}");
         }
+        let weather: Vec<_> = all.iter().filter(|(name, _)| name.ends_with("outdoor temperature")).collect();
+        assert!(weather.len() > 1 && weather.iter().all(|(_, value)| *value == weather[0].1), "{weather:?}");
     }
+}
+
+#[test]
+fn an_agent_whose_nodes_have_other_features_is_of_another_version() {
+    let folder = tempfile::tempdir().unwrap();
+    let form = interface(ObservationForm::Raw, Acting::Direct, false);
+    write(folder.path(), form, 0.1, &NodeType::ALL);
+    let path = folder.path().join("agent.json");
+    let mut info: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    info["slots"][0] = "weather: warmth".into();
+    std::fs::write(&path, info.to_string()).unwrap();
+    let env = env("SingleFamilyHouse-0014", "constant");
+    let error = Agent::read(folder.path()).unwrap().controller(env.spaces()).unwrap_err();
+    assert!(matches!(&error, Error::OtherVersion { why, .. } if why.contains("warmth")), "{error}");
 }
 
 #[test]

@@ -62,10 +62,10 @@ fn means_of_the_envelope_count_identical_zones() {
     let mut model = room();
     model.insert("Zone", "Hall", json!({"multiplier": 3}));
     let wall = [[0.0, 9.0, 3.0], [0.0, 9.0, 0.0], [10.0, 9.0, 0.0], [10.0, 9.0, 3.0]];
-    let mut north = surface("Wall", "Outdoors", "Glass wall", &wall);
+    let mut north = surface("Wall", "Outdoors", "Thin wall", &wall);
     north["zone_name"] = json!("Hall");
     model.insert("BuildingSurface:Detailed", "North", north);
-    model.insert("Construction", "Glass wall", json!({"outside_layer": "Board"}));
+    model.insert("Construction", "Thin wall", json!({"outside_layer": "Board"}));
     model.insert("Material", "Board", json!({"thickness": 0.1, "conductivity": 0.5}));
     let report = apply(&mut model, &edits(&[(Change::WallU, 0.3)])).unwrap();
     let [before, after] = [report.changes[0].before, report.changes[0].after].map(Option::unwrap);

@@ -28,17 +28,16 @@ type Expected = [f64; 2];
 pub struct Priors {
     /// Revision of the sequences ([`REVISION`]).
     guideline36: u32,
-    /// Task. Effects are relative to the cost of their hour, so that they hold under other tariffs too.
+    /// Task, for readers. Effects are relative to the cost of their hour, so that they hold under other tariffs too.
     task: String,
     /// Priors by building type.
-    types: BTreeMap<String, Prior>,
+    types: BTreeMap<BuildingType, Prior>,
 }
 
 impl Priors {
     /// Returns priors that were learned under the sequences as they are and under this task.
     pub fn new(task: &Task, types: BTreeMap<BuildingType, Prior>) -> Self {
-        let named = types.into_iter().map(|(building_type, prior)| (building_type.to_string(), prior));
-        Self { guideline36: REVISION, task: task.to_string(), types: named.collect() }
+        Self { guideline36: REVISION, task: task.to_string(), types }
     }
 
     fn shipped() -> Self {
@@ -55,7 +54,7 @@ pub struct Prior(BTreeMap<String, [Vec<Expected>; AMOUNTS]>);
 impl Prior {
     /// Returns the shipped prior of a building's type; for other buildings, one that expects nothing.
     pub(super) fn of(building: &PreparedBuilding) -> Self {
-        let own = building.class.and_then(|class| Priors::shipped().types.remove(class.building_type.name()));
+        let own = building.class.and_then(|class| Priors::shipped().types.remove(&class.building_type));
         own.unwrap_or_default()
     }
 
@@ -184,7 +183,6 @@ mod tests {
         let Priors { guideline36, types, .. } = Priors::shipped();
         assert_eq!(guideline36, REVISION, "learn them again by `b2b tune prior`");
         for (name, prior) in types {
-            name.parse::<BuildingType>().unwrap();
             for (shift, amounts) in &prior.0 {
                 let own = shifts().find(|own| own.described().0 == shift).unwrap();
                 assert_eq!(amounts.each_ref().map(Vec::len), [count(own); AMOUNTS], "{name}, {shift}");

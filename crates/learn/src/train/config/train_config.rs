@@ -173,8 +173,13 @@ impl TrainConfig {
         let environments = self.budget.environments;
         require(turns <= self.distinct_environments(), || {
             format!(
-                "`environments` is {environments}; expected at least {} for {turns} turns of {types} building types{}",
+                "`environments` is {environments}; expected at least {} for {}{}",
                 turns * environments.div_ceil(self.distinct_environments()),
+                if turns == types {
+                    format!("{types} building types")
+                } else {
+                    format!("{turns} turns of {types} building types")
+                },
                 if self.noise.mirrored_noise { " with mirrored noise" } else { "" }
             )
         })

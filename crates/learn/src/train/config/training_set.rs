@@ -38,7 +38,7 @@ pub struct TrainingSet {
     #[serde(with = "one_or_many")]
     pub building_type: Vec<String>,
     /// Turns of a type among the types of the environments, such as `{ OfficeMedium = 3 }`. Other types have 1.
-    pub type_turns: BTreeMap<String, usize>,
+    pub type_turns: BTreeMap<BuildingType, usize>,
     /// Number of buildings of each type to draw from, evenly spread over its training split. 0: all.
     pub type_buildings: usize,
     /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
@@ -138,7 +138,7 @@ impl TrainingSet {
     /// [`Error::Invalid`].
     pub(crate) fn turns(&self) -> Result<Vec<BuildingType>> {
         let types = self.building_types()?;
-        let turns = |each: &BuildingType| self.type_turns.get(each.name()).copied().unwrap_or(1);
+        let turns = |each: &BuildingType| self.type_turns.get(each).copied().unwrap_or(1);
         let rounds = types.iter().map(turns).max().unwrap_or(0);
         let of_round = |round| types.iter().filter(move |each| round < turns(each));
         Ok((0..rounds).flat_map(of_round).copied().collect())
@@ -222,12 +222,15 @@ impl TrainingSet {
 
     /// Checks the turns of types.
     fn check_turns(&self) -> Result<()> {
-        for (name, turns) in &self.type_turns {
-            require(self.building_type.contains(name), || {
+        let types = self.building_types()?;
+        for (building_type, turns) in &self.type_turns {
+            require(types.contains(building_type), || {
                 let types = self.building_type.join(", ");
-                format!("`type_turns` has `{name}`, which is not in `building_type` ({types})")
+                format!("`type_turns` has `{building_type}`, which is not in `building_type` ({types})")
             })?;
-            require(*turns > 0, || format!("`type_turns` of {name} is 0; remove it from `building_type`"))?;
+            require(*turns > 0, || {
+                format!("`type_turns` of {building_type} is 0; remove it from `building_type`")
+            })?;
         }
         Ok(())
     }

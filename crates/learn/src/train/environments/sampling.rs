@@ -268,10 +268,11 @@ impl<'a> Environments<'a> {
         self.config.training_set.named()?.iter().map(setting).collect()
     }
 
-    /// Returns the evaluations during training: evenly spread training buildings, each with every task in every run
-    /// period.
+    /// Returns the evaluations during training: evenly spread training buildings, at least as many as there are types, each
+    /// with every task in every run period.
     pub(crate) fn evaluated(&self) -> Result<Vec<Evaluated>> {
-        let all: Vec<BuildingName> = match &self.config.training_set.building_types()?[..] {
+        let types = self.config.training_set.building_types()?;
+        let all: Vec<BuildingName> = match &types[..] {
             [] => self.config.training_set.named()?,
             types => types
                 .iter()
@@ -279,7 +280,8 @@ impl<'a> Environments<'a> {
                 .map(BuildingName::Id)
                 .collect(),
         };
-        self.in_every_way(spread(&all, self.config.evaluation.buildings.max(1)))
+        // Every type, so that comfort is held in each.
+        self.in_every_way(spread(&all, self.config.evaluation.buildings.max(types.len()).max(1)))
     }
 
     /// Returns buildings with every task in every run period.
