@@ -33,6 +33,11 @@ const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true, setpo
 
 /// Writes an agent with weights of this size that was trained with these types.
 fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
+    write_with(NodeSpaces::of(interface).slots(), folder, interface, scale, known);
+}
+
+/// The same, for an agent whose slots have these names.
+fn write_with(slots: Vec<String>, folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
     let spaces = NodeSpaces::of(interface);
     let network = GraphNetwork {
         types: spaces.widths(),
@@ -56,7 +61,7 @@ fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
     let info = AgentInfo {
         format: FORMAT,
         interface,
-        slots: spaces.slots(),
+        slots,
         actuators: spaces.actuators(),
         node_types: known.iter().map(|node_type| node_type.name().to_owned()).collect(),
         network: actor.shape.clone(),
@@ -166,11 +171,9 @@ fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_
 fn an_agent_whose_nodes_have_other_features_is_of_another_version() {
     let folder = tempfile::tempdir().unwrap();
     let form = interface(ObservationForm::Raw, Acting::Direct, false);
-    write(folder.path(), form, 0.1, &NodeType::ALL);
-    let path = folder.path().join("agent.json");
-    let mut info: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-    info["slots"][0] = "weather: warmth".into();
-    std::fs::write(&path, info.to_string()).unwrap();
+    let mut slots = NodeSpaces::of(form).slots();
+    slots[0] = "weather: warmth".into();
+    write_with(slots, folder.path(), form, 0.1, &NodeType::ALL);
     let env = env("SingleFamilyHouse-0014", "constant");
     let error = Agent::read(folder.path()).unwrap().controller(env.spaces()).unwrap_err();
     assert!(matches!(&error, Error::OtherVersion { why, .. } if why.contains("warmth")), "{error}");
