@@ -115,7 +115,7 @@ def test_an_environment_that_is_lost_is_truncated_and_begins_again_with_a_decisi
 
 
 def test_supervision_is_for_tasks_of_operation():
-    arguments = {"task": "occupancy", "acting": "supervisory:60", **DAY}
+    arguments = {**DAY, "task": "occupancy", "acting": "supervisory:60"}
     for make in (b2b.make_env, lambda name, **others: b2b.make_vec(name, 2, **others)):
         with pytest.raises(b2b.errors.SettingError, match="the task is occupancy; choose `operate`"):
             make("OfficeSmall-0042", **arguments)
