@@ -4,7 +4,7 @@ import building2building as b2b
 import numpy as np
 import pytest
 from building2building.errors import SettingError
-from building2building.learning.comfort import Comparison, ComfortConstraint
+from building2building.learning.comfort import ComfortConstraint, Comparison
 
 BUILDING, DAY = "OfficeSmall-0042", "01-10..01-10"
 ENV = b2b.make_env(BUILDING, acting="supervisory:60", run_period=DAY)
