@@ -16,7 +16,7 @@ pub struct EvaluationConfig {
     /// Whether training episodes leave these days out, where the run period has room for episodes of `window_days`
     /// outside them.
     pub held_out: bool,
-    /// Buildings to evaluate on, at most this many of the training buildings.
+    /// Training buildings to evaluate on: at most this many, but at least one for every building type.
     pub buildings: usize,
     /// Whether the agent is scored over the whole run period when training ends.
     pub whole_period: bool,
