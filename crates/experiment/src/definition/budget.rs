@@ -22,6 +22,9 @@ pub struct Budget {
     /// Names of the agents included; `None`: all.
     #[serde(default)]
     pub agents: Option<Vec<String>>,
+    /// Tasks; `None`: the experiment's.
+    #[serde(default)]
+    pub tasks: Option<Vec<String>>,
     /// Whether training runs keep the best agent by held-out days as well as the last one, and both are evaluated.
     #[serde(default)]
     pub with_best: bool,

@@ -139,6 +139,13 @@ impl Experiment {
         })
     }
 
+    /// Returns the experiment with the tasks of a budget.
+    #[must_use]
+    pub fn with_tasks_of(&self, budget: &Budget) -> Self {
+        let tasks = budget.tasks.as_ref().unwrap_or(&self.tasks).clone();
+        Self { tasks, ..self.clone() }
+    }
+
     /// Returns the controllers whose episodes on test buildings are kept.
     pub fn kept_controllers(&self) -> impl Iterator<Item = &str> {
         let reactive = self.reactive && !self.types.is_empty();

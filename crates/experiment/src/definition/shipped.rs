@@ -172,6 +172,8 @@ mod tests {
             ("[budgets.paper-part]", "[budgets.quick]", "two budgets are named `quick`"),
             ("[budgets.paper-part]", "[budgets.\"a b\"]", "invalid budget name `a b`"),
             ("SingleFamilyHouse = 8", "House = 8", "House"),
+            ("with_best = true", "tasks = [\"occupnacy\"]", "occupnacy"),
+            ("with_best = true", "tasks = []", "`tasks` is empty"),
         ] {
             let broken = text.replacen(old, new, 1);
             assert_ne!(broken, text, "{old}");

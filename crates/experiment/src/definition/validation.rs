@@ -16,7 +16,8 @@ pub(super) fn fault(experiment: &Experiment) -> Option<String> {
 }
 
 fn tasks(experiment: &Experiment) -> Result<(), String> {
-    for task in &experiment.tasks {
+    let of_budgets = experiment.budgets().filter_map(|budget| budget.tasks.as_ref()).flatten();
+    for task in experiment.tasks.iter().chain(of_budgets) {
         task.parse::<Task>().map_err(|error| error.to_string())?;
     }
     for period in &experiment.periods {
@@ -39,10 +40,13 @@ fn budgets(experiment: &Experiment) -> Result<(), String> {
             return Err(format!("budget `{name}`: the experiment has no agent `{unknown}`"));
         }
         let is_board = experiment.report == ReportKind::Board;
-        if is_board && (budget.buildings.of_all().is_none() || budget.with_best) {
+        if is_board && (budget.buildings.of_all().is_none() || budget.with_best || budget.tasks.is_some()) {
             return Err(format!(
-                "budget `{name}`: `buildings` by type and `with_best` are for experiments without `problems`"
+                "budget `{name}`: `buildings` by type, `tasks` and `with_best` are for experiments without `problems`"
             ));
+        }
+        if budget.tasks.as_ref().is_some_and(Vec::is_empty) {
+            return Err(format!("budget `{name}`: `tasks` is empty"));
         }
     }
     Ok(())
@@ -67,7 +71,8 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
             return Err(format!("two agents are named `{}`", agent.name));
         }
         options(agent).map_err(|error| format!("agent `{}`: {error}", agent.name))?;
-        let is_split = !agent.all_tasks && experiment.tasks.len() > 1
+        let has_tasks = |budget| experiment.with_tasks_of(budget).tasks.len() > 1;
+        let is_split = !agent.all_tasks && experiment.budgets().any(has_tasks)
             || !agent.all_periods && experiment.periods.len() > 1;
         if experiment.report == ReportKind::Operation && is_split {
             return Err(format!(

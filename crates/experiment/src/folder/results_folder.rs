@@ -80,7 +80,7 @@ impl Folder {
         self.keep(&kept)
     }
 
-    /// Opens a folder with results, and returns it with its experiment and budget.
+    /// Opens a folder with results, and returns it with its experiment, which has the tasks of the budget, and the budget.
     ///
     /// # Errors
     /// [`Error::NoResults`]; [`Error::Io`]; errors from [`Experiment::named`] and [`Experiment::budget`].
@@ -88,6 +88,7 @@ impl Folder {
         let identity = read_identity(path)?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
         let experiment = Experiment::named(&identity.experiment)?;
         let budget = experiment.budget(&identity.budget)?.clone();
+        let experiment = experiment.with_tasks_of(&budget);
         Ok((Self { path: path.to_owned(), identity, kept: Arc::new(read_kept(path)?) }, experiment, budget))
     }
 

@@ -24,14 +24,15 @@ impl Experiment {
         if let Some(benchmark) = self.measure {
             return vec![self.measurement(benchmark)];
         }
-        let mut jobs = self.controller_jobs(budget);
-        for agent in self.agents_of(budget) {
+        let experiment = self.with_tasks_of(budget);
+        let mut jobs = experiment.controller_jobs(budget);
+        for agent in experiment.agents_of(budget) {
             let own = agent.budget(budget);
             match agent.trains {
                 Training::Problem => {
                     jobs.extend(agent.problems.iter().map(|problem| entry::job(agent, problem, &own)));
                 }
-                _ => jobs.extend(self.trainings(agent, &own)),
+                _ => jobs.extend(experiment.trainings(agent, &own)),
             }
         }
         jobs
@@ -169,6 +170,13 @@ mod tests {
         let of_paper: Vec<&Job> = jobs.iter().filter(|job| job.agent() == "paper").collect();
         assert_eq!((of_paper.len(), jobs.len()), (384, 768));
         assert_eq!(of_paper.iter().map(|job| job.steps()).sum::<u64>(), 384 * 5_000_000);
+    }
+
+    #[test]
+    fn a_budget_may_have_tasks_of_its_own() {
+        let jobs = jobs("supervision", "tou");
+        assert!(jobs.iter().all(|job| job.episodes().unwrap().tasks == ["operate+tou"]));
+        assert!(jobs.iter().any(|job| job.key == "graph/all-types_operate+tou_all-periods_0"), "{jobs:?}");
     }
 
     #[test]
