@@ -14,7 +14,7 @@ import numpy as np
 import ray
 import torch
 from building2building.learning.comfort import ComfortConstraint
-from gymnasium.vector import VectorWrapper
+from gymnasium.vector import AutoresetMode, VectorWrapper
 from gymnasium.wrappers.vector import NormalizeReward
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.algorithms.ppo.torch.default_ppo_torch_rl_module import DefaultPPOTorchRLModule
@@ -42,6 +42,7 @@ class NextStep(VectorWrapper):
 
     def __init__(self, env):
         super().__init__(env)
+        self.metadata = {**env.metadata, "autoreset_mode": AutoresetMode.NEXT_STEP}
         self.ended = np.zeros(env.num_envs, bool)
 
     def step(self, actions):

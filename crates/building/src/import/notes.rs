@@ -59,6 +59,7 @@ impl fmt::Display for SwitchedOff {
         let first = equipment.first().map_or("", String::as_str);
         let others = match equipment.len() {
             0 | 1 => String::new(),
+            2 => " and 1 other".to_owned(),
             count => format!(" and {} others", count - 1),
         };
         write!(

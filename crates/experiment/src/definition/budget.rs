@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_building::BuildingType;
+use b2b_dataset::BuildingId;
 use serde::Deserialize;
 use toml::Value;
 
@@ -30,12 +31,14 @@ pub struct Budget {
     pub with_best: bool,
 }
 
-/// Numbers of test buildings, evenly spaced in the list of the dataset.
+/// Test buildings: numbers of them, evenly spaced in the list of the dataset, or their ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct Buildings {
     by_type: BTreeMap<BuildingType, usize>,
     others: usize,
+    /// If not empty, the buildings.
+    ids: Vec<BuildingId>,
 }
 
 /// The changes of an agent to a budget.
@@ -76,7 +79,12 @@ impl Buildings {
 
     /// Returns the number if it is the same for all types.
     pub fn of_all(&self) -> Option<usize> {
-        self.by_type.is_empty().then_some(self.others)
+        (self.by_type.is_empty() && self.ids.is_empty()).then_some(self.others)
+    }
+
+    /// Returns the ids; empty if only numbers are given.
+    pub fn ids(&self) -> &[BuildingId] {
+        &self.ids
     }
 }
 
@@ -87,11 +95,21 @@ impl TryFrom<Value> for Buildings {
         let count = |value: &Value| {
             let count = value.as_integer().and_then(|count| usize::try_from(count).ok());
             count.ok_or_else(|| {
-                format!("`buildings` is {value}; expected a number, or a table of numbers by type")
+                format!(
+                    "`buildings` is {value}; expected a number, a table of numbers by type, or a list of ids"
+                )
             })
         };
-        let Value::Table(table) = &value else {
-            return Ok(Self { by_type: BTreeMap::new(), others: count(&value)? });
+        let table = match &value {
+            Value::Table(table) => table,
+            Value::Array(ids) if !ids.is_empty() => {
+                let id = |id: &Value| {
+                    let text = id.as_str().map_or_else(|| id.to_string(), str::to_owned);
+                    text.parse().map_err(|error: b2b_dataset::Error| error.to_string())
+                };
+                return Ok(Self { ids: ids.iter().map(id).collect::<Result<_, _>>()?, ..Self::default() });
+            }
+            _ => return Ok(Self { others: count(&value)?, ..Self::default() }),
         };
         let mut buildings = Self::default();
         for (name, value) in table {
@@ -116,12 +134,16 @@ mod tests {
     }
 
     #[test]
-    fn buildings_are_a_number_or_numbers_by_type() {
+    fn buildings_are_a_number_numbers_by_type_or_ids() {
         let by_type = buildings("{ SingleFamilyHouse = 8, others = 2 }").unwrap();
         assert_eq!(by_type.of(BuildingType::SingleFamilyHouse), 8);
         assert_eq!((by_type.of(BuildingType::Warehouse), by_type.of_all()), (2, None));
         assert_eq!(buildings("3").unwrap().of_all(), Some(3));
         assert!(buildings("{ House = 8 }").unwrap_err().contains("House"));
         assert!(buildings("-1").unwrap_err().contains("`buildings` is -1"));
+        assert!(buildings("[]").unwrap_err().contains("`buildings` is []"));
+        let named = buildings("['Warehouse-0007']").unwrap();
+        assert_eq!((named.ids().len(), named.of_all()), (1, None));
+        assert!(buildings("['Warehouse-x']").unwrap_err().contains("Warehouse-x"));
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::agent::Agent;
-use super::budget::Budget;
+use super::budget::{Budget, Buildings};
 use crate::error::{Error, Result};
 
 /// Name of the reactive controllers, listed next to the agents' names.
@@ -168,6 +168,14 @@ impl Experiment {
             }
         }
         policies
+    }
+
+    /// Returns the test buildings of a type in a budget or one of its agents.
+    pub fn tests(&self, building_type: BuildingType, buildings: &Buildings) -> Vec<BuildingId> {
+        match buildings.ids() {
+            [] => self.buildings(building_type, buildings.of(building_type)),
+            ids => ids.iter().copied().filter(|id| id.building_type() == building_type).collect(),
+        }
     }
 
     /// Returns at most `count` test buildings of a type, evenly spaced in the list of the dataset.

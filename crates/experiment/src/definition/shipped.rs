@@ -174,6 +174,16 @@ mod tests {
             ("SingleFamilyHouse = 8", "House = 8", "House"),
             ("with_best = true", "tasks = [\"occupnacy\"]", "occupnacy"),
             ("with_best = true", "tasks = []", "`tasks` is empty"),
+            (
+                "buildings = { SingleFamilyHouse = 8, others = 2 }",
+                "buildings = ['Warehouse-0350']",
+                "lists no OfficeSmall",
+            ),
+            (
+                "buildings = { SingleFamilyHouse = 8, others = 2 }",
+                "buildings = ['Warehouse-0001']",
+                "lists Warehouse-0001",
+            ),
         ] {
             let broken = text.replacen(old, new, 1);
             assert_ne!(broken, text, "{old}");

@@ -1,12 +1,13 @@
 //! The constraints on a definition that its types do not enforce.
 
 use b2b_benchmark::Problem;
-use b2b_building::Period;
+use b2b_building::{BuildingType, Period};
 use b2b_env::Task;
 use b2b_evaluate::BuiltIn;
 use b2b_learn::train::TrainConfig;
 
 use super::agent::{Agent, Training};
+use super::budget::Buildings;
 use super::experiment::{Experiment, ReportKind};
 
 /// Returns the fault of a definition; `None` if it has none.
@@ -45,11 +46,28 @@ fn budgets(experiment: &Experiment) -> Result<(), String> {
                 "budget `{name}`: `buildings` by type, `tasks` and `with_best` are for experiments without `problems`"
             ));
         }
+        let of_agents = experiment.agents.iter().map(|agent| agent.budget(budget));
+        for own in of_agents.chain([budget.clone()]) {
+            listed(experiment, &own.buildings).map_err(|error| format!("budget `{name}`: {error}"))?;
+        }
         if budget.tasks.as_ref().is_some_and(Vec::is_empty) {
             return Err(format!("budget `{name}`: `tasks` is empty"));
         }
     }
     Ok(())
+}
+
+/// Checks that listed buildings are test buildings of the types, some of each.
+fn listed(experiment: &Experiment, buildings: &Buildings) -> Result<(), String> {
+    let all = || experiment.types.iter().flat_map(|each| experiment.buildings(*each, usize::MAX));
+    if let Some(id) = buildings.ids().iter().find(|id| all().all(|each| each != **id)) {
+        return Err(format!("`buildings` lists {id}, which is not a test building of the experiment"));
+    }
+    let is_missing = |each: &&BuildingType| experiment.tests(**each, buildings).is_empty();
+    match experiment.types.iter().find(is_missing) {
+        Some(missing) if !buildings.ids().is_empty() => Err(format!("`buildings` lists no {missing}")),
+        _ => Ok(()),
+    }
 }
 
 fn controllers(experiment: &Experiment) -> Result<(), String> {

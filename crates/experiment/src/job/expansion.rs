@@ -47,8 +47,7 @@ impl Experiment {
     fn controller_jobs(&self, budget: &Budget) -> Vec<Job> {
         let mut jobs = Vec::new();
         for controller in self.kept_controllers() {
-            let of_type =
-                |each: &BuildingType| self.controller_job(controller, *each, budget.buildings.of(*each));
+            let of_type = |each: &BuildingType| self.controller_job(controller, *each, &budget.buildings);
             jobs.extend(self.types.iter().map(of_type));
         }
         for policy in [REACTIVE, RANDOM].into_iter().filter(|_| self.reactive) {
@@ -57,9 +56,9 @@ impl Experiment {
         jobs
     }
 
-    fn controller_job(&self, controller: &str, building_type: BuildingType, count: usize) -> Job {
+    fn controller_job(&self, controller: &str, building_type: BuildingType, buildings: &Buildings) -> Job {
         let episodes = Episodes {
-            buildings: texts(&self.buildings(building_type, count)),
+            buildings: texts(&self.tests(building_type, buildings)),
             tasks: self.tasks.clone(),
             periods: self.periods.clone(),
         };
@@ -98,7 +97,7 @@ impl Experiment {
             tests: texts(tests),
         };
         let text = |each: &dyn std::fmt::Display| Value::String(each.to_string());
-        let tests = |each: &BuildingType| self.buildings(*each, buildings.of(*each));
+        let tests = |each: &BuildingType| self.tests(*each, buildings);
         match trains {
             Training::Building => {
                 let own = |id: BuildingId| {

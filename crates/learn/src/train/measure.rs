@@ -43,8 +43,9 @@ impl Design {
 pub struct TrainingLoop {
     collector: Box<dyn Timed>,
     learner: Box<dyn Learner>,
-    /// Steps of each environment in a rollout.
-    steps: usize,
+    /// Decisions of each environment in a rollout, and the steps of a decision.
+    decisions: usize,
+    hold: usize,
     rollout: Rollout,
 }
 
@@ -92,8 +93,8 @@ impl TrainingLoop {
             Design::Lockstep => Box::new(environments.lockstep(workers, scale)?),
         };
         let learner = learner(config, collector.widths(), spaces_of(collector.batch(), 0)?)?;
-        let steps = config.learner.steps_per_rollout();
-        Ok(Self { collector, learner, steps, rollout: Rollout::default() })
+        let (decisions, hold) = (config.learner.steps_per_rollout(), config.hold());
+        Ok(Self { collector, learner, decisions, hold, rollout: Rollout::default() })
     }
 
     /// Collects a rollout and learns from it.
@@ -102,14 +103,14 @@ impl TrainingLoop {
     /// The errors of the collector and of the learner.
     pub fn update(&mut self) -> Result<UpdateTimes> {
         let began = Instant::now();
-        self.collector.collect(&self.learner.actor(), self.steps, &mut self.rollout)?;
+        self.collector.collect(&self.learner.actor(), self.decisions, &mut self.rollout)?;
         let collected = began.elapsed().as_secs_f64();
         self.learner.learn(&self.rollout)?;
         let seconds = began.elapsed().as_secs_f64();
         let [acting, all] = self.collector.times();
         let inference = collected * acting / all.max(f64::MIN_POSITIVE);
         Ok(UpdateTimes {
-            steps: self.rollout.rows() as u64,
+            steps: (self.rollout.rows() * self.hold) as u64,
             environment: collected - inference,
             inference,
             learner: seconds - collected,
