@@ -27,6 +27,7 @@ parser.add_argument("--held-out", default="01-10..01-23", help="days of the eval
 parser.add_argument("--test", nargs="*", default=["02-01..02-28"])
 parser.add_argument("--seed", type=int, default=0)
 arguments = parser.parse_args()
+every = min(arguments.every, arguments.decisions)
 
 ACTING, ENVS = "supervisory:60", 8
 # A decision lasts twelve steps, each of which discounts by 0.995.
@@ -64,7 +65,10 @@ def act(seen):
 
 
 class Comfort(BaseCallback):
-    """Changes the weight of discomfort after evaluations, and keeps the best policy."""
+    """Changes the weight of discomfort after evaluations, and keeps the best policy.
+
+    The replay buffer keeps rewards with the weights of their time.
+    """
 
     def _on_training_start(self):
         self.weights, self.evaluated = copy.deepcopy(self.model.policy.state_dict()), 0
@@ -73,8 +77,8 @@ class Comfort(BaseCallback):
         return True
 
     def _on_rollout_start(self):
-        if self.num_timesteps // arguments.every > self.evaluated:
-            self.evaluated = self.num_timesteps // arguments.every
+        if self.num_timesteps // every > self.evaluated:
+            self.evaluated = self.num_timesteps // every
             comparison, best = constraint.update(act)
             if best:
                 self.weights = copy.deepcopy(self.model.policy.state_dict())

@@ -18,7 +18,7 @@ pub struct Budget {
     pub steps: u64,
     /// Number of seeds.
     pub seeds: u64,
-    /// Number of test buildings of each type.
+    /// Test buildings.
     pub buildings: Buildings,
     /// Names of the agents included; `None`: all.
     #[serde(default)]

@@ -174,6 +174,12 @@ mod tests {
             ("SingleFamilyHouse = 8", "House = 8", "House"),
             ("with_best = true", "tasks = [\"occupnacy\"]", "occupnacy"),
             ("with_best = true", "tasks = []", "`tasks` is empty"),
+            ("with_best = true", "tasks = ['constant', 'constant']", "`constant` is listed twice"),
+            (
+                "[[agents]]\nname = \"residual\"",
+                "[[agents]]\nname = \"residual\"\nbudgets = { paper-part = { seeds = 2 } }",
+                "does not have it",
+            ),
             (
                 "buildings = { SingleFamilyHouse = 8, others = 2 }",
                 "buildings = ['Warehouse-0350']",

@@ -7,7 +7,7 @@ use b2b_evaluate::BuiltIn;
 use b2b_learn::train::TrainConfig;
 
 use super::agent::{Agent, Training};
-use super::budget::Buildings;
+use super::budget::{Budget, Buildings};
 use super::experiment::{Experiment, ReportKind};
 
 /// Returns the fault of a definition; `None` if it has none.
@@ -17,9 +17,13 @@ pub(super) fn fault(experiment: &Experiment) -> Option<String> {
 }
 
 fn tasks(experiment: &Experiment) -> Result<(), String> {
-    let of_budgets = experiment.budgets().filter_map(|budget| budget.tasks.as_ref()).flatten();
-    for task in experiment.tasks.iter().chain(of_budgets) {
-        task.parse::<Task>().map_err(|error| error.to_string())?;
+    for tasks in experiment.budgets().map(|budget| experiment.with_tasks_of(budget).tasks) {
+        for (number, task) in tasks.iter().enumerate() {
+            task.parse::<Task>().map_err(|error| error.to_string())?;
+            if tasks[..number].contains(task) {
+                return Err(format!("task `{task}` is listed twice"));
+            }
+        }
     }
     for period in &experiment.periods {
         period.parse::<Period>().map_err(|error| error.to_string())?;
@@ -40,21 +44,28 @@ fn budgets(experiment: &Experiment) -> Result<(), String> {
         if let Some(unknown) = budget.agents.iter().flatten().find(|agent| !is_known(agent)) {
             return Err(format!("budget `{name}`: the experiment has no agent `{unknown}`"));
         }
-        let is_board = experiment.report == ReportKind::Board;
-        if is_board && (budget.buildings.of_all().is_none() || budget.with_best || budget.tasks.is_some()) {
-            return Err(format!(
-                "budget `{name}`: `buildings` by type, `tasks` and `with_best` are for experiments without `problems`"
-            ));
-        }
-        let of_agents = experiment.agents.iter().map(|agent| agent.budget(budget));
-        for own in of_agents.chain([budget.clone()]) {
-            listed(experiment, &own.buildings).map_err(|error| format!("budget `{name}`: {error}"))?;
-        }
-        if budget.tasks.as_ref().is_some_and(Vec::is_empty) {
-            return Err(format!("budget `{name}`: `tasks` is empty"));
-        }
+        subset(experiment, budget).map_err(|error| format!("budget `{name}`: {error}"))?;
     }
     Ok(())
+}
+
+/// Checks the tasks and the buildings of a budget and of its agents.
+fn subset(experiment: &Experiment, budget: &Budget) -> Result<(), String> {
+    let of_agents = experiment.agents.iter().map(|agent| agent.budget(budget).buildings);
+    let all: Vec<Buildings> = of_agents.chain([budget.buildings.clone()]).collect();
+    let (are_numbers, has_tasks) = (all.iter().all(|each| each.of_all().is_some()), budget.tasks.is_some());
+    if experiment.report == ReportKind::Board && (!are_numbers || budget.with_best || has_tasks) {
+        return Err("`buildings` other than a number, `tasks` and `with_best` are for experiments without \
+                    `problems`"
+            .into());
+    }
+    if experiment.measure.is_some() && (!are_numbers || has_tasks) {
+        return Err("`buildings` and `tasks` have no effect with `measure`; remove them".into());
+    }
+    if budget.tasks.as_ref().is_some_and(Vec::is_empty) {
+        return Err("`tasks` is empty".into());
+    }
+    all.iter().try_for_each(|each| listed(experiment, each))
 }
 
 /// Checks that listed buildings are test buildings of the types, some of each.
@@ -62,6 +73,10 @@ fn listed(experiment: &Experiment, buildings: &Buildings) -> Result<(), String> 
     let all = || experiment.types.iter().flat_map(|each| experiment.buildings(*each, usize::MAX));
     if let Some(id) = buildings.ids().iter().find(|id| all().all(|each| each != **id)) {
         return Err(format!("`buildings` lists {id}, which is not a test building of the experiment"));
+    }
+    let ids = buildings.ids();
+    if let Some(twice) = ids.iter().enumerate().find(|(number, id)| ids[..*number].contains(id)) {
+        return Err(format!("`buildings` lists {} twice", twice.1));
     }
     let is_missing = |each: &&BuildingType| experiment.tests(**each, buildings).is_empty();
     match experiment.types.iter().find(is_missing) {
@@ -89,7 +104,8 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
             return Err(format!("two agents are named `{}`", agent.name));
         }
         options(agent).map_err(|error| format!("agent `{}`: {error}", agent.name))?;
-        let has_tasks = |budget| experiment.with_tasks_of(budget).tasks.len() > 1;
+        let has_tasks =
+            |budget: &Budget| budget.has(&agent.name) && experiment.with_tasks_of(budget).tasks.len() > 1;
         let is_split = !agent.all_tasks && experiment.budgets().any(has_tasks)
             || !agent.all_periods && experiment.periods.len() > 1;
         if experiment.report == ReportKind::Operation && is_split {
@@ -98,6 +114,11 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
                  `all_periods` to true",
                 agent.name
             ));
+        }
+        let excludes =
+            |name: &&str| experiment.budgets.get(*name).is_some_and(|budget| !budget.has(&agent.name));
+        if let Some(name) = agent.changed_budgets().find(excludes) {
+            return Err(format!("agent `{}`: budget `{name}` does not have it in `agents`", agent.name));
         }
         let unknown = agent.changed_budgets().find(|name| !experiment.budgets.contains_key(*name));
         if let Some(unknown) = unknown {
