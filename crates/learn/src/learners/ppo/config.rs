@@ -44,6 +44,9 @@ pub struct PpoConfig {
     pub clip_range: f32,
     /// Entropy coefficient of the loss. Default 0.
     pub entropy_coefficient: f32,
+    /// Coefficient of half the squared means of the actions in the loss: where nothing is gained, the actor returns to
+    /// actions of 0. Default 0.
+    pub mean_coefficient: f32,
     /// Coefficient of the value loss. Default 0.5.
     pub value_coefficient: f32,
     /// Maximum norm of the gradient. Default 0.5.
@@ -96,6 +99,7 @@ impl Default for PpoConfig {
             gae_lambda: 0.95,
             clip_range: 0.2,
             entropy_coefficient: 0.0,
+            mean_coefficient: 0.0,
             value_coefficient: 0.5,
             max_grad_norm: 0.5,
             target_kl: None,
@@ -131,6 +135,7 @@ impl PpoConfig {
         ])?;
         check_not_negative([
             ("entropy_coefficient", f64::from(self.entropy_coefficient)),
+            ("mean_coefficient", f64::from(self.mean_coefficient)),
             ("value_coefficient", f64::from(self.value_coefficient)),
             ("actor_gain", f64::from(self.actor_gain)),
         ])?;

@@ -41,7 +41,8 @@ impl Losses {
     }
 }
 
-/// The loss of the policy: clipped surrogate - coefficient × entropy, as a mean over the rows of a minibatch.
+/// The loss of the policy: clipped surrogate - coefficient × entropy + coefficient × half the squared means, as a mean over
+/// the rows of a minibatch.
 #[derive(Clone, Copy, Debug)]
 pub struct PolicyLoss<'a> {
     /// Groups of actions.
@@ -50,6 +51,8 @@ pub struct PolicyLoss<'a> {
     pub clip_range: f32,
     /// Coefficient of the entropy.
     pub entropy_coefficient: f32,
+    /// Coefficient of half the squared means of the actions.
+    pub mean_coefficient: f32,
     /// Number of rows of the minibatch.
     pub rows: usize,
 }
@@ -81,6 +84,9 @@ impl PolicyLoss<'_> {
                 means[action] += weight * of_mean;
                 log_stds[action] += weight * of_log_std;
             }
+        }
+        for (mean, gradient) in step.mean.iter().zip(means) {
+            *gradient += share * self.mean_coefficient * mean;
         }
         for (log_std, gradient) in step.log_std.iter().zip(log_stds) {
             losses.entropy += f64::from(entropy(*log_std)) / self.rows as f64;
@@ -167,7 +173,13 @@ mod tests {
             sum -=
                 0.1 * log_stds.iter().map(|each| 0.5 + 0.5 * std::f64::consts::TAU.ln() + each).sum::<f64>();
         }
-        sum / ROWS as f64
+        sum / ROWS as f64 + half_squares(outputs)
+    }
+
+    /// Returns 0.2 × half the squared means, as a mean over the rows.
+    fn half_squares(outputs: &[f64]) -> f64 {
+        let means = outputs.chunks(2 * ACTIONS).flat_map(|outputs| &outputs[..ACTIONS]);
+        0.1 * means.map(|mean| mean * mean).sum::<f64>() / ROWS as f64
     }
 
     fn assert_policy_gradients(credit: &Credit) {
@@ -180,7 +192,13 @@ mod tests {
         let mut old = noise;
         let mut gradients = vec![0.0; outputs.len()];
         let mut losses = Losses::default();
-        let policy = PolicyLoss { credit, clip_range: 0.2, entropy_coefficient: 0.1, rows: ROWS };
+        let policy = PolicyLoss {
+            credit,
+            clip_range: 0.2,
+            entropy_coefficient: 0.1,
+            mean_coefficient: 0.2,
+            rows: ROWS,
+        };
         for row in 0..ROWS {
             let (mean, log_std) = outputs[row * 2 * ACTIONS..][..2 * ACTIONS].split_at(ACTIONS);
             let (means, log_stds) = gradients[row * 2 * ACTIONS..][..2 * ACTIONS].split_at_mut(ACTIONS);
@@ -197,12 +215,12 @@ mod tests {
             };
             policy.add(&step, means, log_stds, &mut losses);
         }
-        let expected = loss(&wide(&outputs), &actions, &old, &advantages, credit);
-        assert!((losses.policy - 0.1 * losses.entropy - expected).abs() < 1e-5);
+        let outputs = wide(&outputs);
+        let expected = loss(&outputs, &actions, &old, &advantages, credit);
+        let all = losses.policy - 0.1 * losses.entropy + half_squares(&outputs);
+        assert!((all - expected).abs() < 1e-5);
         assert!(losses.clipped > 0.2 && losses.clipped < 0.9, "{losses:?}");
-        assert_gradients(&wide(&outputs), &gradients, |outputs| {
-            loss(outputs, &actions, &old, &advantages, credit)
-        });
+        assert_gradients(&outputs, &gradients, |outputs| loss(outputs, &actions, &old, &advantages, credit));
     }
 
     #[test]
