@@ -182,6 +182,11 @@ mod tests {
             ),
             (
                 "buildings = { SingleFamilyHouse = 8, others = 2 }",
+                "buildings = ['Warehouse-0350', 'Warehouse-0350']",
+                "lists Warehouse-0350 twice",
+            ),
+            (
+                "buildings = { SingleFamilyHouse = 8, others = 2 }",
                 "buildings = ['Warehouse-0350']",
                 "lists no OfficeSmall",
             ),

@@ -2,6 +2,7 @@
 
 use b2b_benchmark::Problem;
 use b2b_building::{BuildingType, Period};
+use b2b_dataset::BuildingId;
 use b2b_env::Task;
 use b2b_evaluate::BuiltIn;
 use b2b_learn::train::TrainConfig;
@@ -18,11 +19,11 @@ pub(super) fn fault(experiment: &Experiment) -> Option<String> {
 
 fn tasks(experiment: &Experiment) -> Result<(), String> {
     for tasks in experiment.budgets().map(|budget| experiment.with_tasks_of(budget).tasks) {
-        for (number, task) in tasks.iter().enumerate() {
+        for task in &tasks {
             task.parse::<Task>().map_err(|error| error.to_string())?;
-            if tasks[..number].contains(task) {
-                return Err(format!("task `{task}` is listed twice"));
-            }
+        }
+        if let Some(task) = repeated(&tasks) {
+            return Err(format!("task `{task}` is listed twice"));
         }
     }
     for period in &experiment.periods {
@@ -70,30 +71,37 @@ fn subset(experiment: &Experiment, budget: &Budget) -> Result<(), String> {
 
 /// Checks that listed buildings are test buildings of the types, some of each.
 fn listed(experiment: &Experiment, buildings: &Buildings) -> Result<(), String> {
-    let all = || experiment.types.iter().flat_map(|each| experiment.buildings(*each, usize::MAX));
-    if let Some(id) = buildings.ids().iter().find(|id| all().all(|each| each != **id)) {
+    let ids = buildings.ids();
+    if ids.is_empty() {
+        return Ok(());
+    }
+    let all: Vec<BuildingId> =
+        experiment.types.iter().flat_map(|each| experiment.buildings(*each, usize::MAX)).collect();
+    if let Some(id) = ids.iter().find(|id| !all.contains(id)) {
         return Err(format!("`buildings` lists {id}, which is not a test building of the experiment"));
     }
-    let ids = buildings.ids();
-    if let Some(twice) = ids.iter().enumerate().find(|(number, id)| ids[..*number].contains(id)) {
-        return Err(format!("`buildings` lists {} twice", twice.1));
+    if let Some(id) = repeated(ids) {
+        return Err(format!("`buildings` lists {id} twice"));
     }
     let is_missing = |each: &&BuildingType| experiment.tests(**each, buildings).is_empty();
-    match experiment.types.iter().find(is_missing) {
-        Some(missing) if !buildings.ids().is_empty() => Err(format!("`buildings` lists no {missing}")),
-        _ => Ok(()),
-    }
+    experiment
+        .types
+        .iter()
+        .find(is_missing)
+        .map_or(Ok(()), |each| Err(format!("`buildings` lists no {each}")))
+}
+
+/// Returns the first item that equals an earlier one.
+fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(number, item)| items[..*number].contains(item)).map(|(_, item)| item)
 }
 
 fn controllers(experiment: &Experiment) -> Result<(), String> {
     let all: Vec<&str> = experiment.kept_controllers().collect();
-    for (number, name) in all.iter().enumerate() {
+    for name in &all {
         name.parse::<BuiltIn>().map_err(|error| error.to_string())?;
-        if all[..number].contains(name) {
-            return Err(format!("controller `{name}` is listed twice"));
-        }
     }
-    Ok(())
+    repeated(&all).map_or(Ok(()), |name| Err(format!("controller `{name}` is listed twice")))
 }
 
 fn agents(experiment: &Experiment) -> Result<(), String> {
@@ -115,14 +123,14 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
                 agent.name
             ));
         }
-        let excludes =
-            |name: &&str| experiment.budgets.get(*name).is_some_and(|budget| !budget.has(&agent.name));
-        if let Some(name) = agent.changed_budgets().find(excludes) {
-            return Err(format!("agent `{}`: budget `{name}` does not have it in `agents`", agent.name));
-        }
-        let unknown = agent.changed_budgets().find(|name| !experiment.budgets.contains_key(*name));
-        if let Some(unknown) = unknown {
-            return Err(format!("agent `{}`: the experiment has no budget `{unknown}`", agent.name));
+        for name in agent.changed_budgets() {
+            let budget = experiment
+                .budgets
+                .get(name)
+                .ok_or_else(|| format!("agent `{}`: the experiment has no budget `{name}`", agent.name))?;
+            if !budget.has(&agent.name) {
+                return Err(format!("agent `{}`: budget `{name}` does not have it in `agents`", agent.name));
+            }
         }
     }
     Ok(())
