@@ -58,6 +58,10 @@ pub struct Arguments {
     /// Random seed of the search
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    /// Error of the outdoor temperature that forecasts predict a day ahead: the search runs in the weather they predict
+    /// at each midnight, the schedule in the actual one
+    #[arg(long, value_name = "K", default_value_t = 0.0)]
+    forecast_error: f64,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the episodes, a file for each schedule, and foresight.jsonl with all of them
@@ -112,8 +116,8 @@ impl Arguments {
     }
 
     fn options(&self) -> ScheduleSearchOptions {
-        let Self { block_hours, rounds, pairs, seed, .. } = *self;
-        ScheduleSearchOptions { block_hours, rounds, pairs, seed }
+        let Self { block_hours, rounds, pairs, seed, forecast_error, .. } = *self;
+        ScheduleSearchOptions { block_hours, rounds, pairs, seed, forecast_error }
     }
 
     /// Returns the plan of an item, from its file if it is there.

@@ -74,6 +74,11 @@ impl EpwFile {
         &self.sha256
     }
 
+    /// Returns the text, without byte order mark.
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Returns the hours.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use super::row::Row;
 use crate::{Error, Result};
 
 /// Lines of the header.
-const HEADER_LINES: usize = 8;
+pub(super) const HEADER_LINES: usize = 8;
 /// Days of a year without 29 February.
 const DAYS: usize = 365;
 /// Days before 29 February.

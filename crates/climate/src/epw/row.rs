@@ -1,5 +1,7 @@
 //! A row of an EPW file: the weather of an hour or of a part of it.
 
+use super::column;
+
 /// Columns that the engine needs, up to the indicator of observed weather. It treats missing values of later columns as
 /// unknown.
 const NEEDED: usize = 27;
@@ -7,14 +9,24 @@ const NEEDED: usize = 27;
 const FLAGS: usize = 5;
 /// The columns of global horizontal, direct normal and diffuse horizontal radiation, W/m². Negative values and values of
 /// 9999 or more are missing.
-const RADIATION: [usize; 3] = [13, 14, 15];
+const RADIATION: [usize; 3] = [column::GLOBAL, column::BEAM, column::DIFFUSE];
 const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
 /// The columns of the air, whose values must be plausible.
 const COLUMNS: [Column; 4] = [
-    Column { index: 6, quantity: "dry-bulb temperature (°C)", limits: [-90.0, 60.0], missing: 99.9 },
-    Column { index: 7, quantity: "dew point (°C)", limits: [-100.0, 60.0], missing: 99.9 },
-    Column { index: 8, quantity: "relative humidity (%)", limits: [0.0, 110.0], missing: 999.0 },
-    Column { index: 21, quantity: "wind speed (m/s)", limits: [0.0, 115.0], missing: 999.0 },
+    Column {
+        index: column::DRY_BULB,
+        quantity: "dry-bulb temperature (°C)",
+        limits: [-90.0, 60.0],
+        missing: 99.9,
+    },
+    Column { index: column::DEW_POINT, quantity: "dew point (°C)", limits: [-100.0, 60.0], missing: 99.9 },
+    Column {
+        index: column::HUMIDITY,
+        quantity: "relative humidity (%)",
+        limits: [0.0, 110.0],
+        missing: 999.0,
+    },
+    Column { index: column::WIND, quantity: "wind speed (m/s)", limits: [0.0, 115.0], missing: 999.0 },
 ];
 
 /// A column with plausible limits, which are beyond the records on Earth, and the code of a missing value.

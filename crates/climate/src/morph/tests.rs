@@ -4,8 +4,8 @@ use b2b_energyplus::install::{Cache, Quiet};
 
 use super::months::{DAYS, HOURS, mean, range, spread};
 use super::sky::suns;
-use super::year::column;
 use super::*;
+use crate::epw::column;
 use crate::{Place, Site, sun};
 
 /// Montréal's typical year, from the user's cache.

@@ -3,6 +3,7 @@
 use super::header::Location;
 use super::months::{DAYS, HOURS, Target, held_under, months, range, scaled, spread, trend};
 use super::sky::{at_elevation, clearness, humidity, sky_radiation, split, suns, with_total};
+use crate::epw::column;
 use crate::station::{MonthNormals, Station};
 use crate::sun;
 
@@ -18,24 +19,6 @@ pub(super) struct Year<'a> {
     cover: Vec<f64>,
     /// The sun over each hour.
     sun: Vec<sun::Sun>,
-}
-
-/// Columns of an EPW hour.
-pub(super) mod column {
-    pub const DRY_BULB: usize = 6;
-    pub const DEW_POINT: usize = 7;
-    pub const HUMIDITY: usize = 8;
-    pub const PRESSURE: usize = 9;
-    pub const EXTRATERRESTRIAL_HORIZONTAL: usize = 10;
-    pub const EXTRATERRESTRIAL_NORMAL: usize = 11;
-    pub const INFRARED: usize = 12;
-    pub const GLOBAL: usize = 13;
-    pub const BEAM: usize = 14;
-    pub const DIFFUSE: usize = 15;
-    pub const ILLUMINANCE: std::ops::RangeInclusive<usize> = 16..=18;
-    pub const ZENITH_LUMINANCE: usize = 19;
-    pub const WIND: usize = 21;
-    pub const COVER: usize = 23;
 }
 
 impl<'a> Year<'a> {

@@ -8,12 +8,14 @@
 mod kind;
 mod outcome;
 mod plan;
+mod predicted;
 mod response;
 mod schedule;
 mod search;
 mod trials;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use b2b_env::{Controller, Decisions, Spaces};
 use b2b_workers::Episode;
@@ -25,6 +27,7 @@ pub(crate) use kind::Kind;
 pub(crate) use outcome::Days;
 pub use outcome::{DayUse, EpisodeUse};
 pub use plan::{EpisodeTotal, Planned, SchedulePlan};
+use predicted::Predicted;
 pub use schedule::Schedule;
 use schedule::Varied;
 use search::{Effort, search};
@@ -32,6 +35,10 @@ use trials::{TrialRecord, Trials};
 
 /// Name of the kind.
 const NAME: &str = "foresight";
+/// Episodes in the actual weather after a search in predicted weather: the guideline's and the schedule's.
+const CARRIED_OUT: usize = 2;
+/// Largest error of forecasts, K.
+const LARGEST_ERROR: f64 = 10.0;
 /// Revision of the search: it resumes no record of another one, whose episodes had other schedules.
 const SEARCH: u32 = 3;
 
@@ -91,11 +98,21 @@ pub struct ScheduleSearchOptions {
     pub pairs: usize,
     /// Random seed.
     pub seed: u64,
+    /// Standard deviation of the error of the outdoor temperature that forecasts predict 24 hours ahead, K. With an
+    /// error, the search runs in the weather that they predict at the midnight of each day, and the schedule that it
+    /// finds is carried out in the actual one.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub forecast_error: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde expects")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Default for ScheduleSearchOptions {
     fn default() -> Self {
-        Self { block_hours: 4, rounds: 6, pairs: 5, seed: 0 }
+        Self { block_hours: 4, rounds: 6, pairs: 5, seed: 0, forecast_error: 0.0 }
     }
 }
 
@@ -107,7 +124,23 @@ impl ScheduleSearchOptions {
     pub fn episodes(&self, spaces: &Spaces) -> Result<usize> {
         let varied = self.varied(spaces)?;
         let bounds = Schedule::bounds(&varied, self.block_hours);
-        Ok(self.effort().episodes(&bounds, &Schedule::parts(&varied, self.block_hours)))
+        let searched = self.effort().episodes(&bounds, &Schedule::parts(&varied, self.block_hours));
+        Ok(searched + if self.has_errors() { CARRIED_OUT } else { 0 })
+    }
+
+    fn has_errors(&self) -> bool {
+        self.forecast_error > 0.0
+    }
+
+    /// Returns the episode in the weather that forecasts predict; `None` if they have no error.
+    fn predicted(&self, actual: &Episode) -> Result<Option<Predicted>> {
+        let &Self { forecast_error: error, seed, .. } = self;
+        if !(0.0..=LARGEST_ERROR).contains(&error) {
+            return Err(Error::Values {
+                why: format!("forecast_error is {error}; expected 0 to {LARGEST_ERROR} K"),
+            });
+        }
+        self.has_errors().then(|| Predicted::new(actual, error, seed)).transpose()
     }
 
     fn effort(&self) -> Effort {
@@ -129,32 +162,40 @@ impl ScheduleSearchOptions {
 /// every episode of the search.
 ///
 /// # Errors
-/// [`Error::NotOperation`]; [`Error::Values`] if `block_hours` is not a divisor of 24; [`Error::OtherTuning`] for the
-/// record of another search; [`Error::Io`]; the errors of [`Episode`].
+/// [`Error::NotOperation`]; [`Error::Values`] if `block_hours` is not a divisor of 24, or `forecast_error` out of bounds;
+/// [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].
 pub fn plan(
     episode: &mut Episode,
     options: &ScheduleSearchOptions,
     record: Option<&Path>,
     done: &mut dyn FnMut(),
 ) -> Result<SchedulePlan> {
-    let spaces = std::sync::Arc::clone(b2b_env::Environment::spaces(episode));
+    let spaces = Arc::clone(b2b_env::Environment::spaces(episode));
     let task = &spaces.episode.task;
     if !task.is_operation() || task.energy_weight <= 0.0 {
         return Err(Error::NotOperation { name: NAME, task: task.to_string() });
     }
     let (planned, varied) = (Planned::of(&spaces)?, options.varied(&spaces)?);
     let record = record.map(|path| TrialRecord::open(path, &(&planned, options, SEARCH))).transpose()?;
-    let mut trials = Trials::new(episode, record, done);
+    let mut predicted = options.predicted(episode)?;
+    let searched = predicted.as_mut().map_or(&mut *episode, |predicted| &mut predicted.episode);
+    let mut trials = Trials::new(searched, record, done);
+    let schedule = |point: &[Vec<f64>]| Schedule::of_point(&varied, options.block_hours, point);
     let mut episodes = 0;
     let mut run = |points: &[search::Point]| {
         episodes += points.len();
-        let schedules = points.iter().map(|point| Schedule::of_point(&varied, options.block_hours, point));
-        schedules.map(|schedule| trials.run(&schedule)).collect()
+        points.iter().map(|point| trials.run(&schedule(point))).collect()
     };
     let parts = Schedule::parts(&varied, options.block_hours);
     let bounds = Schedule::bounds(&varied, options.block_hours);
     let days = spaces.episode.period.days() as usize;
-    let found = search(&bounds, days, &parts, options.effort(), &mut run)?;
+    let mut found = search(&bounds, days, &parts, options.effort(), &mut run)?;
+    if predicted.is_some() {
+        let mut trials = Trials::new(episode, None, done);
+        found.baseline = trials.run(&schedule(&vec![vec![0.0; bounds.len()]; days]))?;
+        found.outcome = trials.run(&schedule(&found.point))?;
+        episodes += CARRIED_OUT;
+    }
     Ok(SchedulePlan {
         planned,
         options: *options,
@@ -162,6 +203,6 @@ pub fn plan(
         guideline: EpisodeTotal::of(&found.baseline, &spaces),
         result: EpisodeTotal::of(&found.outcome, &spaces),
         savings: varied.iter().map(|varied| varied.name.to_owned()).zip(found.shares).collect(),
-        schedule: Schedule::of_point(&varied, options.block_hours, &found.point),
+        schedule: schedule(&found.point),
     })
 }

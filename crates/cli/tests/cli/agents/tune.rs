@@ -1,5 +1,7 @@
 //! `b2b tune` on the real engine, and the use of its results.
 
+use std::path::Path;
+
 use crate::program::{assert_rejected, json};
 use serde_json::Value;
 
@@ -68,6 +70,19 @@ fn a_dataset_building_uses_the_set_of_its_class_and_the_tasks_objective_by_defau
     assert_rejected(folder, &format!("{run} best"), &["default, tuned or a JSON file"]);
 }
 
+/// Asserts that `b2b run` has the totals of a plan, with its schedule and without.
+fn assert_carried_out(folder: &Path, out: &str, plan: &Value) {
+    let run = "run SingleFamilyHouse-0042 --period 01-10..01-11";
+    let file = format!("{out}/SingleFamilyHouse-0042_01-10..01-11.json");
+    let planned = json(folder, &format!("{run} --controller foresight --parameters {file}"));
+    for (run, total) in [(planned, "result"), (json(folder, run), "guideline")] {
+        for (name, pointer) in [("cost_tot", "used"), ("tdis_tot", "discomfort")] {
+            let (run, found) = (run[name].as_f64().unwrap(), plan[total][pointer].as_f64().unwrap());
+            assert!((run - found).abs() < 1e-9 * found.abs().max(1.0), "{name}: {run}, {found}");
+        }
+    }
+}
+
 #[test]
 fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -87,20 +102,22 @@ fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     std::fs::write(folder.join("parts").join(record), lines[..5].join("\n") + "\n").unwrap();
     assert_eq!(json(folder, &format!("{search} parts")), whole);
 
-    let run = "run SingleFamilyHouse-0042 --period 01-10..01-11";
-    let file = "whole/SingleFamilyHouse-0042_01-10..01-11.json";
-    let planned = json(folder, &format!("{run} --controller foresight --parameters {file}"));
-    let agrees = |run: &Value, total: &str| {
-        for (name, pointer) in [("cost_tot", "used"), ("tdis_tot", "discomfort")] {
-            let (run, found) = (run[name].as_f64().unwrap(), number(&format!("/{total}/{pointer}")));
-            assert!((run - found).abs() < 1e-9 * found.abs().max(1.0), "{name}: {run}, {found}");
-        }
-    };
-    agrees(&planned, "result");
-    agrees(&json(folder, run), "guideline");
+    assert_carried_out(folder, "whole", plan);
+    // A search in predicted weather sees other savings; its totals are the actual weather's.
+    let noisy = &json(folder, &format!("{search} noisy --forecast-error 3"))[0];
+    assert_carried_out(folder, "noisy", noisy);
+    assert_ne!(noisy["savings"], plan["savings"]);
+    assert_eq!(noisy["guideline"], plan["guideline"]);
+    assert_eq!(noisy["episodes"], lines.len() + 1, "and two in the actual weather");
 
     assert_rejected(folder, &format!("{search} whole --seed 1"), &["schedule of another search"]);
     assert_rejected(folder, &format!("{search} whole --steps-per-hour 6"), &["schedule of another search"]);
+    assert_rejected(folder, &format!("{search} noisy --forecast-error 2"), &["schedule of another search"]);
+    assert_rejected(
+        folder,
+        &format!("{search} other --forecast-error 20"),
+        &["forecast_error is 20", "0 to 10"],
+    );
     let tracking = format!("{search} other --task constant");
     assert_rejected(folder, &tracking, &["constant", "operate"]);
 }
