@@ -62,6 +62,13 @@ impl Forecast {
         }
     }
 
+    /// Returns the errors of the outdoor temperatures that are forecast at the midnight of a day, K.
+    pub fn errors_of_day(&self, day_of_year: u32) -> [f64; PREVIEW_HOURS] {
+        let [mut errors, mut solar] = [[0.0; PREVIEW_HOURS]; 2];
+        self.disturb(24 * (day_of_year as usize - 1), &mut errors, &mut solar);
+        errors
+    }
+
     /// Adds the errors of the forecast of an hour of the year.
     fn disturb(&self, now: usize, temperatures: &mut [f64], solar: &mut [f64]) {
         let mut random = stream(self.preview.seed, FIRST_STREAM + now as u64);
@@ -110,6 +117,10 @@ mod tests {
         let preview = Preview { temperature_error: 2.0, solar_error: 0.3, seed: 1 };
         assert_eq!(of(preview, 10, 0.0), of(preview, 10, 0.5), "a forecast holds for an hour");
         assert_ne!(of(preview, 10, 0.0), of(Preview { seed: 2, ..preview }, 10, 0.0));
+        let [[with, _], [without, _]] = [preview, Preview::default()].map(|preview| of(preview, 10, 0.0));
+        for (ahead, error) in forecast(preview).errors_of_day(10).into_iter().enumerate() {
+            assert!((with[ahead] - without[ahead] - error).abs() < 1e-9, "{ahead}: {error}");
+        }
         let deviation = |ahead: usize| {
             let square = |hour: u32| {
                 let (with, without) = (

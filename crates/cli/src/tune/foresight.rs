@@ -28,7 +28,7 @@ use crate::terminal::{interrupt, stdout};
 ///
 /// Runs every episode some 115 times under Guideline 36 with shifted setpoints, start times, supply air temperatures,
 /// minimum flows and economizer limits, by block of each day, and keeps the schedule with the lowest cost at no more
-/// discomfort. Every episode is kept: the same command resumes an interrupted search.
+/// discomfort. Every episode of the search is kept: the same command resumes it.
 /// `b2b run --controller foresight --parameters FILE.json` carries out a schedule.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -55,11 +55,11 @@ pub struct Arguments {
     /// Mirrored pairs of episodes in a round
     #[arg(long, default_value_t = ScheduleSearchOptions::default().pairs, value_name = "N")]
     pairs: usize,
-    /// Random seed of the search
+    /// Random seed of the search and of the errors of forecasts
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Error of the outdoor temperature that forecasts predict a day ahead: the search runs in the weather they predict
-    /// at each midnight, the schedule in the actual one
+    /// Standard deviation of the error of outdoor temperatures forecast 24 h ahead, 0 to 5; 0 is perfect foresight. The
+    /// search runs in the weather predicted at each midnight, its schedule in the actual weather
     #[arg(long, value_name = "K", default_value_t = 0.0)]
     forecast_error: f64,
     #[command(flatten)]

@@ -10,9 +10,9 @@ const FLAGS: usize = 5;
 /// The columns of global horizontal, direct normal and diffuse horizontal radiation, W/m². Negative values and values of
 /// 9999 or more are missing.
 const RADIATION: [usize; 3] = [column::GLOBAL, column::BEAM, column::DIFFUSE];
-const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
+pub(super) const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
 /// The columns of the air, whose values must be plausible.
-const COLUMNS: [Column; 4] = [
+pub(super) const COLUMNS: [Column; 4] = [
     Column {
         index: column::DRY_BULB,
         quantity: "dry-bulb temperature (°C)",
@@ -30,10 +30,10 @@ const COLUMNS: [Column; 4] = [
 ];
 
 /// A column with plausible limits, which are beyond the records on Earth, and the code of a missing value.
-struct Column {
-    index: usize,
+pub(super) struct Column {
+    pub index: usize,
     quantity: &'static str,
-    limits: [f64; 2],
+    pub limits: [f64; 2],
     missing: f64,
 }
 

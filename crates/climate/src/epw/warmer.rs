@@ -3,21 +3,21 @@
 use b2b_base::calendar::Calendar;
 
 use super::record::HEADER_LINES;
-use super::row::Row;
+use super::row::{COLUMNS, RADIATIONS, Row};
 use super::{EpwFile, column};
 use crate::Result;
 
 /// Absolute temperature of 0 °C, K.
 const FREEZING: f64 = 273.15;
-/// Long-wave radiation from which on a value is missing, W/m².
-const MISSING_INFRARED: f64 = 9999.0;
+/// Number of the columns of the air that are shifted: dry bulb and dew point.
+const SHIFTED: usize = 2;
 
 impl EpwFile {
     /// Returns the text of the file with the air of every hour warmer by `shifts`, K, in the order of a calendar's year.
     ///
     /// Dry bulb and dew point are shifted, relative humidity stays, and the long-wave radiation of the sky follows the
-    /// fourth power of the absolute temperature. Dates that the calendar does not have, and missing values, stay as
-    /// they are.
+    /// fourth power of the absolute temperature. Values stay plausible. Dates that the calendar does not have, and missing
+    /// values, stay as they are.
     ///
     /// # Errors
     /// The errors of [`EpwFile::record`].
@@ -47,14 +47,14 @@ fn hour_of_year(row: &Row, calendar: Calendar) -> Option<usize> {
 fn warmer(line: &str, row: &Row, shift: f64) -> String {
     let mut values: Vec<String> = line.split(',').map(str::to_owned).collect();
     let mut write = |column: usize, value: f64| values[column] = format!("{value:.3}");
-    let [dry_bulb, dew_point, ..] = row.air;
-    for (column, value) in [(column::DRY_BULB, dry_bulb), (column::DEW_POINT, dew_point)] {
+    for (column, value) in COLUMNS.iter().zip(row.air).take(SHIFTED) {
         if let Some(value) = value {
-            write(column, value + shift);
+            let [low, high] = column.limits;
+            write(column.index, (value + shift).clamp(low, high));
         }
     }
     let infrared = line.split(',').nth(column::INFRARED).and_then(|text| text.trim().parse::<f64>().ok());
-    if let Some((infrared, dry_bulb)) = infrared.filter(|value| *value < MISSING_INFRARED).zip(dry_bulb) {
+    if let Some((infrared, dry_bulb)) = infrared.filter(|value| RADIATIONS.contains(value)).zip(row.air[0]) {
         let ratio = 1.0 + shift / (dry_bulb + FREEZING);
         write(column::INFRARED, infrared * (ratio * ratio) * (ratio * ratio));
     }
@@ -66,26 +66,52 @@ mod tests {
     use super::*;
     use crate::mild_year;
 
-    #[test]
-    fn the_air_of_an_hour_is_warmer_and_everything_else_stays() {
+    /// Returns a file with the rows of a year, some of them changed, and its text with an hour that is 1.5 K warmer.
+    fn warmer_hour(
+        calendar: Calendar,
+        hour: usize,
+        change: impl Fn(usize, &str) -> String,
+    ) -> [Vec<String>; 2] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.epw");
-        std::fs::write(&path, mild_year(true)).unwrap();
+        let year = mild_year(calendar.is_leap());
+        let rows = year.lines().enumerate().map(|(line, row)| change(line, row) + "\n");
+        std::fs::write(&path, rows.collect::<String>()).unwrap();
         let file = EpwFile::open(&path).unwrap();
-        let mut shifts = vec![0.0; 8760];
-        // 1 March, 2:00 to 3:00.
-        shifts[24 * 59 + 2] = 1.5;
-        let text = file.with_warmer_air(Calendar::default(), &shifts).unwrap();
-        let row = |text: &str, line: usize| text.lines().nth(line).unwrap().to_owned();
-        // After the header, two months and 29 February.
-        let line = 8 + 24 * 60 + 2;
-        assert!(row(file.text(), line).starts_with("2017,3,1,3,60,?,20,9,50,101325,0,0,330,0"));
-        assert!(row(&text, line).starts_with("2017,3,1,3,60,?,21.500,10.500,50,101325,0,0,336.806,0"));
-        std::fs::write(&path, &text).unwrap();
-        let warmer = EpwFile::open(&path).unwrap();
-        let air = |file: &EpwFile| file.record().unwrap().dry_bulbs_in(Calendar::new(0, true));
-        let changed =
-            air(&file).iter().zip(air(&warmer)).filter(|(before, after)| **before != *after).count();
-        assert_eq!(changed, 1);
+        let mut shifts = vec![0.0; 24 * calendar.days() as usize];
+        shifts[hour] = 1.5;
+        let text = file.with_warmer_air(calendar, &shifts).unwrap();
+        [file.text(), &text].map(|text| text.lines().map(str::to_owned).collect())
+    }
+
+    /// Returns the one row that differs in its values.
+    fn changed([before, after]: &[Vec<String>; 2]) -> (&str, &str) {
+        let number = |text: &str| text.parse::<f64>().map_err(|_| text.to_owned());
+        let values = |row: &str| row.split(',').map(number).collect::<Vec<_>>();
+        assert_eq!(before.len(), after.len());
+        let differ = before.iter().zip(after).filter(|(before, after)| values(before) != values(after));
+        let all: Vec<_> = differ.collect();
+        assert_eq!(all.len(), 1, "{all:?}");
+        (all[0].0, all[0].1)
+    }
+
+    #[test]
+    fn the_air_of_one_hour_is_warmer_and_everything_else_stays() {
+        let texts = warmer_hour(Calendar::default(), 24 * 59 + 2, |_, row| row.to_owned());
+        let (before, after) = changed(&texts);
+        assert!(before.starts_with("2017,3,1,3,60,?,20,9,50,101325,0,0,330,0,"), "{before}");
+        assert!(after.starts_with("2017,3,1,3,60,?,21.500,10.500,50,101325,0,0,336.806,0,"), "{after}");
+        let texts = warmer_hour(Calendar::new(0, true), 24 * 59 + 2, |_, row| row.to_owned());
+        assert!(changed(&texts).0.starts_with("2017,2,29,3,"), "in a leap year");
+    }
+
+    #[test]
+    fn missing_values_stay_missing_and_others_plausible() {
+        let extreme = |line: usize, row: &str| match line {
+            8 => row.replace(",20,9,50,101325,0,0,330,", ",59,99.9,50,101325,0,0,9999,"),
+            _ => row.to_owned(),
+        };
+        let texts = warmer_hour(Calendar::default(), 0, extreme);
+        assert!(changed(&texts).1.starts_with("2017,1,1,1,60,?,60.000,99.9,50,101325,0,0,9999,"));
     }
 }

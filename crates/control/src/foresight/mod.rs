@@ -17,7 +17,7 @@ mod trials;
 use std::path::Path;
 use std::sync::Arc;
 
-use b2b_env::{Controller, Decisions, Spaces};
+use b2b_env::{Controller, DataFile, Decisions, Spaces};
 use b2b_workers::Episode;
 use serde::{Deserialize, Serialize};
 
@@ -37,8 +37,8 @@ use trials::{TrialRecord, Trials};
 const NAME: &str = "foresight";
 /// Episodes in the actual weather after a search in predicted weather: the guideline's and the schedule's.
 const CARRIED_OUT: usize = 2;
-/// Largest error of forecasts, K.
-const LARGEST_ERROR: f64 = 10.0;
+/// Largest error of forecasts a day ahead, K.
+const LARGEST_ERROR: f64 = 5.0;
 /// Revision of the search: it resumes no record of another one, whose episodes had other schedules.
 const SEARCH: u32 = 3;
 
@@ -96,11 +96,10 @@ pub struct ScheduleSearchOptions {
     pub rounds: usize,
     /// Mirrored pairs of a round.
     pub pairs: usize,
-    /// Random seed.
+    /// Random seed of the search and of the errors of forecasts.
     pub seed: u64,
-    /// Standard deviation of the error of the outdoor temperature that forecasts predict 24 hours ahead, K. With an
-    /// error, the search runs in the weather that they predict at the midnight of each day, and the schedule that it
-    /// finds is carried out in the actual one.
+    /// Standard deviation of the error of outdoor temperatures forecast 24 hours ahead, 0 to 5 K. With an error, the
+    /// search runs in the weather predicted at the midnight of each day, and its schedule in the actual weather.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub forecast_error: f64,
 }
@@ -120,7 +119,7 @@ impl ScheduleSearchOptions {
     /// Returns the number of episodes that a search in a building runs.
     ///
     /// # Errors
-    /// [`Error::Values`] if `block_hours` is not a divisor of 24.
+    /// [`Error::Values`] for an invalid option.
     pub fn episodes(&self, spaces: &Spaces) -> Result<usize> {
         let varied = self.varied(spaces)?;
         let bounds = Schedule::bounds(&varied, self.block_hours);
@@ -135,12 +134,31 @@ impl ScheduleSearchOptions {
     /// Returns the episode in the weather that forecasts predict; `None` if they have no error.
     fn predicted(&self, actual: &Episode) -> Result<Option<Predicted>> {
         let &Self { forecast_error: error, seed, .. } = self;
-        if !(0.0..=LARGEST_ERROR).contains(&error) {
-            return Err(Error::Values {
-                why: format!("forecast_error is {error}; expected 0 to {LARGEST_ERROR} K"),
-            });
-        }
         self.has_errors().then(|| Predicted::new(actual, error, seed)).transpose()
+    }
+
+    /// Checks the options for a building.
+    ///
+    /// # Errors
+    /// [`Error::Values`] with the option and what is expected.
+    fn check(&self, spaces: &Spaces) -> Result<()> {
+        let &Self { block_hours, forecast_error, .. } = self;
+        let wrong = |why: String| Err(Error::Values { why });
+        if !24_u32.is_multiple_of(block_hours) {
+            return wrong(format!("block_hours is {block_hours}; expected a divisor of 24"));
+        }
+        if !(0.0..=LARGEST_ERROR).contains(&forecast_error) {
+            return wrong(format!("forecast_error is {forecast_error}; expected 0 to {LARGEST_ERROR} K"));
+        }
+        let tariff = spaces.episode.task.tariff.as_ref().map(DataFile::tariff).transpose()?;
+        match tariff.filter(|tariff| self.has_errors() && tariff.has_events()) {
+            Some(tariff) => wrong(format!(
+                "forecast_error is {forecast_error}, but events of the tariff `{}` follow the actual weather; expected 0, or \
+                 a tariff without events",
+                tariff.name
+            )),
+            None => Ok(()),
+        }
     }
 
     fn effort(&self) -> Effort {
@@ -148,11 +166,11 @@ impl ScheduleSearchOptions {
     }
 
     /// Returns the shifts of a building.
+    ///
+    /// # Errors
+    /// Same as [`ScheduleSearchOptions::check`].
     fn varied(&self, spaces: &Spaces) -> Result<Vec<Varied>> {
-        if !24_u32.is_multiple_of(self.block_hours) {
-            let why = format!("block_hours is {}; expected a divisor of 24", self.block_hours);
-            return Err(Error::Values { why });
-        }
+        self.check(spaces)?;
         let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
         Ok(Varied::of(guideline.supervisory_points()))
     }
@@ -162,8 +180,8 @@ impl ScheduleSearchOptions {
 /// every episode of the search.
 ///
 /// # Errors
-/// [`Error::NotOperation`]; [`Error::Values`] if `block_hours` is not a divisor of 24, or `forecast_error` out of bounds;
-/// [`Error::OtherTuning`] for the record of another search; [`Error::Io`]; the errors of [`Episode`].
+/// [`Error::NotOperation`]; [`Error::Values`] for an invalid option; [`Error::OtherTuning`] for the record of another
+/// search; [`Error::Io`]; the errors of [`Episode`].
 pub fn plan(
     episode: &mut Episode,
     options: &ScheduleSearchOptions,

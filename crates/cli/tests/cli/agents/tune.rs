@@ -116,8 +116,10 @@ fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     assert_rejected(
         folder,
         &format!("{search} other --forecast-error 20"),
-        &["forecast_error is 20", "0 to 10"],
+        &["forecast_error is 20", "0 to 5"],
     );
+    let events = format!("{search} other --task operate+hq-flex-d --forecast-error 2");
+    assert_rejected(folder, &events, &["forecast_error is 2", "hq-flex-d"]);
     let tracking = format!("{search} other --task constant");
     assert_rejected(folder, &tracking, &["constant", "operate"]);
 }
