@@ -149,6 +149,7 @@ impl Arguments {
     }
 
     fn text(&self, items: &[Item], plans: &[SchedulePlan]) -> String {
+        let searched_in = if self.forecast_error > 0.0 { ", in predicted weather" } else { "" };
         let mut table = Table::new([
             "building",
             "period",
@@ -157,7 +158,7 @@ impl Arguments {
             "saving (%)",
             "discomfort, guideline36 (K·h per zone)",
             "discomfort, foresight",
-            "saved by (% of cost)",
+            &format!("saved by (% of cost{searched_in})"),
         ]);
         for (Item { period, .. }, plan) in items.iter().zip(plans) {
             table.row([

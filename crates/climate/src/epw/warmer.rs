@@ -46,6 +46,7 @@ fn hour_of_year(row: &Row, calendar: Calendar) -> Option<usize> {
 /// Returns a row with warmer air.
 fn warmer(line: &str, row: &Row, shift: f64) -> String {
     let mut values: Vec<String> = line.split(',').map(str::to_owned).collect();
+    let infrared = values[column::INFRARED].trim().parse().ok().filter(|value| RADIATIONS.contains(value));
     let mut write = |column: usize, value: f64| values[column] = format!("{value:.3}");
     for (column, value) in COLUMNS.iter().zip(row.air).take(SHIFTED) {
         if let Some(value) = value {
@@ -53,8 +54,7 @@ fn warmer(line: &str, row: &Row, shift: f64) -> String {
             write(column.index, (value + shift).clamp(low, high));
         }
     }
-    let infrared = line.split(',').nth(column::INFRARED).and_then(|text| text.trim().parse::<f64>().ok());
-    if let Some((infrared, dry_bulb)) = infrared.filter(|value| RADIATIONS.contains(value)).zip(row.air[0]) {
+    if let Some((infrared, dry_bulb)) = infrared.zip(row.air[0]) {
         let ratio = 1.0 + shift / (dry_bulb + FREEZING);
         write(column::INFRARED, infrared * (ratio * ratio) * (ratio * ratio));
     }

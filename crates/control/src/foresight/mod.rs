@@ -17,6 +17,7 @@ mod trials;
 use std::path::Path;
 use std::sync::Arc;
 
+use b2b_env::tariff::Tariff;
 use b2b_env::{Controller, DataFile, Decisions, Spaces};
 use b2b_workers::Episode;
 use serde::{Deserialize, Serialize};
@@ -150,8 +151,8 @@ impl ScheduleSearchOptions {
         if !(0.0..=LARGEST_ERROR).contains(&forecast_error) {
             return wrong(format!("forecast_error is {forecast_error}; expected 0 to {LARGEST_ERROR} K"));
         }
-        let tariff = spaces.episode.task.tariff.as_ref().map(DataFile::tariff).transpose()?;
-        match tariff.filter(|tariff| self.has_errors() && tariff.has_events()) {
+        let tariff = spaces.episode.task.tariff.as_ref().filter(|_| self.has_errors());
+        match tariff.map(DataFile::tariff).transpose()?.filter(Tariff::has_events) {
             Some(tariff) => wrong(format!(
                 "forecast_error is {forecast_error}, but events of the tariff `{}` follow the actual weather; expected 0, or \
                  a tariff without events",

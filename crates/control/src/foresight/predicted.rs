@@ -26,7 +26,8 @@ impl Predicted {
     /// [`Error::Io`]; the errors of [`Forecast::of`] and [`Episode`].
     pub(super) fn new(actual: &Episode, error: f64, seed: u64) -> Result<Self> {
         let text = weather(actual.spaces(), Preview { temperature_error: error, solar_error: 0.0, seed })?;
-        let folder = temporary_folder("b2b-forecast-").map_err(b2b_env::Error::building)?;
+        let folder = temporary_folder("b2b-forecast-").map_err(b2b_energyplus::Error::from);
+        let folder = folder.map_err(b2b_env::Error::from)?;
         let path = folder.path().join("predicted.epw");
         std::fs::write(&path, text).map_err(|source| Error::Io { path: path.clone(), source })?;
         let setting = actual.setting();
