@@ -12,7 +12,7 @@ use super::appended::OF_STEP;
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, hours_and_seasons, temperature, weather};
 use super::options::ObservationForm;
-use super::supervised::{SupervisedNode, node_features, node_preview, node_shifts, set_shifts};
+use super::supervised::{SupervisedNode, equipment, node_features, node_preview, node_shifts, set_shifts};
 use crate::interface::Interface;
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
@@ -265,6 +265,7 @@ fn local_features(
     if interface.nodes.is_some_and(|form| form.attributes) {
         let [own, common] = places.attributes();
         features.extend(constants(node_type.attributes(), &own));
+        features.extend(equipment(node_type, supervised).filter(|_| is_supervision));
         if node_type == NodeType::Weather {
             features.extend(constants(COMMON, &common));
         }

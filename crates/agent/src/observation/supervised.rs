@@ -1,6 +1,7 @@
 //! The features of an agent that supervises the sequences of Guideline 36: where the zones are in their bands, how the
 //! bands change, what the sequences decided, weather, calendar, prices and the agent's previous action.
 
+use b2b_building::hvac::{Packaged, Sequence};
 use b2b_building::morphology::{NodeType, Observed, Owner};
 use b2b_control::Controller;
 use b2b_control::guideline36::{Mode, Shift};
@@ -175,6 +176,17 @@ impl<'a> SupervisedNode<'a> {
         self.supervisor.guideline().record()?.slots().iter().position(|slot| slot.name == name)
     }
 
+    /// Returns the unit of a zone, if it has one of its own.
+    fn packaged(&self) -> Option<Packaged> {
+        let Owner::Zone(zone) = self.owner else { return None };
+        let mut systems = self.spaces.building.laid_out_systems();
+        let (system, _) = systems.find(|(_, layout)| layout.zones[0].index == zone)?;
+        match system.sequence() {
+            Sequence::SingleZone { packaged, .. } => Some(packaged),
+            _ => None,
+        }
+    }
+
     /// Returns the index of a shift's action.
     fn action(&self, shift: Shift) -> Option<usize> {
         let points = self.supervisor.points();
@@ -186,6 +198,18 @@ impl<'a> SupervisedNode<'a> {
         let own = zones.find(|(_, slot)| self.owner == Owner::Zone(*slot));
         own.map_or_else(Vec::new, |(zone, slot)| zone_features(self.spaces, zone, slot))
     }
+}
+
+/// Returns the attributes of a node that the sequences know: whether its unit heats with a heat pump, whose efficiency
+/// falls with less air, and whether it has an economizer.
+pub(super) fn equipment(
+    node_type: NodeType,
+    node: Option<&SupervisedNode<'_>>,
+) -> impl Iterator<Item = (String, Source)> {
+    let packaged = node.and_then(SupervisedNode::packaged).unwrap_or_default();
+    let attributes = [("heat pump", packaged.heat_pump.is_some()), ("economizer", packaged.economizer)];
+    let attributes = attributes.into_iter().filter(move |_| node_type == NodeType::UnitaryZone);
+    attributes.map(|(name, is_so)| (name.to_owned(), Source::Constant(f64::from(u8::from(is_so)))))
 }
 
 /// Names of the features of a controlled zone with both setpoints.

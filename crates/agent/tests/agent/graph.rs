@@ -111,6 +111,23 @@ fn a_correction_of_zero_is_the_reactive_controllers() {
 }
 
 #[test]
+fn attributes_tell_a_supervisor_which_units_have_heat_pumps() {
+    let form = interface(ObservationForm::Features, SUPERVISORY, true);
+    for (building, expected) in [("OfficeSmall-0042", true), ("RetailStandalone-0042", false)] {
+        let spaces = Arc::clone(env(building, "operate").spaces());
+        let plan = NodePlan::of(NodeForm { attributes: true }, &spaces).unwrap();
+        let view = AgentObservation::by_node(form, &spaces, &plan).unwrap();
+        let features = view.observation.features().iter();
+        let units: Vec<String> = features
+            .filter(|feature| feature.name.ends_with("heat pump"))
+            .map(|feature| format!("{feature:?}"))
+            .collect();
+        let value = format!("Constant({:?})", f64::from(u8::from(expected)));
+        assert!(!units.is_empty() && units.iter().all(|unit| unit.contains(&value)), "{building}: {units:?}");
+    }
+}
+
+#[test]
 fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_shifts_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let form = interface(ObservationForm::Features, SUPERVISORY, true);
@@ -218,7 +235,9 @@ fn nodes_of_unknown_types_follow_the_reactive_controllers() {
     assert!(zones < all && corrected != reactive, "{zones} corrected actuators, return {corrected}");
     assert_ne!(corrected, returns(0.3, &NodeType::ALL, &mut office).1);
     let nothing = without(&[NodeType::AirLoop, NodeType::VavZone]);
-    assert_eq!(returns(0.3, &nothing, &mut office), (0, reactive));
+    write(folder.path(), form, 0.3, &nothing);
+    let error = Agent::read(folder.path()).unwrap().controller(office.spaces()).unwrap_err();
+    assert!(matches!(&error, Error::NothingToSet { building } if building == "OfficeMedium-0007"), "{error}");
 
     // A node without actuators is not observed.
     let mut small = env("OfficeSmall-0042", "occupancy");

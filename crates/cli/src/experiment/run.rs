@@ -64,7 +64,7 @@ pub fn failures(arguments: &Arguments) -> Result<Vec<String>> {
     let budget = experiment.budget(&arguments.budget)?;
     let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{}", experiment.name, budget.name));
     let out = arguments.out.clone().unwrap_or_else(default);
-    let mut folder = Folder::of(&out, &experiment, &source(&arguments.experiment)?, budget)?;
+    let mut folder = Folder::of(&out, &source(&arguments.experiment)?, budget)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let numbered = experiment.jobs(budget).into_iter().enumerate();
     let jobs: Vec<Job> = numbered.filter(|(number, _)| shard.contains(*number)).map(|(_, job)| job).collect();

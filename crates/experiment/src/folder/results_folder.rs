@@ -41,7 +41,7 @@ impl Folder {
     ///
     /// # Errors
     /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
-    pub fn of(path: &Path, experiment: &Experiment, source: &str, budget: &Budget) -> Result<Self> {
+    pub fn of(path: &Path, source: &str, budget: &Budget) -> Result<Self> {
         let identity = Identity { experiment: source.to_owned(), budget: budget.name.clone() };
         let kept = Arc::new(read_kept(path)?);
         if let Some(other) = read_identity(path)?
@@ -52,7 +52,7 @@ impl Folder {
             return Err(Error::OtherExperiment {
                 path: path.to_owned(),
                 other: name(&other),
-                experiment: format!("{} with budget {}", experiment.name, budget.name),
+                experiment: name(&identity),
             });
         }
         Ok(Self { path: path.to_owned(), identity, kept })

@@ -44,9 +44,9 @@ pub struct PpoConfig {
     pub clip_range: f32,
     /// Entropy coefficient of the loss. Default 0.
     pub entropy_coefficient: f32,
-    /// Coefficient of half the squared means of the actions in the loss: where nothing is gained, the actor returns to
-    /// actions of 0. Default 0.
-    pub mean_coefficient: f32,
+    /// Coefficient of the squares by which means of actions exceed [-1, 1]: actions beyond are clipped and change
+    /// nothing, so that an actor there no longer learns. Default 0.
+    pub bound_coefficient: f32,
     /// Coefficient of the value loss. Default 0.5.
     pub value_coefficient: f32,
     /// Maximum norm of the gradient. Default 0.5.
@@ -60,6 +60,9 @@ pub struct PpoConfig {
     pub desired_kl: Option<f32>,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,
+    /// Whether advantages have the same deviation in every building of an update, so that buildings where actions change
+    /// little count as much as others. Default false.
+    pub balance_buildings: bool,
     /// Widths of the hidden layers of the actor. Default 64, 64.
     pub actor_hidden: Vec<usize>,
     /// Widths of the hidden layers of the critic. Default 64, 64.
@@ -99,12 +102,13 @@ impl Default for PpoConfig {
             gae_lambda: 0.95,
             clip_range: 0.2,
             entropy_coefficient: 0.0,
-            mean_coefficient: 0.0,
+            bound_coefficient: 0.0,
             value_coefficient: 0.5,
             max_grad_norm: 0.5,
             target_kl: None,
             desired_kl: None,
             normalize_advantage: true,
+            balance_buildings: false,
             actor_hidden: vec![64, 64],
             critic_hidden: vec![64, 64],
             activation: Activation::Tanh,
@@ -135,7 +139,7 @@ impl PpoConfig {
         ])?;
         check_not_negative([
             ("entropy_coefficient", f64::from(self.entropy_coefficient)),
-            ("mean_coefficient", f64::from(self.mean_coefficient)),
+            ("bound_coefficient", f64::from(self.bound_coefficient)),
             ("value_coefficient", f64::from(self.value_coefficient)),
             ("actor_gain", f64::from(self.actor_gain)),
         ])?;

@@ -41,8 +41,8 @@ impl Losses {
     }
 }
 
-/// The loss of the policy: clipped surrogate - coefficient × entropy + coefficient × half the squared means, as a mean over
-/// the rows of a minibatch.
+/// The loss of the policy, as a mean over the rows of a minibatch: clipped surrogate - coefficient × entropy +
+/// coefficient × squares of means beyond [-1, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct PolicyLoss<'a> {
     /// Groups of actions.
@@ -51,8 +51,8 @@ pub struct PolicyLoss<'a> {
     pub clip_range: f32,
     /// Coefficient of the entropy.
     pub entropy_coefficient: f32,
-    /// Coefficient of half the squared means of the actions.
-    pub mean_coefficient: f32,
+    /// Coefficient of the squares by which means exceed [-1, 1].
+    pub bound_coefficient: f32,
     /// Number of rows of the minibatch.
     pub rows: usize,
 }
@@ -86,7 +86,7 @@ impl PolicyLoss<'_> {
             }
         }
         for (mean, gradient) in step.mean.iter().zip(means) {
-            *gradient += share * self.mean_coefficient * mean;
+            *gradient += 2.0 * share * self.bound_coefficient * (mean - mean.clamp(-1.0, 1.0));
         }
         for (log_std, gradient) in step.log_std.iter().zip(log_stds) {
             losses.entropy += f64::from(entropy(*log_std)) / self.rows as f64;
@@ -173,13 +173,13 @@ mod tests {
             sum -=
                 0.1 * log_stds.iter().map(|each| 0.5 + 0.5 * std::f64::consts::TAU.ln() + each).sum::<f64>();
         }
-        sum / ROWS as f64 + half_squares(outputs)
+        sum / ROWS as f64 + beyond_bounds(outputs)
     }
 
-    /// Returns 0.2 × half the squared means, as a mean over the rows.
-    fn half_squares(outputs: &[f64]) -> f64 {
+    /// Returns 0.2 × the squares by which means exceed [-1, 1], as a mean over the rows.
+    fn beyond_bounds(outputs: &[f64]) -> f64 {
         let means = outputs.chunks(2 * ACTIONS).flat_map(|outputs| &outputs[..ACTIONS]);
-        0.1 * means.map(|mean| mean * mean).sum::<f64>() / ROWS as f64
+        0.2 * means.map(|mean| (mean.abs() - 1.0).max(0.0).powi(2)).sum::<f64>() / ROWS as f64
     }
 
     fn assert_policy_gradients(credit: &Credit) {
@@ -187,7 +187,7 @@ mod tests {
         let mut draw = |count: usize, scale: f32| -> Vec<f32> {
             (0..count).map(|_| scale * random.normal() as f32).collect()
         };
-        let (outputs, actions) = (draw(ROWS * 2 * ACTIONS, 0.3), draw(ROWS * ACTIONS, 1.0));
+        let (outputs, actions) = (draw(ROWS * 2 * ACTIONS, 0.5), draw(ROWS * ACTIONS, 1.0));
         let (noise, advantages) = (draw(ROWS * groups, 0.3), draw(ROWS * groups, 1.0));
         let mut old = noise;
         let mut gradients = vec![0.0; outputs.len()];
@@ -196,7 +196,7 @@ mod tests {
             credit,
             clip_range: 0.2,
             entropy_coefficient: 0.1,
-            mean_coefficient: 0.2,
+            bound_coefficient: 0.2,
             rows: ROWS,
         };
         for row in 0..ROWS {
@@ -217,8 +217,8 @@ mod tests {
         }
         let outputs = wide(&outputs);
         let expected = loss(&outputs, &actions, &old, &advantages, credit);
-        let all = losses.policy - 0.1 * losses.entropy + half_squares(&outputs);
-        assert!((all - expected).abs() < 1e-5);
+        let beyond = beyond_bounds(&outputs);
+        assert!(beyond > 0.0 && (losses.policy - 0.1 * losses.entropy + beyond - expected).abs() < 1e-5);
         assert!(losses.clipped > 0.2 && losses.clipped < 0.9, "{losses:?}");
         assert_gradients(&outputs, &gradients, |outputs| loss(outputs, &actions, &old, &advantages, credit));
     }

@@ -74,31 +74,77 @@ impl Samples {
     /// Normalizes the advantages of each kind of group to mean 0 and deviation 1, as Stable-Baselines3 does. A kind
     /// with only one advantage is left unchanged. `groups` is the width of a row.
     pub fn normalize_advantages(&mut self, groups: usize, credits: &[Arc<Credit>]) {
-        let kinds = 1 + credits.iter().flat_map(|credit| credit.kinds()).max().copied().unwrap_or_default();
-        let Self { advantages, scenes, .. } = self;
-        let mut each = |apply: &mut dyn FnMut(usize, &mut f32)| {
-            for (row, scene) in advantages.chunks_exact_mut(groups).zip(scenes.iter()) {
-                row.iter_mut().zip(credits[*scene].kinds()).for_each(|(value, kind)| apply(*kind, value));
-            }
-        };
-        let (mut counts, mut means) = (vec![0usize; kinds], vec![0.0; kinds]);
-        each(&mut |kind, value| {
-            counts[kind] += 1;
-            means[kind] += f64::from(*value);
+        let of_all = Moments::of(self, groups, credits, |_, kind| kind);
+        self.each_advantage(groups, credits, |_, kind, value| of_all.normalize(kind, 0.0, value));
+    }
+
+    /// Normalizes the advantages of each kind of group in each building to mean 0 and deviation 1, but divides none by
+    /// less than [`SMALLEST`] times the kind's deviation in all buildings.
+    pub fn balance_advantages(&mut self, groups: usize, credits: &[Arc<Credit>]) {
+        let of_all = Moments::of(self, groups, credits, |_, kind| kind);
+        let kinds = of_all.0.len();
+        let of_each = Moments::of(self, groups, credits, |building, kind| building * kinds + kind);
+        self.each_advantage(groups, credits, |building, kind, value| {
+            of_each.normalize(building * kinds + kind, SMALLEST * of_all.deviation(kind), value);
         });
-        means.iter_mut().zip(&counts).for_each(|(mean, count)| *mean /= (*count).max(1) as f64);
-        let mut squares = vec![0.0; kinds];
-        each(&mut |kind, value| squares[kind] += (f64::from(*value) - means[kind]).powi(2));
-        let scale = |(squares, count): (&f64, &usize)| {
-            let variance = squares / count.saturating_sub(1) as f64;
-            1.0 / (variance.sqrt() + 1e-8)
-        };
-        let scales: Vec<f64> = squares.iter().zip(&counts).map(scale).collect();
-        each(&mut |kind, value| {
-            if counts[kind] > 1 {
-                *value = ((f64::from(*value) - means[kind]) * scales[kind]) as f32;
+    }
+
+    /// Calls a function with the building, the kind of group and the value of each advantage.
+    fn each_advantage(
+        &mut self,
+        groups: usize,
+        credits: &[Arc<Credit>],
+        mut apply: impl FnMut(usize, usize, &mut f32),
+    ) {
+        for (row, scene) in self.advantages.chunks_exact_mut(groups).zip(&self.scenes) {
+            row.iter_mut().zip(credits[*scene].kinds()).for_each(|(value, kind)| apply(*scene, *kind, value));
+        }
+    }
+}
+
+/// Smallest deviation of advantages in a building, as a share of the deviation in all buildings.
+const SMALLEST: f64 = 0.1;
+
+/// Count, mean and sum of squared differences from the mean of sets of advantages.
+struct Moments(Vec<(usize, f64, f64)>);
+
+impl Moments {
+    /// Returns the moments of sets numbered by building and kind of group.
+    fn of(
+        samples: &mut Samples,
+        groups: usize,
+        credits: &[Arc<Credit>],
+        number: impl Fn(usize, usize) -> usize,
+    ) -> Self {
+        let mut sets = Vec::new();
+        samples.each_advantage(groups, credits, |building, kind, value| {
+            let set = number(building, kind);
+            if sets.len() <= set {
+                sets.resize(set + 1, (0, 0.0, 0.0));
             }
+            sets[set].0 += 1;
+            sets[set].1 += f64::from(*value);
         });
+        sets.iter_mut().for_each(|(count, mean, _)| *mean /= (*count).max(1) as f64);
+        samples.each_advantage(groups, credits, |building, kind, value| {
+            let (_, mean, squares) = &mut sets[number(building, kind)];
+            *squares += (f64::from(*value) - *mean).powi(2);
+        });
+        Self(sets)
+    }
+
+    fn deviation(&self, set: usize) -> f64 {
+        let (count, _, squares) = self.0[set];
+        (squares / count.saturating_sub(1).max(1) as f64).sqrt()
+    }
+
+    /// Normalizes an advantage of a set, unless it is the only one.
+    fn normalize(&self, set: usize, smallest: f64, value: &mut f32) {
+        let (count, mean, _) = self.0[set];
+        if count > 1 {
+            let scale = 1.0 / (self.deviation(set).max(smallest) + 1e-8);
+            *value = ((f64::from(*value) - mean) * scale) as f32;
+        }
     }
 }
 
@@ -110,6 +156,35 @@ fn gather(to: &mut Vec<f32>, from: &[f32], rows: &[usize], width: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Returns samples of one kind of group, with these buildings and advantages.
+    fn samples(scenes: &[usize], advantages: &[f32]) -> (Samples, Vec<Arc<Credit>>) {
+        let widths = Widths { observation: 1, action: 1, parts: 1, nodes: 1 };
+        let credits = vec![Arc::new(Credit::joint(widths)); 1 + scenes.iter().max().unwrap()];
+        let samples =
+            Samples { advantages: advantages.to_vec(), scenes: scenes.to_vec(), ..Samples::default() };
+        (samples, credits)
+    }
+
+    fn assert_near(advantages: &[f32], expected: &[f32]) {
+        assert_eq!(advantages.len(), expected.len());
+        assert!(advantages.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{advantages:?}");
+    }
+
+    #[test]
+    fn balanced_advantages_have_the_same_deviation_in_every_building() {
+        let (mut samples, credits) = samples(&[0, 0, 0, 1, 1, 1], &[10.0, 20.0, 30.0, -2.0, 0.0, 2.0]);
+        samples.balance_advantages(1, &credits);
+        assert_near(&samples.advantages, &[-1.0, 0.0, 1.0, -1.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn advantages_of_a_building_without_effect_are_not_blown_up() {
+        let (mut samples, credits) = samples(&[0, 0, 1, 1], &[-1.0, 1.0, -1e-6, 1e-6]);
+        samples.balance_advantages(1, &credits);
+        let half = 0.5f32.sqrt();
+        assert_near(&samples.advantages, &[-half, half, 0.0, 0.0]);
+    }
 
     #[test]
     fn advantages_are_normalized_by_kind() {

@@ -133,6 +133,9 @@ impl Ppo {
         returns.extend(of_parts.iter().zip(&values.steps).map(|(advantage, value)| advantage + value));
         center_pairs(rollout, self.widths.parts, &mut of_parts);
         self.assign_credit(&of_parts);
+        if self.config.balance_buildings {
+            self.samples.balance_advantages(self.groups, &self.credits);
+        }
         let returns = &mut self.samples.returns;
         let explained = explained_variance(&values.steps, returns, self.widths.parts);
         if self.config.normalize_values {

@@ -219,7 +219,7 @@ impl Worker {
                 credit: batch.credit(row),
                 clip_range: config.clip_range,
                 entropy_coefficient: config.entropy_coefficient,
-                mean_coefficient: config.mean_coefficient,
+                bound_coefficient: config.bound_coefficient,
                 rows: batch.rows,
             };
             let (means, of_state) = gradients.split_at_mut(networks.widths.action);
