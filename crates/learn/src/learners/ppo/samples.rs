@@ -160,7 +160,7 @@ mod tests {
     /// Returns samples of one kind of group, with these buildings and advantages.
     fn samples(scenes: &[usize], advantages: &[f32]) -> (Samples, Vec<Arc<Credit>>) {
         let widths = Widths { observation: 1, action: 1, parts: 1, nodes: 1 };
-        let credits = vec![Arc::new(Credit::joint(widths)); 1 + scenes.iter().max().unwrap()];
+        let credits = (0..=*scenes.iter().max().unwrap()).map(|_| Arc::new(Credit::joint(widths))).collect();
         let samples =
             Samples { advantages: advantages.to_vec(), scenes: scenes.to_vec(), ..Samples::default() };
         (samples, credits)
