@@ -265,7 +265,9 @@ fn local_features(
     if interface.nodes.is_some_and(|form| form.attributes) {
         let [own, common] = places.attributes();
         features.extend(constants(node_type.attributes(), &own));
-        features.extend(equipment(node_type, supervised).filter(|_| is_supervision));
+        if is_supervision {
+            features.extend(equipment(node_type, supervised));
+        }
         if node_type == NodeType::Weather {
             features.extend(constants(COMMON, &common));
         }

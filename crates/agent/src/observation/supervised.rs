@@ -1,7 +1,7 @@
 //! The features of an agent that supervises the sequences of Guideline 36: where the zones are in their bands, how the
 //! bands change, what the sequences decided, weather, calendar, prices and the agent's previous action.
 
-use b2b_building::hvac::{Packaged, Sequence};
+use b2b_building::hvac::{Packaged, Sequence, System};
 use b2b_building::morphology::{NodeType, Observed, Owner};
 use b2b_control::Controller;
 use b2b_control::guideline36::{Mode, Shift};
@@ -163,25 +163,27 @@ impl<'a> SupervisedNode<'a> {
     /// Returns the index of a decision of the sequences, given its name without the node's name.
     fn decision(&self, what: &str) -> Option<usize> {
         let building = &self.spaces.building;
-        let mut systems = building.laid_out_systems().enumerate();
         let name = match self.owner {
             Owner::Zone(zone) if what.ends_with(" loop") => Some(building.zones[zone].name.as_str()),
-            Owner::Zone(zone) => systems
-                .find(|(_, (system, layout))| !system.has_air_handler() && layout.zones[0].index == zone)
-                .map(|(_, (system, _))| system.name()),
-            Owner::AirLoop(own) => systems.nth(own).map(|(_, (system, _))| system.name()),
+            Owner::Zone(_) => self.unit().map(|unit| unit.name()),
+            Owner::AirLoop(own) => building.laid_out_systems().nth(own).map(|(system, _)| system.name()),
             _ => None,
         };
         let name = format!("{} {what}", name?);
         self.supervisor.guideline().record()?.slots().iter().position(|slot| slot.name == name)
     }
 
-    /// Returns the unit of a zone, if it has one of its own.
-    fn packaged(&self) -> Option<Packaged> {
+    /// Returns the system of a zone, if it has one of its own.
+    fn unit(&self) -> Option<&'a dyn System> {
         let Owner::Zone(zone) = self.owner else { return None };
         let mut systems = self.spaces.building.laid_out_systems();
-        let (system, _) = systems.find(|(_, layout)| layout.zones[0].index == zone)?;
-        match system.sequence() {
+        systems
+            .find(|(system, layout)| !system.has_air_handler() && layout.zones[0].index == zone)
+            .map(|(system, _)| system)
+    }
+
+    fn packaged(&self) -> Option<Packaged> {
+        match self.unit()?.sequence() {
             Sequence::SingleZone { packaged, .. } => Some(packaged),
             _ => None,
         }

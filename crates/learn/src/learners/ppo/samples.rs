@@ -85,7 +85,7 @@ impl Samples {
         let kinds = of_all.0.len();
         let of_each = Moments::of(self, groups, credits, |building, kind| building * kinds + kind);
         self.each_advantage(groups, credits, |building, kind, value| {
-            of_each.normalize(building * kinds + kind, SMALLEST * of_all.deviation(kind), value);
+            of_each.normalize(building * kinds + kind, SMALLEST * of_all.0[kind].deviation, value);
         });
     }
 
@@ -105,8 +105,16 @@ impl Samples {
 /// Smallest deviation of advantages in a building, as a share of the deviation in all buildings.
 const SMALLEST: f64 = 0.1;
 
-/// Count, mean and sum of squared differences from the mean of sets of advantages.
-struct Moments(Vec<(usize, f64, f64)>);
+/// The moments of a set of advantages.
+#[derive(Clone, Default)]
+struct Moment {
+    count: usize,
+    mean: f64,
+    deviation: f64,
+}
+
+/// The moments of several sets of advantages.
+struct Moments(Vec<Moment>);
 
 impl Moments {
     /// Returns the moments of sets numbered by building and kind of group.
@@ -116,33 +124,31 @@ impl Moments {
         credits: &[Arc<Credit>],
         number: impl Fn(usize, usize) -> usize,
     ) -> Self {
-        let mut sets = Vec::new();
+        let mut sets: Vec<Moment> = Vec::new();
         samples.each_advantage(groups, credits, |building, kind, value| {
             let set = number(building, kind);
             if sets.len() <= set {
-                sets.resize(set + 1, (0, 0.0, 0.0));
+                sets.resize(set + 1, Moment::default());
             }
-            sets[set].0 += 1;
-            sets[set].1 += f64::from(*value);
+            sets[set].count += 1;
+            sets[set].mean += f64::from(*value);
         });
-        sets.iter_mut().for_each(|(count, mean, _)| *mean /= (*count).max(1) as f64);
+        sets.iter_mut().for_each(|set| set.mean /= set.count.max(1) as f64);
         samples.each_advantage(groups, credits, |building, kind, value| {
-            let (_, mean, squares) = &mut sets[number(building, kind)];
-            *squares += (f64::from(*value) - *mean).powi(2);
+            let set = &mut sets[number(building, kind)];
+            set.deviation += (f64::from(*value) - set.mean).powi(2);
+        });
+        sets.iter_mut().for_each(|set| {
+            set.deviation = (set.deviation / set.count.saturating_sub(1).max(1) as f64).sqrt();
         });
         Self(sets)
     }
 
-    fn deviation(&self, set: usize) -> f64 {
-        let (count, _, squares) = self.0[set];
-        (squares / count.saturating_sub(1).max(1) as f64).sqrt()
-    }
-
     /// Normalizes an advantage of a set, unless it is the only one.
     fn normalize(&self, set: usize, smallest: f64, value: &mut f32) {
-        let (count, mean, _) = self.0[set];
+        let Moment { count, mean, deviation } = self.0[set];
         if count > 1 {
-            let scale = 1.0 / (self.deviation(set).max(smallest) + 1e-8);
+            let scale = 1.0 / (deviation.max(smallest) + 1e-8);
             *value = ((f64::from(*value) - mean) * scale) as f32;
         }
     }

@@ -244,6 +244,10 @@ fn the_preset_for_many_buildings_draws_some_of_the_training_split_and_holds_comf
         turns.iter().map(|each| each.name()).collect::<Vec<_>>().join(" "),
         "OfficeMedium Warehouse OfficeMedium OfficeMedium"
     );
+    changed(&config, "ppo = { balance_buildings = true }").check().unwrap();
+    let flat = "policy = { kind = \"flat\" }\nbuilding_type = [\"OfficeMedium\"]\ncredit_by_zone = false\nppo = { balance_buildings = true }";
+    let said = changed(&config, flat).check().unwrap_err().to_string();
+    assert!(said.contains("`ppo.balance_buildings` is for graph networks"), "{said}");
     let said = changed(&config, "type_turns = { Warehouse = 0 }").check().unwrap_err().to_string();
     assert!(said.contains("`type_turns` of Warehouse is 0"), "{said}");
     let said = changed(&config, "type_turns = { OfficeSmall = 2 }").check().unwrap_err().to_string();

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::learner::Abilities;
 use crate::learners::{LearnerChoice, LearnerKind, kinds};
 use crate::limits::require;
+use crate::ppo::PpoConfig;
 use crate::train::problem::training_side;
 
 /// The configuration of a training run.
@@ -122,6 +123,11 @@ impl TrainConfig {
         require(mirrored_noise || !self.noise.mirrored_noise, || {
             let able = able(|abilities| abilities.mirrored_noise);
             format!("`mirrored_noise` is for {able}; with {name} it must be false")
+        })?;
+        let balance = self.learner.options::<PpoConfig>().is_some_and(|ppo| ppo.balance_buildings);
+        require(!balance || self.agent.policy.is_graph(), || {
+            "`ppo.balance_buildings` is for graph networks, which know the building of each step; expected false"
+                .into()
         })?;
         let Err(why) = noise else { return Ok(()) };
         let NoiseConfig { noise_cost, final_noise, .. } = self.noise;
