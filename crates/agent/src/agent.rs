@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_control::Controller;
-use b2b_env::Spaces;
+use b2b_env::{Decisions, Spaces};
 
 use crate::folder;
 use crate::info::AgentInfo;
@@ -236,5 +236,9 @@ impl Controller for AgentController {
 
     fn reward(&mut self, reward: f64) {
         self.pilot.reward(reward);
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        self.pilot.record()
     }
 }

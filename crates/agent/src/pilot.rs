@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use b2b_env::Spaces;
+use b2b_control::Controller;
+use b2b_env::{Decisions, Spaces};
 
 use crate::acting::Driver;
 use crate::error::{Error, Result};
@@ -131,6 +132,11 @@ impl Pilot {
     /// Returns the last observation of the network.
     pub fn observed(&self) -> &[f32] {
         &self.row
+    }
+
+    /// Returns the decisions of the supervised sequences in the last step; `None` without a supervisor.
+    pub fn record(&self) -> Option<&Decisions> {
+        self.driver.supervisor()?.guideline().record()
     }
 
     /// Returns whether the next action is a new decision, rather than the repetition of the last one.

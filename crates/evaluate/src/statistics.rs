@@ -17,6 +17,8 @@ use crate::any_number;
 pub const DRAWS: usize = 5000;
 /// Confidence level of the intervals.
 pub const CONFIDENCE: f64 = 0.95;
+/// Difference of a score from the baseline's, 1, up to which it is no difference.
+pub const MARGIN: f64 = 0.01;
 
 /// A value with its bootstrap confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +32,44 @@ pub struct Interval {
     /// Upper end.
     #[serde(with = "any_number")]
     pub high: f64,
+}
+
+/// How a policy compares with the baseline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The score is better by more than [`MARGIN`], and all of its interval is below 1.
+    Beats,
+    /// Neither.
+    NoDifference,
+    /// The score is worse by more than [`MARGIN`], and all of its interval is above 1.
+    Worse,
+}
+
+impl Verdict {
+    /// Returns the verdict on a score with its interval.
+    pub fn of(score: Interval) -> Self {
+        let Interval { value, low, high } = score;
+        match () {
+            () if value < 1.0 - MARGIN && high < 1.0 => Self::Beats,
+            () if value > 1.0 + MARGIN && low > 1.0 => Self::Worse,
+            () => Self::NoDifference,
+        }
+    }
+
+    /// Returns the verdict on a single score.
+    pub fn of_one(score: f64) -> Self {
+        Self::of(Interval { value: score, low: score, high: score })
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Beats => "beats",
+            Self::NoDifference => "no difference",
+            Self::Worse => "worse",
+        })
+    }
 }
 
 /// Aggregated scores.
@@ -56,7 +96,7 @@ pub struct Aggregate {
 }
 
 impl Aggregate {
-    /// Returns the share of scores that beat the baseline, in percent.
+    /// Returns the share of scores below 1, in percent.
     pub fn beats_baseline_percent(&self) -> f64 {
         100.0 * self.beats_baseline.value
     }
@@ -111,7 +151,7 @@ pub fn aggregate(strata: &[Vec<f64>], seed: u64) -> Option<Aggregate> {
 /// buildings within their stratum, and seeds within each resampled building.
 pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregate> {
     let measure = |scores: &[f64]| {
-        vec![mean(scores), median(scores), interquartile_mean(scores), share_up_to(scores, beats_baseline)]
+        vec![mean(scores), median(scores), interquartile_mean(scores), share_up_to(scores, is_below_baseline)]
     };
     let intervals = bootstrap(&[strata], seed, |lists| measure(lists[0]))?;
     let [mean, median, interquartile_mean, beats_baseline] = intervals[..] else {
@@ -126,7 +166,7 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
         min: scores.iter().copied().fold(f64::INFINITY, f64::min),
         max: scores.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         beats_baseline,
-        beats_baseline_count: scores.iter().filter(|score| self::beats_baseline(**score)).count(),
+        beats_baseline_count: scores.iter().filter(|score| self::is_below_baseline(**score)).count(),
     })
 }
 
@@ -214,8 +254,8 @@ pub fn interquartile_mean(sorted: &[f64]) -> f64 {
     mean(&sorted[cut..sorted.len() - cut])
 }
 
-/// Returns whether a score beats the baseline. The baseline's own score may differ from 1 by rounding.
-pub fn beats_baseline(score: f64) -> bool {
+/// Returns whether a score is below 1. The baseline's own score may differ from 1 by rounding.
+pub fn is_below_baseline(score: f64) -> bool {
     score < 1.0 - 1e-6
 }
 
@@ -245,8 +285,22 @@ mod tests {
         // Without the two lowest and the two highest: 0.91, 0.97, 0.99, 1.01, 1.05, 1.2.
         assert!((interquartile_mean(&scores) - 6.13 / 6.0).abs() < 1e-12);
         assert!((quantile(&scores, 0.1) - 0.865).abs() < 1e-12);
-        assert_eq!(share_up_to(&scores, beats_baseline), 0.5);
-        assert!(!beats_baseline(0.999_999_999_999_999), "the baseline itself");
+        assert_eq!(share_up_to(&scores, is_below_baseline), 0.5);
+        assert!(!is_below_baseline(0.999_999_999_999_999), "the baseline itself");
+    }
+
+    #[test]
+    fn a_policy_beats_the_baseline_beyond_the_margin_and_by_its_interval() {
+        let verdict = |value, low, high| Verdict::of(Interval { value, low, high });
+        assert_eq!(verdict(0.98, 0.97, 0.995), Verdict::Beats);
+        assert_eq!(verdict(0.98, 0.95, 1.001), Verdict::NoDifference);
+        assert_eq!(verdict(0.991, 0.988, 0.995), Verdict::NoDifference);
+        assert_eq!(verdict(1.02, 0.99, 1.04), Verdict::NoDifference);
+        assert_eq!(verdict(1.02, 1.005, 1.04), Verdict::Worse);
+        assert_eq!(
+            [0.9, 1.0, 1.1].map(Verdict::of_one),
+            [Verdict::Beats, Verdict::NoDifference, Verdict::Worse]
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_agent::{Acting, Interface, ObservationForm, Pilot};
-use b2b_control::{Guideline36, Guideline36Parameters};
+use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_env::{Env, rollout};
 
 use crate::agent::{actor, env};
@@ -61,6 +61,8 @@ fn a_supervisor_that_decides_nothing_is_the_guideline_and_one_that_does_holds_it
     let mut guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
     let alone = rollout(&mut env, &mut guideline, &mut ()).unwrap().episode_return;
     assert!((zeros - alone).abs() < 1e-9 * alone.abs(), "{zeros} {alone}");
+    let [recorded, of_guideline] = [pilot.record(), guideline.record()].map(|record| &record.unwrap().values);
+    assert_eq!(recorded, of_guideline, "what the sequences decided is recorded");
 
     let mut own = Pilot::new(interface(15, false), &spaces).unwrap();
     let points = guideline.supervisory_points();
@@ -103,7 +105,6 @@ fn an_agent_without_setpoints_leaves_comfort_to_the_guideline() {
 #[test]
 fn an_agent_repeats_its_action_until_its_next_decision() {
     use b2b_agent::AgentController;
-    use b2b_control::Controller;
 
     let mut env = env("OfficeSmall-0042", "operate");
     let spaces = Arc::clone(env.spaces());

@@ -179,7 +179,7 @@ fn scores(board: &[&Ranked]) -> Value {
         "score, min",
         "score, max",
         "random = 0, baseline = 1",
-        "beats baseline (%)",
+        "below 1 (%)",
         "RMS deviation (K)",
         "energy / baseline",
         "generalization gap",
@@ -218,7 +218,7 @@ fn strata(board: &[&Ranked]) -> Option<Value> {
         "score, interquartile mean",
         "score, min",
         "score, max",
-        "beats baseline (%)",
+        "below 1 (%)",
         "RMS deviation (K)",
         "energy / baseline",
     ];

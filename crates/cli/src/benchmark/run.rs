@@ -204,7 +204,7 @@ fn aggregate_table(measures: &Measures) -> String {
         "mean",
         "min",
         "max",
-        "beats baseline (%)",
+        "below 1 (%)",
         "RMS deviation (K)",
         "energy / baseline",
     ]);

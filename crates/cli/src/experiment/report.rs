@@ -3,11 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use b2b_experiment::{Folder, Results, duration_text};
+use clap::Parser;
 use serde_json::json;
 
 use crate::output_folder::OutputFolder;
+use crate::run;
+use crate::terminal::progress::counter;
 use crate::terminal::stdout;
 
 /// Write the report of an experiment from the results in its folder
@@ -20,17 +23,52 @@ pub struct Arguments {
     /// Folder of `b2b experiment run`
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
+    /// Draw the best and the worst episodes of every policy, day by day, in the folder `drawn` (operation)
+    #[arg(long)]
+    draw: bool,
     /// Print one JSON object instead of the text report
     #[arg(long)]
     json: bool,
 }
 
+/// The arguments of `b2b run`.
+#[derive(clap::Parser)]
+struct Episode {
+    #[command(flatten)]
+    arguments: run::Arguments,
+}
+
 const RESULTS: &str = "results.json";
 const PAGE: &str = "report.html";
+const DRAWN: &str = "drawn";
 
 /// Runs the command.
 pub fn report(arguments: &Arguments) -> Result<()> {
+    if arguments.draw {
+        draw(&arguments.folder, arguments.json)?;
+    }
     write(&arguments.folder, arguments.json)
+}
+
+/// Runs the best and the worst episodes of every policy again and draws them.
+fn draw(path: &Path, json: bool) -> Result<()> {
+    let (folder, experiment, budget) = Folder::open(path)?;
+    let results = Results::read(&folder, &experiment, &budget)?;
+    let drawings = b2b_experiment::report::drawings(&folder, &experiment, &results);
+    if drawings.is_empty() {
+        bail!("`--draw` draws episodes of operation; the experiment `{}` has none", experiment.name);
+    }
+    let bar = counter(drawings.len(), "episodes", json);
+    for (name, arguments) in drawings {
+        let out = path.join(DRAWN).join(&name).to_string_lossy().into_owned();
+        let line = ["run"].map(str::to_owned).into_iter().chain(arguments);
+        let line = line.chain(["--out", &out, "--json"].map(str::to_owned));
+        run::carry_out(&Episode::try_parse_from(line)?.arguments)
+            .with_context(|| format!("cannot draw {name}"))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
 }
 
 /// Writes the report of the results in a folder.

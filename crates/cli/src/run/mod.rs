@@ -104,6 +104,12 @@ On one machine, the same arguments give the same episode bit for bit: compare tr
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let summary = carry_out(arguments)?;
+    stdout::print_result(arguments.json, &summary, || summary.text())
+}
+
+/// Runs the episode and writes its files.
+pub fn carry_out(arguments: &Arguments) -> Result<Summary> {
     let task = arguments.controller.task(arguments.task.as_ref())?;
     let chosen = arguments.controller.chosen(&task);
     let (building, location, quiet) = (&arguments.building, &arguments.location, arguments.json);
@@ -120,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let summary = author.write(&folder, &spaces, &rollout, baseline.as_ref())?;
     interrupt::check()?;
     folder.keep()?;
-    stdout::print_result(arguments.json, &summary, || summary.text())
+    Ok(summary)
 }
 
 /// The same episode under the baseline of its task.

@@ -10,7 +10,7 @@ use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_env::Task;
-use b2b_evaluate::statistics::beats_baseline;
+use b2b_evaluate::statistics::Verdict;
 use b2b_learn::train::{Measures, PAGE, RunOptions, RunSummary, SUMMARY, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
@@ -320,14 +320,23 @@ fn text(summary: &RunSummary) -> String {
     )
 }
 
+/// Says how a score compares with a baseline's.
+fn verdict(score: f64, baseline: &str) -> String {
+    match Verdict::of_one(score) {
+        Verdict::Beats => format!("beats {baseline}"),
+        Verdict::NoDifference => format!("no difference from {baseline}"),
+        Verdict::Worse => format!("worse than {baseline}"),
+    }
+}
+
 /// Formats the scores of an agent.
 fn measures_text(measures: &Measures) -> String {
     if measures.cost_ratio.is_finite() {
         return operation_text(measures);
     }
-    let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
+    let verdict = verdict(measures.score, "the baseline");
     format!(
-        "score             {:.3}   {verdict} the baseline\n\
+        "score             {:.3}   {verdict}\n\
          resolved score    {:.3}\n\
          RMS deviation     {:.3} K\n\
          energy            {:.3} of the baseline's\n\
@@ -345,9 +354,9 @@ fn measures_text(measures: &Measures) -> String {
 
 /// Formats the scores of an agent in tasks of operation.
 fn operation_text(measures: &Measures) -> String {
-    let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
+    let verdict = verdict(measures.score, "guideline36");
     format!(
-        "score at comfort  {:.3}   {verdict} guideline36\n\
+        "score at comfort  {:.3}   {verdict}\n\
          cost              {:.3} of guideline36's\n\
          discomfort        {:.3} K·h per zone and day; guideline36 {:.3}\n\
          actuator travel   {:.1} strokes/day, {:.2} of the limit\n\

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use b2b_control::Controller;
-use b2b_env::{RoleObservation, Spaces};
+use b2b_env::{Decisions, RoleObservation, Spaces};
 use serde::{Deserialize, Serialize};
 
 use super::interface::{EpisodeContext, Policy, PolicyInterface};
@@ -135,6 +135,10 @@ impl Controller for FormedController {
 
     fn reward(&mut self, reward: f64) {
         self.inner.reward(reward);
+    }
+
+    fn record(&self) -> Option<&Decisions> {
+        self.inner.record()
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {

@@ -83,7 +83,7 @@ fn tiles(summary: &Summary) -> Value {
     }
     if let Some(scores) = &all.scores {
         tiles.push(json!(["score, interquartile mean", scores.interquartile_mean.to_string()]));
-        tiles.push(json!(["beats baseline (%)", scores.beats_baseline_text()]));
+        tiles.push(json!(["below 1 (%)", scores.beats_baseline_text()]));
     }
     tiles.push(json!(["RMS deviation, mean", format!("{:.2} K", all.rms_deviation_k)]));
     tiles.push(json!(["HVAC energy, mean", format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0)]));
@@ -122,7 +122,7 @@ const COLUMNS: [&str; 20] = [
     "score, mean",
     "score, min",
     "score, max",
-    "beats baseline (%)",
+    "below 1 (%)",
     "RMS deviation (K)",
     "occupied hours too cold (%)",
     "occupied hours too warm (%)",
@@ -142,7 +142,7 @@ const OPERATION_COLUMNS: [&str; 17] = [
     "episodes",
     "score at comfort, interquartile mean",
     "score, median",
-    "beats baseline (%)",
+    "below 1 (%)",
     "cost (per m²)",
     "cost / baseline",
     "energy / baseline",

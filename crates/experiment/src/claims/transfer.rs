@@ -1,6 +1,6 @@
 //! The paper's claims about one policy for four building types.
 
-use b2b_evaluate::statistics::{beats_baseline, mean, median};
+use b2b_evaluate::statistics::{is_below_baseline, mean, median};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
 use super::interval::measured;
@@ -38,7 +38,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
         0.0,
     );
     let remark = deviations_text(median_of(&all, deviation), median_of(&all, reactive_deviation));
-    let won = |scored: &b2b_evaluate::Scored| Some(f64::from(beats_baseline(scored.score?)));
+    let won = |scored: &b2b_evaluate::Scored| Some(f64::from(is_below_baseline(scored.score?)));
     vec![
         adapts.judge(measured(&lists(&all, deviation), median), &remark),
         beats.judge(measured(&lists(&all, won), mean), ""),

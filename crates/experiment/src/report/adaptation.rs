@@ -30,7 +30,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
                  deviation and of the HVAC energy of the run period";
     let table = json!({
         "title": title,
-        "header": ["agent", "trainings", "episodes", "median score", "resolved median", "range", "beats baseline",
+        "header": ["agent", "trainings", "episodes", "median score", "resolved median", "range", "below 1",
                    "RMS deviation (K)", "mean", "reactive: RMS deviation (K)", "HVAC energy (kWh/m²)",
                    "reactive: HVAC energy (kWh/m²)"],
         "rows": tested.iter().map(Tested::cells).collect::<Vec<_>>(),
@@ -112,7 +112,7 @@ fn medians(tested: &[Tested<'_>]) -> Chart {
     };
     Chart {
         title: "Median score on the test buildings".into(),
-        note: "dashed line: the reactive controllers; below beats them".into(),
+        note: "dashed line: the reactive controllers; below is better".into(),
         height: 340,
         wide: false,
         data: json!([{

@@ -1,7 +1,7 @@
 //! Scores of a group of episodes.
 
 use b2b_evaluate::EpisodeResult;
-use b2b_evaluate::statistics::{beats_baseline, median, score_text};
+use b2b_evaluate::statistics::{is_below_baseline, median, score_text};
 
 /// Scores of a group of episodes without lost ones.
 pub(super) struct Group {
@@ -42,10 +42,10 @@ impl Group {
 
     /// Returns the number of scores below 1.
     pub(super) fn beats(&self) -> usize {
-        self.scores.partition_point(|score| beats_baseline(*score))
+        self.scores.partition_point(|score| is_below_baseline(*score))
     }
 
-    /// Returns median, resolved median, lowest and highest score, and the number that beats the baseline, as cells.
+    /// Returns median, resolved median, lowest and highest score, and the number below 1, as cells.
     pub(super) fn cells(&self) -> [String; 4] {
         [
             score_text(self.median()),

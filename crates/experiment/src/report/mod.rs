@@ -20,6 +20,7 @@ use self::content::Content;
 use crate::claims;
 use crate::definition::{Experiment, REACTIVE, ReportKind};
 use crate::estimate::duration_text;
+use crate::folder::Folder;
 use crate::results::Results;
 
 /// Writes the page of an experiment.
@@ -52,6 +53,17 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
         "footer": format!("{} {}", in_the_paper(&experiment.paper), content.notes),
     });
     b2b_page::write_page(file, &data)
+}
+
+/// Returns the best and the worst episodes of the policies of an experiment of operation, each with a name and the
+/// arguments with which `b2b run` draws it; `folder` is the experiment's. Other experiments have none. Agents that are
+/// not in the folder are left out.
+pub fn drawings(folder: &Folder, experiment: &Experiment, results: &Results) -> Vec<(String, Vec<String>)> {
+    if experiment.report != ReportKind::Operation {
+        return Vec::new();
+    }
+    let extremes = operation::extremes(experiment, results).into_iter();
+    extremes.filter_map(|each| Some((each.name.replace(' ', "-"), each.arguments(folder)?))).collect()
 }
 
 /// Returns the tables and charts of an experiment; `None` for a leaderboard.

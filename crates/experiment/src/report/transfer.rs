@@ -30,7 +30,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
     let table = json!({
         "title": "on unseen buildings of the test split",
-        "header": ["agent", "type", "median score", "resolved median", "range", "beats baseline", "share (%)"],
+        "header": ["agent", "type", "median score", "resolved median", "range", "below 1", "share (%)"],
         "rows": rows,
     });
     let charts = experiment.types.iter().map(|each| chart(experiment, results, each.name())).collect();

@@ -2,6 +2,7 @@
 //! guideline controller, and how that one compares with the buildings' own controls.
 
 mod comparison;
+mod extremes;
 mod figures;
 mod savings;
 mod way;
@@ -11,6 +12,7 @@ use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT};
 use serde_json::{Value, json};
 
 use self::comparison::{Comparison, GUIDELINE};
+pub(super) use self::extremes::extremes;
 use self::figures::{Figures, HEADER};
 use super::content::Content;
 use crate::definition::Experiment;
@@ -25,6 +27,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let mut tables = savings::tables(experiment, results);
     tables.push(by_type(experiment, results));
     tables.extend(way::table(experiment, results));
+    tables.extend(extremes::table(experiment, results));
     tables.extend(comparison.tables());
     tables.push(by_period(experiment, results));
     let charts = savings::charts(experiment, results);

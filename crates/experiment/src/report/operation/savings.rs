@@ -1,7 +1,10 @@
 //! What policies save against the guideline controller, at comfort.
 
+use std::collections::HashMap;
+
+use b2b_control::tune::travel_limit;
 use b2b_evaluate::report::{Chart, Series, trade_offs};
-use b2b_evaluate::statistics::{Cluster, aggregate_clusters};
+use b2b_evaluate::statistics::{Cluster, MARGIN, Verdict, aggregate_clusters};
 use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT, relative_resource};
 use serde_json::{Value, json};
 
@@ -11,8 +14,6 @@ use crate::claims::lists;
 use crate::definition::Experiment;
 use crate::results::Results;
 
-/// Difference of a score from 1 below which it is no difference.
-const MARGIN: f64 = 0.01;
 /// Seed of the bootstrap.
 const SEED: u64 = 0;
 /// Name used instead of a type for all types.
@@ -22,6 +23,9 @@ const HEIGHT: u32 = 460;
 
 /// The episodes of a row: by type, all seeds.
 type Strata<'a> = Vec<Vec<&'a EpisodeResult>>;
+
+/// The guideline's episodes by building, task and period.
+type Guideline<'a> = HashMap<[&'a str; 3], &'a EpisodeResult>;
 
 /// Returns a table over all periods and one by period.
 pub(super) fn tables(experiment: &Experiment, results: &Results) -> Vec<Value> {
@@ -53,6 +57,7 @@ fn others(experiment: &Experiment, results: &Results) -> Vec<String> {
 
 fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str]) -> Option<Value> {
     let types: Vec<&str> = experiment.types.iter().map(|each| each.name()).collect();
+    let guideline: Guideline<'_> = results.of(GUIDELINE).map(|(_, row)| (visit(row), row)).collect();
     let mut rows = Vec::new();
     for task in &experiment.tasks {
         for building_type in types.iter().copied().chain([ALL]) {
@@ -69,7 +74,7 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
                     };
                     let strata: Strata<'_> = types.iter().map(of_type).collect();
                     let names = [building_type, period, task, &policy].map(str::to_owned);
-                    rows.extend(cells(&strata).map(|cells| [names.to_vec(), cells].concat()));
+                    rows.extend(cells(&strata, &guideline).map(|cells| [names.to_vec(), cells].concat()));
                 }
             }
         }
@@ -80,17 +85,32 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
             "title": format!(
                 "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
                  intervals over buildings, periods and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
-                 zone and day of discomfort beyond the guideline's; scores within {MARGIN} of 1 are no difference"
+                 zone and day of discomfort beyond the guideline's; beats: a score more than {MARGIN} below 1 with its interval below \
+                 1; hunting: episodes with more actuator travel than 5 strokes/day and than the guideline; raised: \
+                 episodes in which the ventilation interlock raised an action"
             ),
-            "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "cost (%)", "comfortable (%)",
-                       "episodes", format!("below {:.2}", 1.0 - MARGIN), format!("above {:.2}", 1.0 + MARGIN)],
+            "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "", "cost (%)",
+                       "comfortable (%)", "episodes", format!("below {:.2}", 1.0 - MARGIN),
+                       format!("above {:.2}", 1.0 + MARGIN), "hunting", "raised"],
             "rows": rows,
         })
     })
 }
 
+/// Returns building, task and period of an episode.
+fn visit(row: &EpisodeResult) -> [&str; 3] {
+    [&row.info.building, &row.info.task, &row.info.period]
+}
+
+/// Returns whether actuators travel more than the limit.
+fn hunts(row: &EpisodeResult, guideline: &Guideline<'_>) -> bool {
+    let travel = |row: &EpisodeResult| Some(row.metrics()?.daily_travel);
+    let reference = guideline.get(&visit(row)).and_then(|row| travel(row)).unwrap_or(0.0);
+    travel(row).is_some_and(|own| own > travel_limit(reference))
+}
+
 /// Returns the figures of a row; `None` without a score.
-fn cells(strata: &Strata<'_>) -> Option<Vec<String>> {
+fn cells(strata: &Strata<'_>, guideline: &Guideline<'_>) -> Option<Vec<String>> {
     let all = || strata.iter().flatten().copied().filter(|row| row.score().is_some());
     let scores: Vec<f64> = all().filter_map(EpisodeResult::score).collect();
     let clusters: Vec<Vec<Cluster>> = strata.iter().map(|rows| lists(rows, |scored| scored.score)).collect();
@@ -99,15 +119,21 @@ fn cells(strata: &Strata<'_>) -> Option<Vec<String>> {
     let uncomfortable = all().filter(|row| {
         row.scored().and_then(|own| own.is_uncomfortable(row.info.steps_per_hour)) == Some(true)
     });
+    let hunting = all().filter(|row| hunts(row, guideline)).count();
+    let raised =
+        |row: &&EpisodeResult| row.metrics().is_some_and(|metrics| metrics.ventilation_overrides > 0);
     let comfortable = 1.0 - uncomfortable.count() as f64 / scores.len() as f64;
     Some(vec![
         aggregate.episodes.to_string(),
         aggregate.median.to_string(),
+        Verdict::of(aggregate.median).to_string(),
         relative_resource(all()).map_or_else(String::new, |ratio| format!("{:+.1}", 100.0 * (ratio - 1.0))),
         format!("{:.0}", 100.0 * comfortable),
         scores.len().to_string(),
         count(&|score| score < 1.0 - MARGIN).to_string(),
         count(&|score| score > 1.0 + MARGIN).to_string(),
+        hunting.to_string(),
+        all().filter(raised).count().to_string(),
     ])
 }
 
@@ -128,11 +154,11 @@ mod tests {
         assert_eq!((rows(together).len(), rows(by_period).len()), (7 * 2, 7 * 5 * 2));
         let last = &rows(together)[13];
         assert_eq!(
-            (&last[0], &last[3], &last[4], &last[8]),
+            (&last[0], &last[3], &last[4], &last[9]),
             (&json!("all"), &json!("reactive"), &json!("48"), &json!("240"))
         );
         // The reactive controllers hold the middle of the band day and night.
-        assert_eq!((&last[7], &last[9], &last[10]), (&json!("100"), &json!("0"), &json!("240")));
+        assert_eq!((&last[8], &last[10], &last[11]), (&json!("100"), &json!("0"), &json!("240")));
         assert_eq!(charts(&experiment, &results)[0].data.as_array().unwrap().len(), 3, "and the baseline");
     }
 }
