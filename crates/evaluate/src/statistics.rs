@@ -166,7 +166,7 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
         min: scores.iter().copied().fold(f64::INFINITY, f64::min),
         max: scores.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         beats_baseline,
-        beats_baseline_count: scores.iter().filter(|score| self::is_below_baseline(**score)).count(),
+        beats_baseline_count: scores.iter().filter(|score| is_below_baseline(**score)).count(),
     })
 }
 

@@ -222,7 +222,7 @@ def compute_normalized_score(
 ) -> float | None:
     """Divides a return by the reactive controllers' return for the same building, task and run period.
 
-    Both are negated penalties, so lower is better, and below 1 is better than the baseline. Baseline returns of the
+    Both are negated penalties, so lower is better, and the baseline scores 1. Baseline returns of the
     ``test_small`` split come with the package; others take an episode to compute and are cached. ``None`` if the ratio
     is undefined. Tasks of operation are scored by cost at comfort instead (:func:`evaluate`) and raise an error.
 

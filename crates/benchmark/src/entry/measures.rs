@@ -16,9 +16,9 @@ use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, dif
 /// The measures of a run.
 ///
 /// A *score* belongs to one building, task and run period: the return divided by the tuned reactive controllers'
-/// return, averaged over seeds, as in the paper; in an operation task it is the score at comfort. Lower is better,
-/// and below 1 is better than the baseline. Measures also have the resolved score, RMS deviation and energy; profile, gap and
-/// adaptation use the paper's score. A stratum of the bootstrap is a building type under a task in a run period.
+/// return, averaged over seeds, as in the paper; in an operation task it is the score at comfort. Lower is better;
+/// the baseline scores 1. Measures also have the resolved score, RMS deviation and energy; profile, gap and adaptation
+/// use the paper's score. A stratum of the bootstrap is a building type under a task in a run period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Zero-shot performance on the test environments.

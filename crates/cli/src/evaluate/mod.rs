@@ -24,8 +24,8 @@ use crate::terminal::stdout;
 /// Runs every combination of building, task, run period and seed, each episode in its own process, and writes
 /// episodes.parquet (one row per episode), summary.json (what --json prints) and report.html (opens in any browser,
 /// no network needed). The score is the return divided by the reactive controllers' return in the same episode; in
-/// tasks of operation, the cost divided by guideline36's, plus a penalty for more discomfort. Lower is better, below 1
-/// is better than the baseline. Finished episodes are kept: the same command resumes an interrupted evaluation. Exits with code
+/// tasks of operation, the cost divided by guideline36's, plus a penalty for more discomfort. Lower is better; the
+/// baseline scores 1. Finished episodes are kept: the same command resumes an interrupted evaluation. Exits with code
 /// 1 if an episode fails.
 #[derive(clap::Args)]
 #[command(

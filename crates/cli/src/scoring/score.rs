@@ -23,7 +23,7 @@ use crate::terminal::stdout;
 ///
 /// Reads a trajectory.parquet written by `b2b run`. The score is its return divided by the reactive controllers' return
 /// for the same building, task and run period; in tasks of operation, its cost divided by guideline36's, plus a penalty
-/// for more discomfort. Lower is better, below 1 is better than the baseline. A baseline that is not yet known is simulated
+/// for more discomfort. Lower is better; the baseline scores 1. A baseline that is not yet known is simulated
 /// first and cached.
 #[derive(clap::Args)]
 #[command(

@@ -26,7 +26,7 @@ pub fn excess_discomfort(discomfort: f64, baseline: f64, days: f64) -> f64 {
 
 /// Returns the score at comfort of an episode of `days` days: its cost divided by the baseline's, plus
 /// [`DISCOMFORT_COST`] days of the baseline's cost for every K·h of [`excess_discomfort`], as a share of the episode.
-/// Lower is better, and below 1 is better than the baseline. Comfort beyond the baseline's gains nothing.
+/// Lower is better; the baseline scores 1. Comfort beyond the baseline's gains nothing.
 ///
 /// | cost of the baseline | own cost | ratio |
 /// |---|---|---|

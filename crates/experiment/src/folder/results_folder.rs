@@ -99,7 +99,12 @@ impl Folder {
 
     /// Returns the folder of a job.
     pub fn job(&self, job: &Job) -> JobFolder {
-        JobFolder::at(self.path.join("jobs").join(&job.key))
+        self.keyed(&job.key)
+    }
+
+    /// Returns the folder of a job, given its key.
+    pub(crate) fn keyed(&self, key: &str) -> JobFolder {
+        JobFolder::at(self.path.join("jobs").join(key))
     }
 
     /// Returns how a job ended; `None` if it has not.

@@ -17,5 +17,5 @@ pub(super) struct Content {
 
 /// Explains scores at the bottom of a page.
 pub(super) const SCORES: &str = "Score: the return of an episode divided by the tuned reactive controllers' return in the same \
-                                 building, task and days; lower is better, below 1 is better than them. Resolved score: the same after \
+                                 building, task and days; lower is better, and theirs is 1. Resolved score: the same after \
                                  adding 0.2 K of deviation to both, which no thermometer resolves.";

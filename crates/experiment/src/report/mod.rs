@@ -56,14 +56,18 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
 }
 
 /// Returns the best and the worst episodes of the policies of an experiment of operation, each with a name and the
-/// arguments with which `b2b run` draws it; `folder` is the experiment's. Other experiments have none. Agents that are
-/// not in the folder are left out.
-pub fn drawings(folder: &Folder, experiment: &Experiment, results: &Results) -> Vec<(String, Vec<String>)> {
+/// arguments with which `b2b run` draws it; `None` for an agent that is not in the experiment's folder. Other experiments
+/// have none.
+pub fn drawings(
+    folder: &Folder,
+    experiment: &Experiment,
+    results: &Results,
+) -> Vec<(String, Option<Vec<String>>)> {
     if experiment.report != ReportKind::Operation {
         return Vec::new();
     }
     let extremes = operation::extremes(experiment, results).into_iter();
-    extremes.filter_map(|each| Some((each.name.replace(' ', "-"), each.arguments(folder)?))).collect()
+    extremes.map(|each| (each.name.replace(' ', "-"), each.arguments(folder))).collect()
 }
 
 /// Returns the tables and charts of an experiment; `None` for a leaderboard.

@@ -22,7 +22,7 @@ pub(super) struct Judge<'a> {
 /// The measures by which an agent is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measures {
-    /// Score against the baseline: below 1 is better.
+    /// Score; the baseline's is 1, and lower is better.
     pub score: f64,
     /// Resolved score: see [`b2b_evaluate::resolved_score`].
     pub resolved_score: f64,

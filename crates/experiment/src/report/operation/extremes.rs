@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::comparison::GUIDELINE;
 use super::figures::{Figures, HEADER};
-use super::policies;
+use super::{Guideline, policies};
 use crate::definition::Experiment;
 use crate::folder::{Folder, JobResult};
 use crate::job::AGENT;
@@ -62,17 +62,11 @@ pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value>
 /// Returns the episodes of a policy that have a score and ran under the guideline as well.
 fn episodes<'a>(experiment: &Experiment, results: &'a Results, policy: &str) -> Vec<Extreme<'a>> {
     let Some(task) = experiment.tasks.first() else { return Vec::new() };
-    let figures = |policy: &str, key: Option<&str>, of: &EpisodeResult| {
-        let is_own = |job: &JobResult, row: &EpisodeResult| {
-            let is_same = row.info.building == of.info.building && row.info.period == of.info.period;
-            is_same && key.is_none_or(|key| job.key == key)
-        };
-        Figures::of_episodes(experiment, results, policy, is_own).pop()
-    };
+    let guideline = Guideline::of(results);
+    let figures = |row: &EpisodeResult| Figures::of(row, vec![row.metrics()?.cost_tot?]);
     let all = results.of(policy).filter(|(_, row)| row.info.task == *task);
     let episode = |(job, row): (&'a JobResult, &'a EpisodeResult)| {
-        let own = figures(policy, Some(&job.key), row)?;
-        let guideline = figures(GUIDELINE, None, row)?;
+        let (own, guideline) = (figures(row)?, figures(guideline.same(row)?)?);
         Some(Extreme { name: String::new(), job, row, score: row.score()?, own, guideline })
     };
     all.filter_map(episode).collect()
@@ -83,7 +77,7 @@ impl Extreme<'_> {
     /// agent's folder.
     pub(in crate::report) fn arguments(&self, folder: &Folder) -> Option<Vec<String>> {
         let controller = match self.job.agent_sha256 {
-            Some(_) => folder.path().join("jobs").join(&self.job.key).join(AGENT),
+            Some(_) => folder.keyed(&self.job.key).path().join(AGENT),
             None => self.job.agent.clone().into(),
         };
         let is_there = self.job.agent_sha256.is_none() || controller.join("agent.json").exists();

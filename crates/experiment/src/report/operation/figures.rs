@@ -65,7 +65,7 @@ impl Figures {
     }
 
     /// Returns the figures of an episode; `None` if it was lost or has no bands.
-    fn of(row: &EpisodeResult, costs: Vec<f64>) -> Option<Self> {
+    pub(super) fn of(row: &EpisodeResult, costs: Vec<f64>) -> Option<Self> {
         let scored: &Scored = row.scored()?;
         let metrics = &scored.metrics;
         let steps_per_hour = row.info.steps_per_hour;

@@ -7,6 +7,8 @@ mod figures;
 mod savings;
 mod way;
 
+use std::collections::HashMap;
+
 use b2b_evaluate::statistics::median;
 use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT};
 use serde_json::{Value, json};
@@ -32,6 +34,25 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     tables.push(by_period(experiment, results));
     let charts = savings::charts(experiment, results);
     Content { tiles: comparison.tiles(), tables, charts, notes: notes() }
+}
+
+/// The guideline's episodes by building, task and period.
+struct Guideline<'a>(HashMap<[&'a str; 3], &'a EpisodeResult>);
+
+impl<'a> Guideline<'a> {
+    fn of(results: &'a Results) -> Self {
+        Self(results.of(GUIDELINE).map(|(_, row)| (visit(row), row)).collect())
+    }
+
+    /// Returns the same episode under the guideline.
+    fn same(&self, row: &EpisodeResult) -> Option<&'a EpisodeResult> {
+        self.0.get(&visit(row)).copied()
+    }
+}
+
+/// Returns building, task and period of an episode.
+fn visit(row: &EpisodeResult) -> [&str; 3] {
+    [&row.info.building, &row.info.task, &row.info.period]
 }
 
 /// Returns the names of the controllers and of the budget's agents.

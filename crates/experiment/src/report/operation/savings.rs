@@ -1,7 +1,5 @@
 //! What policies save against the guideline controller, at comfort.
 
-use std::collections::HashMap;
-
 use b2b_control::tune::travel_limit;
 use b2b_evaluate::report::{Chart, Series, trade_offs};
 use b2b_evaluate::statistics::{Cluster, MARGIN, Verdict, aggregate_clusters};
@@ -9,7 +7,7 @@ use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT, relative_resource};
 use serde_json::{Value, json};
 
 use super::comparison::GUIDELINE;
-use super::{TOGETHER, policies};
+use super::{Guideline, TOGETHER, policies};
 use crate::claims::lists;
 use crate::definition::Experiment;
 use crate::results::Results;
@@ -23,9 +21,6 @@ const HEIGHT: u32 = 460;
 
 /// The episodes of a row: by type, all seeds.
 type Strata<'a> = Vec<Vec<&'a EpisodeResult>>;
-
-/// The guideline's episodes by building, task and period.
-type Guideline<'a> = HashMap<[&'a str; 3], &'a EpisodeResult>;
 
 /// Returns a table over all periods and one by period.
 pub(super) fn tables(experiment: &Experiment, results: &Results) -> Vec<Value> {
@@ -57,7 +52,7 @@ fn others(experiment: &Experiment, results: &Results) -> Vec<String> {
 
 fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str]) -> Option<Value> {
     let types: Vec<&str> = experiment.types.iter().map(|each| each.name()).collect();
-    let guideline: Guideline<'_> = results.of(GUIDELINE).map(|(_, row)| (visit(row), row)).collect();
+    let guideline = Guideline::of(results);
     let mut rows = Vec::new();
     for task in &experiment.tasks {
         for building_type in types.iter().copied().chain([ALL]) {
@@ -85,11 +80,11 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
             "title": format!(
                 "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
                  intervals over buildings, periods and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
-                 zone and day of discomfort beyond the guideline's; beats: a score more than {MARGIN} below 1 with its interval below \
-                 1; hunting: episodes with more actuator travel than 5 strokes/day and than the guideline; raised: \
+                 zone and day of discomfort beyond the guideline's; beats: the score is more than {MARGIN} below 1, and all of its interval below 1; \
+                 worse: above, likewise; hunting: episodes with more actuator travel than 5 strokes/day and than the guideline; raised: \
                  episodes in which the ventilation interlock raised an action"
             ),
-            "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "", "cost (%)",
+            "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "verdict", "cost (%)",
                        "comfortable (%)", "episodes", format!("below {:.2}", 1.0 - MARGIN),
                        format!("above {:.2}", 1.0 + MARGIN), "hunting", "raised"],
             "rows": rows,
@@ -97,15 +92,10 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
     })
 }
 
-/// Returns building, task and period of an episode.
-fn visit(row: &EpisodeResult) -> [&str; 3] {
-    [&row.info.building, &row.info.task, &row.info.period]
-}
-
 /// Returns whether actuators travel more than the limit.
 fn hunts(row: &EpisodeResult, guideline: &Guideline<'_>) -> bool {
     let travel = |row: &EpisodeResult| Some(row.metrics()?.daily_travel);
-    let reference = guideline.get(&visit(row)).and_then(|row| travel(row)).unwrap_or(0.0);
+    let reference = guideline.same(row).and_then(travel).unwrap_or(0.0);
     travel(row).is_some_and(|own| own > travel_limit(reference))
 }
 

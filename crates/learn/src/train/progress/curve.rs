@@ -32,7 +32,7 @@ const fn panel(column: &'static str, title: &'static str, baseline: Option<f64>,
 }
 
 const PANELS: [Panel; 12] = [
-    panel("score", "Score (below 1 is better than the baseline)", Some(1.0), [0.5, 1.5]),
+    panel("score", "Score (lower is better; the baseline scores 1)", Some(1.0), [0.5, 1.5]),
     panel("resolved_score", "Resolved score", Some(1.0), [0.5, 1.5]),
     panel("rms_deviation_k", "RMS deviation (K)", None, [0.0, 0.5]),
     panel("energy_ratio", "HVAC energy over baseline", Some(1.0), [0.5, 1.5]),
