@@ -42,6 +42,10 @@ pub enum Acting {
         /// Whether setpoints and start times are shifted, too.
         #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
         setpoints: bool,
+        /// Whether 0 is the shift by `linear-supervisor`'s rule for the building's type, to which the action is added,
+        /// instead of the guideline.
+        #[serde(default, skip_serializing_if = "is_false")]
+        rule: bool,
     },
 }
 
@@ -49,8 +53,13 @@ const fn yes() -> bool {
     true
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_false(value: &bool) -> bool {
+    !*value
+}
+
 /// Supervision decided every hour, with the same shifts for all zones.
-const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true };
+const HOURLY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true, rule: false };
 
 /// Shifts of targets by at most a kelvin, decided every hour.
 const HOURLY_TARGETS: Acting = Acting::Targets { every: 60, shift: 1.0 };
@@ -73,7 +82,7 @@ impl FromStr for Acting {
             }
             ("supervisory", None) => Ok(HOURLY),
             ("supervisory", Some(number)) => {
-                Ok(Self::Supervisory { every: every(number)?, shared: true, setpoints: true })
+                Ok(Self::Supervisory { every: every(number)?, shared: true, setpoints: true, rule: false })
             }
             ("targets", None) => Ok(HOURLY_TARGETS),
             ("targets", Some(number)) => Ok(Self::Targets { every: every(number)?, shift: 1.0 }),
@@ -113,9 +122,10 @@ impl Acting {
             Self::Targets { every, shift } => {
                 Some(format!("reactive controllers, targets shifted every {every} min by at most {shift} K"))
             }
-            Self::Supervisory { every, setpoints, .. } => {
+            Self::Supervisory { every, setpoints, rule, .. } => {
+                let base = if rule { "linear-supervisor" } else { "guideline36" };
                 let but = if setpoints { "" } else { ", except setpoints and start times" };
-                Some(format!("guideline36, shifted every {every} min{but}"))
+                Some(format!("{base}, shifted every {every} min{but}"))
             }
         }
     }
@@ -133,6 +143,11 @@ impl Acting {
     /// Returns whether the agent supervises the sequences of Guideline 36.
     pub fn is_supervision(self) -> bool {
         matches!(self, Self::Supervisory { .. })
+    }
+
+    /// Returns whether the agent supervises them from the rules of `linear-supervisor`.
+    pub fn starts_from_rule(self) -> bool {
+        matches!(self, Self::Supervisory { rule: true, .. })
     }
 
     /// Returns whether the agent sets a kind of shift.

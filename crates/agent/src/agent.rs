@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_control::Controller;
+use b2b_control::{Controller, linear_supervisor};
 use b2b_env::{Decisions, Spaces};
 
 use crate::folder;
@@ -33,6 +33,7 @@ impl Agent {
     /// [`Error::NotAnAgent`] without a readable description; [`Error::Damaged`] when a file has a wrong hash or shape.
     pub fn read(path: &Path) -> Result<Self> {
         let folder::Contents { info, actor, sha256 } = folder::read(path)?;
+        check_rules(path, &info)?;
         let identity = format!("agent {sha256}");
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), sha256, identity })
@@ -240,5 +241,16 @@ impl Controller for AgentController {
 
     fn record(&self) -> Option<&Decisions> {
         self.pilot.record()
+    }
+}
+
+/// Checks that the rules from which an agent supervises are this version's.
+fn check_rules(path: &Path, info: &AgentInfo) -> Result<()> {
+    let (trained, here) = (&info.training.base_controllers, linear_supervisor::identity());
+    match trained {
+        Some(trained) if info.interface.acting.starts_from_rule() && *trained != here => {
+            Err(Error::OtherRules { path: path.to_owned(), trained: trained.clone(), here })
+        }
+        _ => Ok(()),
     }
 }

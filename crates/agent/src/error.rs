@@ -112,6 +112,18 @@ pub enum Error {
     /// A weather file that cannot be read.
     #[error(transparent)]
     Weather(Box<b2b_climate::Error>),
+    /// An agent that supervises from rules that have changed.
+    #[error(
+        "the agent in {path} was trained from the rules {trained}, and those of this version are {here}; train it again"
+    )]
+    OtherRules {
+        /// The folder.
+        path: PathBuf,
+        /// Identity of the rules in training.
+        trained: String,
+        /// Identity of this version's.
+        here: String,
+    },
     /// A controller that cannot be made.
     #[error(transparent)]
     Control(Box<b2b_control::Error>),

@@ -1,22 +1,25 @@
 //! An agent above the sequences of Guideline 36: it shifts what they choose, and they run the equipment.
 
 use b2b_control::guideline36::SupervisoryPoint;
+use b2b_control::linear_supervisor::{RuleShares, rule_of};
 use b2b_control::{Controller, Guideline36, Guideline36Parameters};
 use b2b_env::Spaces;
 
 use crate::acting::Acting;
 
-/// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline; -1 and 1 are their
-/// limits.
+/// Guideline 36 under the actions of an agent. An action of 0 leaves its points to the guideline, or to the rule of
+/// `linear-supervisor`; actions are added to its shares of their limits.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
     guideline: Guideline36,
+    rule: Option<RuleShares>,
     names: Vec<String>,
     /// The supervisory points that it shifts, by their indices.
     shifted: Vec<usize>,
     /// The action of each of them.
     actions: Vec<usize>,
-    /// Values of all supervisory points.
+    /// Shares of their limits and values of all supervisory points.
+    shares: Vec<f64>,
     values: Vec<f64>,
     observation: Vec<f64>,
     action: Vec<f64>,
@@ -41,7 +44,13 @@ impl Supervisor {
         let shifted: Vec<usize> =
             (0..points.len()).filter(|&index| acting.sets(points[index].shift)).collect();
         let actions: Vec<usize> = shifted.iter().map(|&index| action(&points[index])).collect();
+        let rule = acting.starts_from_rule().then(|| {
+            let rule = [rule_of(&spaces.building)];
+            RuleShares::new(spaces, &guideline, &rule).expect("a test reads the shipped rules")
+        });
         Self {
+            rule,
+            shares: vec![0.0; points.len()],
             values: vec![0.0; points.len()],
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
@@ -75,6 +84,9 @@ impl Supervisor {
     /// Begins an episode.
     pub(crate) fn reset(&mut self) {
         self.guideline.reset();
+        if let Some(rule) = &mut self.rule {
+            rule.reset();
+        }
     }
 
     /// Takes the next observation of the environment.
@@ -85,13 +97,21 @@ impl Supervisor {
     /// Returns the action of the sequences, in physical units, for an action of the agent in [-1, 1].
     pub(crate) fn act(&mut self, row: &[f32]) -> &[f64] {
         let points = self.guideline.supervisory_points();
+        match &mut self.rule {
+            Some(rule) => self.shares.copy_from_slice(rule.next(points, &self.observation)),
+            None => self.shares.fill(0.0),
+        }
         for (&index, &action) in self.shifted.iter().zip(&self.actions) {
-            let share = f64::from(row[action]);
-            let point = &points[index];
-            self.values[index] = if share < 0.0 { -share * point.low } else { share * point.high };
+            self.shares[index] += f64::from(row[action]);
+        }
+        for (value, (point, share)) in self.values.iter_mut().zip(points.iter().zip(&self.shares)) {
+            *value = point.value(*share);
         }
         self.guideline.supervise(&self.values);
         self.guideline.act(&self.observation, &mut self.action);
+        if let Some(rule) = &mut self.rule {
+            rule.follow(&self.guideline);
+        }
         &self.action
     }
 }

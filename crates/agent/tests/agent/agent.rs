@@ -387,3 +387,21 @@ fn the_error_for_a_damaged_agent_or_another_building_names_the_cause() {
     let said = Agent::read(&path).unwrap_err().to_string();
     assert!(said.contains("its format is 3"), "{said}");
 }
+
+#[test]
+fn an_agent_from_other_rules_is_refused() {
+    let env = env("OfficeSmall-0042", "operate");
+    let spaces = Arc::clone(env.spaces());
+    let acting = Acting::Supervisory { every: 60, shared: true, setpoints: false, rule: true };
+    let interface = Interface { observation: FEATURES, acting, nodes: None };
+    let pilot = Pilot::new(interface, &spaces).unwrap();
+    let (actor, folder) = (actor(&pilot, 0.0), tempfile::tempdir().unwrap());
+    let mut info = info(&pilot, &spaces, interface, &actor);
+    info.training.base_controllers = Some(b2b_control::linear_supervisor::identity());
+    Agent::write(folder.path(), info.clone(), &actor).unwrap();
+    Agent::read(folder.path()).unwrap();
+    info.training.base_controllers = Some("linear-supervisor#000000000000".into());
+    Agent::write(folder.path(), info, &actor).unwrap();
+    let said = Agent::read(folder.path()).unwrap_err().to_string();
+    assert!(said.contains("linear-supervisor#000000000000") && said.contains("train it again"), "{said}");
+}

@@ -29,7 +29,7 @@ fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> 
 }
 
 const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };
-const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true };
+const SUPERVISORY: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: true, rule: false };
 
 /// Writes an agent with weights of this size that was trained with these types.
 fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
@@ -134,7 +134,7 @@ fn a_graph_supervisor_has_every_point_at_its_node_and_is_the_guideline_while_it_
     let known = NodeSpaces::of(form).actuators();
     let fewer = interface(
         ObservationForm::Features,
-        Acting::Supervisory { every: 60, shared: true, setpoints: false },
+        Acting::Supervisory { every: 60, shared: true, setpoints: false, rule: false },
         true,
     );
     assert!(

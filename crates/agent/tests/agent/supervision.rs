@@ -8,8 +8,10 @@ use b2b_env::{Env, rollout};
 
 use crate::agent::{actor, env};
 
+const NO_SETPOINTS: Acting = Acting::Supervisory { every: 60, shared: true, setpoints: false, rule: false };
+
 fn interface(every: u32, shared: bool) -> Interface {
-    let acting = Acting::Supervisory { every, shared, setpoints: true };
+    let acting = Acting::Supervisory { every, shared, setpoints: true, rule: false };
     Interface { observation: ObservationForm::Features.into(), acting, nodes: None }
 }
 
@@ -84,8 +86,11 @@ fn an_agent_without_setpoints_leaves_comfort_to_the_guideline() {
     let spaces = Arc::clone(env.spaces());
     let mut whole = interface(60, true);
     let written = serde_json::to_string(&whole.acting).unwrap();
-    assert!(!written.contains("setpoints"), "as in the files of older agents: {written}");
-    whole.acting = Acting::Supervisory { every: 60, shared: true, setpoints: false };
+    assert!(
+        !written.contains("setpoints") && !written.contains("rule"),
+        "as in the files of older agents: {written}"
+    );
+    whole.acting = NO_SETPOINTS;
     let mut pilot = Pilot::new(whole, &spaces).unwrap();
     assert_eq!(
         pilot.action_names(),
@@ -131,4 +136,36 @@ fn an_agent_repeats_its_action_until_its_next_decision() {
     }
     let changes: Vec<usize> = (1..24).filter(|step| seen[*step] != seen[step - 1]).collect();
     assert_eq!(changes, [1, 7, 13, 19], "a decision every six steps");
+}
+
+#[test]
+fn a_supervisor_from_the_rules_that_decides_nothing_is_the_rule_of_the_type() {
+    use b2b_control::linear_supervisor::{LinearSupervisor, rule_of};
+
+    let mut env = env("OfficeSmall-0042", "operate");
+    let spaces = Arc::clone(env.spaces());
+    let mut from = interface(60, true);
+    from.acting = Acting::Supervisory { every: 60, shared: true, setpoints: false, rule: true };
+    let mut pilot = Pilot::new(from, &spaces).unwrap();
+    let mut rule = LinearSupervisor::new(&spaces, &[rule_of(&spaces.building)]).unwrap();
+    let alone = rollout(&mut env, &mut rule, &mut ()).unwrap().episode_return;
+    let zeros = episode(&mut env, &mut pilot, |_, _, _| ());
+    assert!((zeros - alone).abs() < 1e-9 * alone.abs(), "{zeros} {alone}");
+    assert_eq!(pilot.record().unwrap().values, rule.record().unwrap().values);
+    let mut guideline = Guideline36::new(&spaces, &Guideline36Parameters::default());
+    let without = rollout(&mut env, &mut guideline, &mut ()).unwrap().episode_return;
+    assert!((zeros - without).abs() > 1e-6 * without.abs(), "the rule shows: {zeros} {without}");
+    // Actions are added to the rule's shares.
+    let weights = rule_of(&spaces.building).0;
+    let constant = |name: &String| weights.get(name).map_or(0.0, |own| own.constant as f32);
+    let constants: Vec<f32> = pilot.action_names().iter().map(constant).collect();
+    assert_eq!(constants[0], -1.0);
+    let mut original = Pilot::new(Interface { acting: NO_SETPOINTS, ..from }, &spaces).unwrap();
+    let mut added = Pilot::new(from, &spaces).unwrap();
+    let undone = episode(&mut env, &mut added, |_, _, decision| decision[0] = 0.25);
+    let raised = episode(&mut env, &mut original, |_, _, decision| {
+        decision.copy_from_slice(&constants);
+        decision[0] += 0.25;
+    });
+    assert!((undone - raised).abs() < 1e-9 * raised.abs(), "{undone} {raised}");
 }

@@ -55,6 +55,13 @@ pub struct SupervisoryPoint {
     pub high: f64,
 }
 
+impl SupervisoryPoint {
+    /// Returns the value at a share of its limits: -1 is the lowest, 0 is no shift, 1 is the highest.
+    pub fn value(&self, share: f64) -> f64 {
+        if share < 0.0 { -share * self.low } else { share * self.high }
+    }
+}
+
 /// Where a point acts.
 #[derive(Clone, Copy, Debug)]
 struct Place {

@@ -18,6 +18,16 @@ const SHIPPED: &str = include_str!("../../data/linear_supervisor.json");
 /// The kind `linear-supervisor`. Its values are rules for the days; the last one stays in effect.
 pub(crate) struct Kind;
 
+/// Returns the identity of the rules that ship with the program.
+pub fn identity() -> String {
+    kind::shipped_identity("linear-supervisor", SHIPPED)
+}
+
+/// Returns the shipped rule of a building's type; the guideline itself for a type without one, or a model of your own.
+pub fn rule_of(building: &PreparedBuilding) -> Rule {
+    building.class.map(|class| shipped(class.building_type.name())).unwrap_or_default()
+}
+
 /// Returns the shipped rule of a building type; the guideline itself for a type without one.
 fn shipped(building_type: &str) -> Rule {
     let rules: BTreeMap<String, Rule> =
@@ -36,7 +46,7 @@ impl kind::Kind for Kind {
     }
 
     fn identity(&self) -> String {
-        kind::shipped_identity(self.name(), SHIPPED)
+        identity()
     }
 
     fn controls_whole_building(&self) -> bool {
@@ -48,8 +58,7 @@ impl kind::Kind for Kind {
     }
 
     fn tuned(&self, building: &PreparedBuilding, _: &Task) -> Value {
-        let own = building.class.map(|class| shipped(class.building_type.name()));
-        to_json(&[own.unwrap_or_default()])
+        to_json(&[rule_of(building)])
     }
 
     fn read(&self, path: &Path) -> Result<Value> {
@@ -79,7 +88,7 @@ mod tests {
     #[test]
     fn results_of_other_shipped_rules_have_another_identity() {
         let [own, other] = [SHIPPED, "{}"].map(|rules| kind::shipped_identity("linear-supervisor", rules));
-        assert_eq!(kind::Kind::identity(&Kind), own);
+        assert_eq!(identity(), own);
         assert_ne!(own, other);
     }
 }

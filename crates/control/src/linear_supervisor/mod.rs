@@ -20,6 +20,7 @@ use crate::guideline36::{Guideline36, Guideline36Parameters, Shift, SupervisoryP
 use crate::parameter_set::read;
 use crate::{Error, Result};
 pub(crate) use kind::Kind;
+pub use kind::{identity, rule_of};
 pub use search::{Round, TriedEpisode, Tries, TunedWeights, WeightSearchOptions, run, tune};
 
 /// Outdoor temperature above which it is not cold, °C, and the difference that counts as 1, K.
@@ -92,65 +93,100 @@ impl Rule {
     }
 }
 
-/// The guideline's sequences under a rule.
+/// The shares of their limits by which a rule shifts the points of a building.
 #[derive(Clone, Debug)]
-pub struct LinearSupervisor {
-    guideline: Guideline36,
+pub struct RuleShares {
     /// The weights of every point, by day; the last day's stay in effect.
     days: Vec<Vec<Weights>>,
     /// The heating and the cooling loops of each point's zones, as numbers of decisions.
     loops: Vec<[Vec<usize>; 2]>,
     /// Sum of each decision in the hour.
     sums: Vec<f64>,
-    values: Vec<f64>,
+    shares: Vec<f64>,
     outdoor: usize,
     steps_per_hour: usize,
     step: usize,
+}
+
+impl RuleShares {
+    /// Creates the shares of a building's points under a rule for each day; the last one stays in effect.
+    ///
+    /// # Errors
+    /// [`Error::Values`] for an unknown shift, a weight that is not finite, or no rule.
+    pub fn new(spaces: &Spaces, guideline: &Guideline36, rules: &[Rule]) -> Result<Self> {
+        let points = guideline.supervisory_points();
+        rules.iter().try_for_each(Rule::check).map_err(|why| Error::Values { why })?;
+        if rules.is_empty() {
+            return Err(Error::Values { why: "there is no rule".to_owned() });
+        }
+        let decisions = guideline.record().map_or(0, |record| record.values.len());
+        Ok(Self {
+            days: rules.iter().map(|rule| rule.of(points)).collect(),
+            loops: points.iter().map(|point| loops_of(spaces, guideline, point)).collect(),
+            sums: vec![0.0; decisions],
+            shares: vec![0.0; points.len()],
+            outdoor: spaces.observation.outdoor_temperature(),
+            steps_per_hour: spaces.episode.steps_per_hour as usize,
+            step: 0,
+        })
+    }
+
+    /// Begins an episode.
+    pub fn reset(&mut self) {
+        self.sums.fill(0.0);
+        self.step = 0;
+    }
+
+    /// Returns the share of each point, from -1 to 1, in the step after an observation. Call it once per step.
+    pub fn next(&mut self, points: &[SupervisoryPoint], observation: &[f64]) -> &[f64] {
+        if self.step.is_multiple_of(self.steps_per_hour) {
+            self.decide(points, observation);
+        }
+        self.step += 1;
+        &self.shares
+    }
+
+    /// Takes what the sequences decided in a step.
+    pub fn follow(&mut self, guideline: &Guideline36) {
+        if let Some(record) = guideline.record() {
+            self.sums.iter_mut().zip(&record.values).for_each(|(sum, value)| *sum += value);
+        }
+    }
+
+    /// Sets the shares for the next hour.
+    fn decide(&mut self, points: &[SupervisoryPoint], observation: &[f64]) {
+        let day = (self.step / (24 * self.steps_per_hour)).min(self.days.len() - 1);
+        let cold = ((COLD[0] - observation[self.outdoor]) / COLD[1]).clamp(0.0, 1.0);
+        let points = points.iter().zip(&self.days[day]).zip(&self.loops);
+        for (share, ((point, weights), loops)) in self.shares.iter_mut().zip(points) {
+            let mean = |loops: &[usize]| {
+                let sum: f64 = loops.iter().map(|decision| self.sums[*decision]).sum();
+                sum / (loops.len().max(1) * self.steps_per_hour) as f64
+            };
+            let own = weights.share([1.0, cold, mean(&loops[0]), mean(&loops[1])]).clamp(-1.0, 1.0);
+            *share = within_band(point.shift, own);
+        }
+        self.sums.fill(0.0);
+    }
+}
+
+/// The guideline's sequences under a rule.
+#[derive(Clone, Debug)]
+pub struct LinearSupervisor {
+    guideline: Guideline36,
+    shares: RuleShares,
+    values: Vec<f64>,
 }
 
 impl LinearSupervisor {
     /// Creates the sequences of a building under a rule for each day; the last one stays in effect.
     ///
     /// # Errors
-    /// [`Error::Values`] for an unknown shift, a weight that is not finite, or no rule.
+    /// Same as [`RuleShares::new`].
     pub fn new(spaces: &Spaces, rules: &[Rule]) -> Result<Self> {
         let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
-        let points = guideline.supervisory_points();
-        rules.iter().try_for_each(Rule::check).map_err(|why| Error::Values { why })?;
-        if rules.is_empty() {
-            return Err(Error::Values { why: "there is no rule".to_owned() });
-        }
-        let days = rules.iter().map(|rule| rule.of(points)).collect();
-        let loops = points.iter().map(|point| loops_of(spaces, &guideline, point)).collect();
-        let decisions = guideline.record().map_or(0, |record| record.values.len());
-        Ok(Self {
-            days,
-            loops,
-            sums: vec![0.0; decisions],
-            values: vec![0.0; points.len()],
-            outdoor: spaces.observation.outdoor_temperature(),
-            steps_per_hour: spaces.episode.steps_per_hour as usize,
-            step: 0,
-            guideline,
-        })
-    }
-
-    /// Sets the points for the next hour.
-    fn decide(&mut self, observation: &[f64]) {
-        let day = (self.step / (24 * self.steps_per_hour)).min(self.days.len() - 1);
-        let cold = ((COLD[0] - observation[self.outdoor]) / COLD[1]).clamp(0.0, 1.0);
-        let points = self.guideline.supervisory_points().iter().zip(&self.days[day]).zip(&self.loops);
-        for (value, ((point, weights), loops)) in self.values.iter_mut().zip(points) {
-            let mean = |loops: &[usize]| {
-                let sum: f64 = loops.iter().map(|decision| self.sums[*decision]).sum();
-                sum / (loops.len().max(1) * self.steps_per_hour) as f64
-            };
-            let share = weights.share([1.0, cold, mean(&loops[0]), mean(&loops[1])]).clamp(-1.0, 1.0);
-            let share = within_band(point.shift, share);
-            *value = if share < 0.0 { -share * point.low } else { share * point.high };
-        }
-        self.guideline.supervise(&self.values);
-        self.sums.fill(0.0);
+        let shares = RuleShares::new(spaces, &guideline, rules)?;
+        Ok(Self { values: vec![0.0; guideline.supervisory_points().len()], shares, guideline })
     }
 }
 
@@ -187,19 +223,18 @@ fn loops_of(spaces: &Spaces, guideline: &Guideline36, point: &SupervisoryPoint) 
 impl Controller for LinearSupervisor {
     fn reset(&mut self) {
         self.guideline.reset();
-        self.sums.fill(0.0);
-        self.step = 0;
+        self.shares.reset();
     }
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
-        if self.step.is_multiple_of(self.steps_per_hour) {
-            self.decide(observation);
+        let points = self.guideline.supervisory_points();
+        let shares = self.shares.next(points, observation);
+        for (value, (point, share)) in self.values.iter_mut().zip(points.iter().zip(shares)) {
+            *value = point.value(*share);
         }
-        self.step += 1;
+        self.guideline.supervise(&self.values);
         self.guideline.act(observation, action);
-        if let Some(record) = self.guideline.record() {
-            self.sums.iter_mut().zip(&record.values).for_each(|(sum, value)| *sum += value);
-        }
+        self.shares.follow(&self.guideline);
     }
 
     fn record(&self) -> Option<&Decisions> {

@@ -1,7 +1,5 @@
 //! The Adam optimizer and gradient clipping.
 
-use std::ops::Range;
-
 use crate::error::Result;
 use crate::state::State;
 
@@ -27,28 +25,15 @@ impl Adam {
 
     /// Moves parameters by one step against their gradients.
     pub fn step(&mut self, parameters: &mut [f32], gradients: &[f32], learning_rate: f64) {
-        self.step_parts(parameters, gradients, [(0..parameters.len(), learning_rate)]);
-    }
-
-    /// Like [`Adam::step`], with one learning rate per part of the parameters.
-    pub fn step_parts<const PARTS: usize>(
-        &mut self,
-        parameters: &mut [f32],
-        gradients: &[f32],
-        parts: [(Range<usize>, f64); PARTS],
-    ) {
         self.steps += 1;
         let correction = |decay: f32| 1.0 - f64::from(decay).powf(self.steps as f64);
         let scale = (1.0 / correction(SECOND).sqrt()) as f32;
-        for (part, learning_rate) in parts {
-            let rate = (learning_rate / correction(FIRST)) as f32;
-            let moments = self.means[part.clone()].iter_mut().zip(&mut self.squares[part.clone()]);
-            let pairs = parameters[part.clone()].iter_mut().zip(&gradients[part]);
-            for ((parameter, gradient), (mean, square)) in pairs.zip(moments) {
-                *mean += (1.0 - FIRST) * (gradient - *mean);
-                *square += (1.0 - SECOND) * (gradient * gradient - *square);
-                *parameter -= rate * *mean / (square.sqrt() * scale + self.epsilon);
-            }
+        let rate = (learning_rate / correction(FIRST)) as f32;
+        let moments = self.means.iter_mut().zip(&mut self.squares);
+        for ((parameter, gradient), (mean, square)) in parameters.iter_mut().zip(gradients).zip(moments) {
+            *mean += (1.0 - FIRST) * (gradient - *mean);
+            *square += (1.0 - SECOND) * (gradient * gradient - *square);
+            *parameter -= rate * *mean / (square.sqrt() * scale + self.epsilon);
         }
     }
 

@@ -8,7 +8,7 @@ use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
 use b2b_base::aside::write_whole;
 use b2b_building::Period;
 use b2b_building::morphology::NodeType;
-use b2b_control::Versions;
+use b2b_control::{Versions, linear_supervisor};
 use b2b_dataset::Catalog;
 use b2b_evaluate::{Baselines, Evaluation};
 use b2b_workers::{Launcher, WorkerOptions};
@@ -447,6 +447,7 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
     let Versions { package, generator, engine, controllers, guideline36 } = Versions::current();
     let acting = config.agent.acting;
     let base_controllers = match acting.is_supervision() {
+        true if acting.starts_from_rule() => Some(linear_supervisor::identity()),
         true => Some(format!("guideline36 revision {guideline36}")),
         false => acting.has_base().then_some(controllers),
     };

@@ -62,7 +62,7 @@ const SUPERVISORY: Interface = Interface {
         forecast: 0,
         feedback: false,
     },
-    acting: Acting::Supervisory { every: 60, shared: true, setpoints: true },
+    acting: Acting::Supervisory { every: 60, shared: true, setpoints: true, rule: false },
     nodes: None,
 };
 

@@ -350,13 +350,19 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
 }
 
 #[test]
-fn a_models_own_controls_enter_a_problem_and_are_verified() {
+fn a_models_own_controls_and_a_shipped_supervisor_enter_a_problem_and_are_verified() {
     let folder = tempfile::tempdir().unwrap();
     let problem =
         "operate-house --test SingleFamilyHouse-0018 --train SingleFamilyHouse-0001 --period 01-10..01-10";
-    run(folder.path(), &format!("{problem} --policy own --out own"));
-    let verified = b2b(folder.path(), "benchmark verify own");
-    assert!(verified.status.success(), "{}", both_outputs(&verified));
+    let agent = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../results/supervision/jobs/graph/all-types_operate_all-periods_0/agent");
+    for (policy, out) in [("own", "own"), (agent.to_str().unwrap(), "agent")] {
+        run(folder.path(), &format!("{problem} --seed 0 --policy {policy} --out {out}"));
+        let verified = b2b(folder.path(), &format!("benchmark verify {out}"));
+        assert!(verified.status.success(), "{}", both_outputs(&verified));
+    }
+    let (_, stages) = read_result(&folder.path().join("agent")).unwrap();
+    assert!(stages.iter().all(|(_, rows)| rows[0].score().unwrap() != 1.0), "the guideline's own actions");
 }
 
 #[test]

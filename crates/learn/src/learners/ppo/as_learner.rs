@@ -11,6 +11,9 @@ use crate::random::RandomStream;
 use crate::rollout::Rollout;
 use crate::state::State;
 
+/// Names of the optimizers in the state.
+const ADAMS: [&str; 2] = ["adam.actor", "adam.critic"];
+
 impl Learner for Ppo {
     fn set_done(&mut self, done: f64) {
         self.done = done;
@@ -49,7 +52,7 @@ impl Learner for Ppo {
         let mut state = State::default();
         state.put_f32("parameters", &self.parameters);
         state.put_f32("average", &self.average);
-        self.adam.save("adam", &mut state);
+        ADAMS.iter().zip(&self.adams).for_each(|(name, adam)| adam.save(name, &mut state));
         self.scale.save(&mut state);
         self.features.save(&mut state);
         state.put_f64("rate", &[self.rate]);
@@ -64,7 +67,9 @@ impl Learner for Ppo {
     fn restore(&mut self, state: &State) -> Result<()> {
         state.read_f32("parameters", &mut self.parameters)?;
         state.read_f32("average", &mut self.average)?;
-        self.adam.restore("adam", state)?;
+        for (name, adam) in ADAMS.iter().zip(&mut self.adams) {
+            adam.restore(name, state)?;
+        }
         self.scale.restore(state)?;
         self.features.restore(state)?;
         state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;

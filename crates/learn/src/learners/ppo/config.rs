@@ -36,6 +36,8 @@ pub struct PpoConfig {
     pub batch_size: usize,
     /// Passes over the steps of an update. Default 10.
     pub epochs: usize,
+    /// Further passes over these steps in which only the critic learns. Default 0.
+    pub critic_epochs: usize,
     /// Discount γ per step. Default 0.99.
     pub gamma: f32,
     /// λ of generalized advantage estimation. Default 0.95.
@@ -98,6 +100,7 @@ impl Default for PpoConfig {
             n_steps: 2048,
             batch_size: 64,
             epochs: 10,
+            critic_epochs: 0,
             gamma: 0.99,
             gae_lambda: 0.95,
             clip_range: 0.2,

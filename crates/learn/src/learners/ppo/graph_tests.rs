@@ -236,6 +236,7 @@ fn gradients_of_all_parameters_match_finite_differences() {
             samples: &ppo.samples,
             graphs: &ppo.graphs,
             rows: 40,
+            critic_only: false,
         };
         // More rows than are passed at a time.
         worker.learn(&batch, 0..40);

@@ -31,7 +31,8 @@ pub struct Ppo {
     pub(super) parameters: Vec<f32>,
     /// Running average of the parameters.
     pub(super) average: Vec<f32>,
-    pub(super) adam: Adam,
+    /// Optimizers of actor and critic.
+    pub(super) adams: [Adam; 2],
     /// Factor of the learning rate of the actor.
     pub(super) rate: f64,
     /// Share of the run that is done.
@@ -140,7 +141,8 @@ impl Ppo {
         Ok(Self {
             groups: if networks.is_by_node() { widths.action } else { credit.groups() },
             credits: vec![Arc::new(credit)],
-            adam: Adam::new(parameters.len(), config.adam_epsilon),
+            adams: [networks.critics().start, networks.critics().len()]
+                .map(|size| Adam::new(size, config.adam_epsilon)),
             rate: 1.0,
             done: 0.0,
             scale: ValueScale::new(networks.value_kinds(), config.value_rate),

@@ -66,10 +66,11 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn a_restored_learner_continues_bit_for_bit() {
     for log_std in [LogStd::Free, LogStd::OfState] {
-        let mut ppo = Ppo::new(WIDTHS, config(log_std), 3).unwrap();
+        let config = || PpoConfig { critic_epochs: 1, ..config(log_std) };
+        let mut ppo = Ppo::new(WIDTHS, config(), 3).unwrap();
         ppo.update(&rollout(40, 0)).unwrap();
         let bytes = ppo.state().to_bytes();
-        let mut restored = Ppo::new(WIDTHS, config(log_std), 8).unwrap();
+        let mut restored = Ppo::new(WIDTHS, config(), 8).unwrap();
         restored.restore(&State::from_bytes(&bytes).unwrap()).unwrap();
         assert_eq!(ppo.update(&rollout(40, 1)).unwrap(), restored.update(&rollout(40, 1)).unwrap());
         assert_eq!(ppo.state(), restored.state());
@@ -96,6 +97,21 @@ fn the_averaged_actor_has_the_running_average_of_the_parameters() {
     // Without an average it is the actor, bit for bit.
     restored.update(&rollout(40, 9)).unwrap();
     assert_eq!(restored.averaged_actor(), restored.actor());
+}
+
+#[test]
+fn further_passes_move_the_critic_only() {
+    let run = |critic_epochs, updates: u64| {
+        let mut ppo = Ppo::new(WIDTHS, PpoConfig { critic_epochs, ..config(LogStd::Free) }, 3).unwrap();
+        let all: Vec<_> = (0..updates).map(|_| ppo.update(&rollout(40, 0)).unwrap()).collect();
+        let critic = ppo.parameters[ppo.networks.critics()].to_vec();
+        (ppo, critic, all)
+    };
+    let ((plain, plain_critic, _), (more, more_critic, _)) = (run(0, 1), run(6, 1));
+    assert_eq!(plain.actor(), more.actor());
+    assert!(plain_critic != more_critic);
+    let explained = |critic_epochs| run(critic_epochs, 20).2.last().unwrap().explained_variance;
+    assert!(explained(6) > explained(0) + 0.1, "{} {}", explained(6), explained(0));
 }
 
 #[test]
@@ -251,6 +267,7 @@ fn gradients_of_recurrent_networks_are_slopes_of_their_losses() {
                 samples: &ppo.samples,
                 graphs: &[],
                 rows: 80,
+                critic_only: false,
             };
             worker.learn(&batch, 0..80);
             let losses = worker.losses;
@@ -320,6 +337,7 @@ fn gradients_of_all_parameters_match_finite_differences() {
             samples: &ppo.samples,
             graphs: &[],
             rows: 32,
+            critic_only: false,
         };
         worker.learn(&batch, 0..32);
         assert_gradients(&wide(&parameters), &worker.gradients, |parameters| loss(&batch, parameters));

@@ -9,7 +9,7 @@ use super::learner::Ppo;
 use super::loss::Losses;
 use super::samples::Samples;
 use super::scale::Rows;
-use super::worker::{Inputs, Minibatch, Worker};
+use super::worker::{ACTOR, CRITIC, Inputs, Minibatch, Worker};
 use crate::error::{Error, Result};
 use crate::nn::{Sequences, chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
@@ -226,9 +226,10 @@ impl Ppo {
         let length = self.networks.sequence;
         order.extend(0..self.samples.scenes.len() / length);
         let mut sums = Losses::default();
+        let size = (self.config.batch_size / length).max(1);
         'epochs: for _ in 0..self.config.epochs {
             self.random.shuffle(&mut order);
-            for sequences in order.chunks((self.config.batch_size / length).max(1)) {
+            for sequences in order.chunks(size) {
                 match self.learn(sequences, &mut sums, update) {
                     Outcome::Stepped => update.steps += 1,
                     Outcome::Skipped => update.skipped += 1,
@@ -237,6 +238,10 @@ impl Ppo {
             }
             update.epochs += 1;
         }
+        for _ in 0..self.config.critic_epochs {
+            self.random.shuffle(&mut order);
+            order.chunks(size).for_each(|sequences| self.learn_values(sequences, update));
+        }
         self.order = order;
         update.set_means(&sums);
     }
@@ -244,15 +249,11 @@ impl Ppo {
     /// Learns from a minibatch of these sequences, which are single steps unless networks have a memory, and adds its
     /// losses to the sums.
     fn learn(&mut self, sequences: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
-        let length = self.networks.sequence;
-        let rows: Vec<usize> =
-            sequences.iter().flat_map(|sequence| sequence * length..(sequence + 1) * length).collect();
-        self.minibatch.gather(&self.samples, &rows, self.widths, self.groups);
-        self.minibatch.gather_states(&self.samples, sequences, self.networks.states());
+        let rows = self.gather(sequences);
         if self.config.normalize_advantage {
             self.minibatch.normalize_advantages(self.groups, &self.credits);
         }
-        let losses = self.differentiate(rows.len());
+        let losses = self.differentiate(rows, false);
         if self.config.target_kl.is_some_and(|target| losses.kl > KL_FACTOR * f64::from(target)) {
             update.stopped_kl = Some(losses.kl);
             return Outcome::Stopped;
@@ -261,17 +262,46 @@ impl Ppo {
         if !(norm.is_finite() && (losses.policy + losses.value + losses.entropy).is_finite()) {
             return Outcome::Skipped;
         }
-        let (critic, all) = (self.networks.critics(), self.parameters.len());
-        let rates = [(0..critic.start, update.learning_rate), (critic.start..all, self.learning_rate())];
-        self.adam.step_parts(&mut self.parameters, &self.gradients, rates);
+        let actor = 0..self.networks.critics().start;
+        let gradients = &self.gradients[actor.clone()];
+        self.adams[ACTOR].step(&mut self.parameters[actor], gradients, update.learning_rate);
+        self.step_critic();
         self.networks.project(&mut self.parameters);
         sums.add(&losses);
         update.gradient_norm += f64::from(norm);
         Outcome::Stepped
     }
 
-    /// Computes the gradients of the minibatch, and returns its losses.
-    fn differentiate(&mut self, rows: usize) -> Losses {
+    /// Like [`Ppo::learn`], for the critic only, and without adding to the means of the update.
+    fn learn_values(&mut self, sequences: &[usize], update: &mut Update) {
+        let rows = self.gather(sequences);
+        let losses = self.differentiate(rows, true);
+        let norm = clip_norm(&mut [&mut self.gradients], self.config.max_grad_norm);
+        match norm.is_finite() && losses.value.is_finite() {
+            true => self.step_critic(),
+            false => update.skipped += 1,
+        }
+    }
+
+    /// Moves the parameters of the critic by one step.
+    fn step_critic(&mut self) {
+        let (critic, rate) = (self.networks.critics(), self.learning_rate());
+        let gradients = &self.gradients[critic.clone()];
+        self.adams[CRITIC].step(&mut self.parameters[critic], gradients, rate);
+    }
+
+    /// Copies these sequences of the samples to the minibatch. Returns the number of rows.
+    fn gather(&mut self, sequences: &[usize]) -> usize {
+        let length = self.networks.sequence;
+        let rows: Vec<usize> =
+            sequences.iter().flat_map(|sequence| sequence * length..(sequence + 1) * length).collect();
+        self.minibatch.gather(&self.samples, &rows, self.widths, self.groups);
+        self.minibatch.gather_states(&self.samples, sequences, self.networks.states());
+        rows.len()
+    }
+
+    /// Computes the gradients of the minibatch, of all parameters or of the critic's only, and returns its losses.
+    fn differentiate(&mut self, rows: usize, critic_only: bool) -> Losses {
         let Self {
             workers,
             networks,
@@ -291,7 +321,8 @@ impl Ppo {
         }
         let workers = &mut workers[..used];
         let (samples, groups) = (&*minibatch, *groups);
-        let batch = Minibatch { config, networks, credits, groups, parameters, samples, graphs, rows };
+        let batch =
+            Minibatch { config, networks, credits, groups, parameters, samples, graphs, rows, critic_only };
         let threads = threads_for(rows, batch.parameters.len(), *threads);
         for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, length, index)));
         gradients.fill(0.0);

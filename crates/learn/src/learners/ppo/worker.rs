@@ -14,7 +14,7 @@ use crate::credit::Credit;
 use crate::nn::graph::{GraphPass, Readout};
 use crate::nn::{Pass, RecurrentPass, Sequences, sized};
 
-/// Index of the actor's states, and of the critic's.
+/// Index of the actor's states and optimizer, and of the critic's.
 pub(super) const ACTOR: usize = 0;
 pub(super) const CRITIC: usize = 1;
 
@@ -42,6 +42,8 @@ pub(super) struct Minibatch<'a> {
     pub graphs: &'a [Arc<Graph>],
     /// Number of rows.
     pub rows: usize,
+    /// Whether the actor does not learn.
+    pub critic_only: bool,
 }
 
 impl<'a> Minibatch<'a> {
@@ -188,7 +190,9 @@ impl Worker {
         while first < rows.end {
             let block = first..rows.end.min(first.saturating_add(size));
             first = block.end;
-            self.learn_policy(batch, block.clone());
+            if !batch.critic_only {
+                self.learn_policy(batch, block.clone());
+            }
             self.learn_values(batch, block);
         }
     }
