@@ -44,18 +44,13 @@ pub enum Acting {
         setpoints: bool,
         /// Whether 0 is the shift by `linear-supervisor`'s rule for the building's type, to which the action is added,
         /// instead of the guideline.
-        #[serde(default, skip_serializing_if = "is_false")]
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         rule: bool,
     },
 }
 
 const fn yes() -> bool {
     true
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-const fn is_false(value: &bool) -> bool {
-    !*value
 }
 
 /// Supervision decided every hour, with the same shifts for all zones.

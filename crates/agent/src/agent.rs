@@ -248,7 +248,7 @@ impl Controller for AgentController {
 fn check_rules(path: &Path, info: &AgentInfo) -> Result<()> {
     let (trained, here) = (&info.training.base_controllers, linear_supervisor::identity());
     match trained {
-        Some(trained) if info.interface.acting.starts_from_rule() && *trained != here => {
+        Some(trained) if info.interface.acting.starts_from_rule() && !trained.ends_with(&here) => {
             Err(Error::OtherRules { path: path.to_owned(), trained: trained.clone(), here })
         }
         _ => Ok(()),

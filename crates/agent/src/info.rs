@@ -67,7 +67,7 @@ pub struct TrainingInfo {
     /// Version of EnergyPlus.
     pub engine: String,
     /// For an agent that corrects the reactive controllers or shifts their targets, the hash of their parameters; for
-    /// one that supervises `guideline36`, its revision, or the identity of the rules that it supervises from.
+    /// one that supervises `guideline36`, its revision, and at the end the identity of the rules that it supervises from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_controllers: Option<String>,
 }

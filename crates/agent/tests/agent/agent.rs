@@ -397,7 +397,8 @@ fn an_agent_from_other_rules_is_refused() {
     let pilot = Pilot::new(interface, &spaces).unwrap();
     let (actor, folder) = (actor(&pilot, 0.0), tempfile::tempdir().unwrap());
     let mut info = info(&pilot, &spaces, interface, &actor);
-    info.training.base_controllers = Some(b2b_control::linear_supervisor::identity());
+    let base = format!("guideline36 revision 5, {}", b2b_control::linear_supervisor::identity());
+    info.training.base_controllers = Some(base);
     Agent::write(folder.path(), info.clone(), &actor).unwrap();
     Agent::read(folder.path()).unwrap();
     info.training.base_controllers = Some("linear-supervisor#000000000000".into());

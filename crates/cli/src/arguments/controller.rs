@@ -205,7 +205,11 @@ fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
         acting @ Acting::Supervisory { .. } => {
             let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
             let points = guideline.supervisory_points().iter().filter(|point| acting.sets(point.shift));
-            (points.count(), "supervisory points", "guideline36 chooses")
+            let others = match acting.starts_from_rule() {
+                true => "linear-supervisor chooses",
+                false => "guideline36 chooses",
+            };
+            (points.count(), "supervisory points", others)
         }
         _ => (spaces.action.len(), "actuators", "the reactive controllers control"),
     };

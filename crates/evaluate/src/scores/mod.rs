@@ -83,8 +83,8 @@ impl Baseline {
 /// Returns the resolved score of an episode: (P + n r²) / (P₀ + n r²), where P is its penalty (the negated return, with
 /// the energy penalty if the task has one), P₀ is the reactive controllers' penalty, n the number of steps and r = 0.2
 /// K ([`RESOLUTION`]). It treats every zone as if it deviated by another 0.2 K, independently: differences that a
-/// thermometer could not resolve hardly affect the score. Lower is better; it is below 1 exactly
-/// where the normalized score is.
+/// thermometer could not resolve hardly affect the score. Lower is better; it is below 1 exactly where
+/// the normalized score is.
 ///
 /// There is no score if the denominator is not above 0, which requires negative prices, or if either return is not a
 /// number.

@@ -447,8 +447,10 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
     let Versions { package, generator, engine, controllers, guideline36 } = Versions::current();
     let acting = config.agent.acting;
     let base_controllers = match acting.is_supervision() {
-        true if acting.starts_from_rule() => Some(linear_supervisor::identity()),
-        true => Some(format!("guideline36 revision {guideline36}")),
+        true => {
+            let rules = acting.starts_from_rule().then(|| format!(", {}", linear_supervisor::identity()));
+            Some(format!("guideline36 revision {guideline36}{}", rules.unwrap_or_default()))
+        }
         false => acting.has_base().then_some(controllers),
     };
     TrainingInfo {
