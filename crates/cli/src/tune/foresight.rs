@@ -62,6 +62,9 @@ pub struct Arguments {
     /// search runs in the weather predicted at each midnight, its schedule in the actual weather
     #[arg(long, value_name = "K", default_value_t = 0.0)]
     forecast_error: f64,
+    /// Give every zone and air handler values of its own, instead of one for all; takes more rounds
+    #[arg(long)]
+    by_zone: bool,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the episodes, a file for each schedule, and foresight.jsonl with all of them
@@ -116,8 +119,8 @@ impl Arguments {
     }
 
     fn options(&self) -> ScheduleSearchOptions {
-        let Self { block_hours, rounds, pairs, seed, forecast_error, .. } = *self;
-        ScheduleSearchOptions { block_hours, rounds, pairs, seed, forecast_error }
+        let Self { block_hours, rounds, pairs, seed, forecast_error, by_zone, .. } = *self;
+        ScheduleSearchOptions { block_hours, rounds, pairs, seed, forecast_error, by_zone }
     }
 
     /// Returns the plan of an item, from its file if it is there.

@@ -3,7 +3,7 @@
 //!
 //! [`plan`] searches for the [`Schedule`] by running the episode again and again; [`Foresight`] carries it out. A
 //! schedule moves what an operator could move: setpoints, start times, supply air temperatures, minimum flows and the
-//! economizer, the same in all zones, for each block of a day. The loops of the guideline do the rest.
+//! economizer, the same in all zones or by zone, for each block of a day. The loops of the guideline do the rest.
 
 mod kind;
 mod outcome;
@@ -103,6 +103,9 @@ pub struct ScheduleSearchOptions {
     /// search runs in the weather predicted at the midnight of each day, and its schedule in the actual weather.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub forecast_error: f64,
+    /// Whether every zone and air handler has values of its own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_zone: bool,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde expects")]
@@ -112,7 +115,7 @@ fn is_zero(value: &f64) -> bool {
 
 impl Default for ScheduleSearchOptions {
     fn default() -> Self {
-        Self { block_hours: 4, rounds: 6, pairs: 5, seed: 0, forecast_error: 0.0 }
+        Self { block_hours: 4, rounds: 6, pairs: 5, seed: 0, forecast_error: 0.0, by_zone: false }
     }
 }
 
@@ -173,7 +176,7 @@ impl ScheduleSearchOptions {
     fn varied(&self, spaces: &Spaces) -> Result<Vec<Varied>> {
         self.check(spaces)?;
         let guideline = Guideline36::new(spaces, &Guideline36Parameters::default());
-        Ok(Varied::of(guideline.supervisory_points()))
+        Ok(Varied::of(guideline.supervisory_points(), self.by_zone))
     }
 }
 
@@ -221,7 +224,7 @@ pub fn plan(
         episodes,
         guideline: EpisodeTotal::of(&found.baseline, &spaces),
         result: EpisodeTotal::of(&found.outcome, &spaces),
-        savings: varied.iter().map(|varied| varied.name.to_owned()).zip(found.shares).collect(),
+        savings: Varied::kinds(&varied).into_iter().map(str::to_owned).zip(found.shares).collect(),
         schedule: schedule(&found.point),
     })
 }

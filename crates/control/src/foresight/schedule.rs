@@ -10,11 +10,11 @@ const DAY: u32 = 24;
 /// Values are rounded to hundredths of their unit, so that a file holds what was run.
 const PER_UNIT: f64 = 100.0;
 
-/// Shifts of the values that Guideline 36 chooses, the same in all zones and systems, by block of each day.
+/// Shifts of the values that Guideline 36 chooses, by block of each day.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
-    /// Names of the shifts.
+    /// Names of the shifts: of a kind, for all zones and systems, such as `earlier start`, or of one point.
     pub shifts: Vec<String>,
     /// Length of a block, h; a divisor of 24.
     pub block_hours: u32,
@@ -25,7 +25,8 @@ pub struct Schedule {
 /// A shift that a schedule varies.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Varied {
-    pub(super) name: &'static str,
+    pub(super) name: String,
+    pub(super) kind: &'static str,
     pub(super) low: f64,
     pub(super) high: f64,
     /// Unit of the search.
@@ -33,22 +34,34 @@ pub(super) struct Varied {
 }
 
 impl Varied {
-    /// Returns the shifts of a building's points, each once, in order of appearance. Setpoints stay within the band:
-    /// outside, they only trade comfort for cost.
-    pub(super) fn of(points: &[SupervisoryPoint]) -> Vec<Self> {
+    /// Returns the shifts of a building: those of every point, or each kind once, in order of appearance. Setpoints stay
+    /// within the band: outside, they only trade comfort for cost.
+    pub(super) fn of(points: &[SupervisoryPoint], by_zone: bool) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for point in points {
-            let (name, _) = point.shift.described();
+            let (kind, _) = point.shift.described();
+            let name = if by_zone { &point.name } else { kind };
             let [low, high] = match point.shift {
                 Shift::HeatingSetpoint => [0.0, point.high],
                 Shift::CoolingSetpoint => [point.low, 0.0],
                 _ => [point.low, point.high],
             };
             if all.iter().all(|varied| varied.name != name) {
-                all.push(Self { name, low, high, unit: point.high.min(-point.low) });
+                all.push(Self { name: name.to_owned(), kind, low, high, unit: point.high.min(-point.low) });
             }
         }
         all
+    }
+
+    /// Returns the kinds of shifts, each once.
+    pub(super) fn kinds(all: &[Self]) -> Vec<&'static str> {
+        let mut kinds: Vec<&str> = Vec::new();
+        for varied in all {
+            if !kinds.contains(&varied.kind) {
+                kinds.push(varied.kind);
+            }
+        }
+        kinds
     }
 }
 
@@ -67,16 +80,17 @@ impl Schedule {
         };
         let block = |shares: &[f64]| varied.iter().zip(shares).map(value).collect();
         Self {
-            shifts: varied.iter().map(|varied| varied.name.to_owned()).collect(),
+            shifts: varied.iter().map(|varied| varied.name.clone()).collect(),
             block_hours,
             days: point.iter().map(|day| day.chunks(varied.len()).map(block).collect()).collect(),
         }
     }
 
-    /// Returns the positions of each shift in a search's day.
+    /// Returns the positions of each kind of shift in a search's day.
     pub(super) fn parts(varied: &[Varied], block_hours: u32) -> Vec<Vec<usize>> {
-        let (shifts, length) = (varied.len(), varied.len() * Self::blocks(block_hours));
-        (0..shifts).map(|shift| (shift..length).step_by(shifts).collect()).collect()
+        let length = varied.len() * Self::blocks(block_hours);
+        let of = |kind| (0..length).filter(|index| varied[index % varied.len()].kind == kind).collect();
+        Varied::kinds(varied).into_iter().map(of).collect()
     }
 
     /// Returns the bounds of a search's day.
@@ -121,9 +135,10 @@ impl Schedule {
     pub(super) fn rows(&self, points: &[SupervisoryPoint]) -> Result<Vec<Vec<f64>>> {
         self.check()?;
         let number = |point: &SupervisoryPoint| {
-            let (name, _) = point.shift.described();
-            let missing = || Error::Values { why: format!("the schedule has no `{name}`") };
-            self.shifts.iter().position(|shift| shift == name).ok_or_else(missing)
+            let (kind, _) = point.shift.described();
+            let name = &point.name;
+            let missing = || Error::Values { why: format!("the schedule has neither `{kind}` nor `{name}`") };
+            self.shifts.iter().position(|shift| shift == kind || shift == name).ok_or_else(missing)
         };
         let numbers = points.iter().map(number).collect::<Result<Vec<_>>>()?;
         let row = |block: &Vec<f64>| numbers.iter().map(|&number| block[number]).collect();
@@ -133,27 +148,59 @@ impl Schedule {
 
 #[cfg(test)]
 mod tests {
+    use b2b_building::morphology::Owner;
+
     use super::*;
 
-    const VARIED: [Varied; 2] = [
-        Varied { name: "a", low: -0.5, high: 2.0, unit: 0.5 },
-        Varied { name: "b", low: -0.1, high: 0.3, unit: 0.1 },
-    ];
+    fn varied() -> [Varied; 2] {
+        [("a", -0.5, 2.0, 0.5), ("b", -0.1, 0.3, 0.1)].map(|(kind, low, high, unit)| Varied {
+            name: kind.to_owned(),
+            kind,
+            low,
+            high,
+            unit,
+        })
+    }
 
     #[test]
     fn a_point_of_the_search_becomes_values_within_the_limits() {
         let day = [vec![1.0, 9.0], vec![-2.0, 0.0]].concat();
-        let schedule = Schedule::of_point(&VARIED, 12, &[day]);
+        let schedule = Schedule::of_point(&varied(), 12, &[day]);
         assert_eq!(schedule.days, [[[0.5, 0.3], [-0.5, 0.0]]]);
         schedule.check().unwrap();
-        let bounds = Schedule::bounds(&VARIED, 12);
+        let bounds = Schedule::bounds(&varied(), 12);
         assert_eq!((bounds.len(), bounds[0]), (4, [-1.0, 4.0]));
         assert!((bounds[3][0] + 1.0).abs() < 1e-12 && (bounds[3][1] - 3.0).abs() < 1e-12);
     }
 
     #[test]
+    fn a_schedule_by_zone_sets_every_point_and_leaves_out_a_kind_at_a_time() {
+        let point = |name: &str, shift| SupervisoryPoint {
+            name: name.to_owned(),
+            owner: Owner::Zone(0),
+            shift,
+            unit: "K",
+            low: -1.0,
+            high: 1.0,
+        };
+        let points = [
+            point("A heating setpoint shift", Shift::HeatingSetpoint),
+            point("A cooling setpoint shift", Shift::CoolingSetpoint),
+            point("B heating setpoint shift", Shift::HeatingSetpoint),
+        ];
+        let all = Varied::of(&points, true);
+        assert_eq!(Varied::of(&points, false).len(), 2);
+        assert_eq!(Varied::kinds(&all), ["heating setpoint shift", "cooling setpoint shift"]);
+        assert_eq!(Schedule::parts(&all, 12), [vec![0, 2, 3, 5], vec![1, 4]]);
+        let schedule = Schedule::of_point(&all, 12, &[vec![0.1, -0.2, 0.3, 0.4, -0.5, 0.6]]);
+        assert_eq!(schedule.rows(&points).unwrap(), [[0.1, -0.2, 0.3], [0.4, -0.5, 0.6]]);
+        let said = schedule.rows(&[point("C earlier start", Shift::Start)]).unwrap_err().to_string();
+        assert!(said.contains("neither `earlier start` nor `C earlier start`"), "{said}");
+    }
+
+    #[test]
     fn a_schedule_of_another_shape_is_refused() {
-        let good = Schedule::of_point(&VARIED, 12, &[vec![0.0; 4]]);
+        let good = Schedule::of_point(&varied(), 12, &[vec![0.0; 4]]);
         let said = |change: fn(&mut Schedule)| {
             let mut bad = good.clone();
             change(&mut bad);

@@ -110,6 +110,12 @@ fn a_schedule_with_foresight_resumes_and_carries_out_what_the_search_found() {
     assert_eq!(noisy["guideline"], plan["guideline"]);
     assert_eq!(noisy["episodes"], lines.len() + 1, "and two in the actual weather");
 
+    // The house has one unit: a search by zone finds the same, for points by name.
+    let by_zone = &json(folder, &format!("{search} zones --by-zone"))[0];
+    assert_carried_out(folder, "zones", by_zone);
+    assert_eq!(by_zone["savings"], plan["savings"]);
+    assert_ne!(by_zone["schedule"]["shifts"], plan["schedule"]["shifts"]);
+
     assert_rejected(folder, &format!("{search} whole --seed 1"), &["schedule of another search"]);
     assert_rejected(folder, &format!("{search} whole --steps-per-hour 6"), &["schedule of another search"]);
     assert_rejected(folder, &format!("{search} noisy --forecast-error 2"), &["schedule of another search"]);
