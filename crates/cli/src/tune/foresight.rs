@@ -62,7 +62,7 @@ pub struct Arguments {
     /// search runs in the weather predicted at each midnight, its schedule in the actual weather
     #[arg(long, value_name = "K", default_value_t = 0.0)]
     forecast_error: f64,
-    /// Give every zone and air handler values of its own, instead of one for all; takes more rounds
+    /// Search values for every zone and air handler, instead of one for all
     #[arg(long)]
     by_zone: bool,
     #[command(flatten)]

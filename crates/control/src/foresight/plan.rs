@@ -59,8 +59,8 @@ pub struct SchedulePlan {
     pub guideline: EpisodeTotal,
     /// Guideline 36 under the schedule.
     pub result: EpisodeTotal,
-    /// Saving of each kind of shift, in predicted weather if the search ran there: the score without it minus the score, as a
-    /// share of the guideline's cost.
+    /// Saving of each kind of shift, in predicted weather if the search ran there: the score without it minus the
+    /// score, as a share of the guideline's cost.
     pub savings: BTreeMap<String, f64>,
     /// The schedule.
     pub schedule: Schedule,

@@ -34,8 +34,8 @@ pub(super) struct Varied {
 }
 
 impl Varied {
-    /// Returns the shifts of a building: those of every point, or each kind once, in order of appearance. Setpoints stay
-    /// within the band: outside, they only trade comfort for cost.
+    /// Returns the shifts of a building: those of every point, or each kind once, in order of appearance. Setpoints
+    /// stay within the band: outside, they only trade comfort for cost.
     pub(super) fn of(points: &[SupervisoryPoint], by_zone: bool) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for point in points {
@@ -131,7 +131,7 @@ impl Schedule {
     /// Returns the values of the points of a building, one row per block of the episode.
     ///
     /// # Errors
-    /// [`Error::Values`] if [`Schedule::check`] fails or a point's shift is missing.
+    /// [`Error::Values`] if [`Schedule::check`] fails, a point's shift is missing, or a shift has no point.
     pub(super) fn rows(&self, points: &[SupervisoryPoint]) -> Result<Vec<Vec<f64>>> {
         self.check()?;
         let number = |point: &SupervisoryPoint| {
@@ -141,6 +141,10 @@ impl Schedule {
             self.shifts.iter().position(|shift| shift == kind || shift == name).ok_or_else(missing)
         };
         let numbers = points.iter().map(number).collect::<Result<Vec<_>>>()?;
+        if let Some(unused) = (0..self.shifts.len()).find(|number| !numbers.contains(number)) {
+            let why = format!("`{}` of the schedule shifts no point of the building", self.shifts[unused]);
+            return Err(Error::Values { why });
+        }
         let row = |block: &Vec<f64>| numbers.iter().map(|&number| block[number]).collect();
         Ok(self.days.iter().flatten().map(row).collect())
     }
@@ -196,6 +200,8 @@ mod tests {
         assert_eq!(schedule.rows(&points).unwrap(), [[0.1, -0.2, 0.3], [0.4, -0.5, 0.6]]);
         let said = schedule.rows(&[point("C earlier start", Shift::Start)]).unwrap_err().to_string();
         assert!(said.contains("neither `earlier start` nor `C earlier start`"), "{said}");
+        let said = schedule.rows(&points[..2]).unwrap_err().to_string();
+        assert!(said.contains("`B heating setpoint shift` of the schedule shifts no point"), "{said}");
     }
 
     #[test]
