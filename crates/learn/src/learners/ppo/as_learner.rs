@@ -39,13 +39,13 @@ impl Learner for Ppo {
     }
 
     fn actor(&self) -> Actor {
-        self.networks.actor(&self.parameters)
+        self.folded(&self.parameters)
     }
 
     /// Returns the actor with its parameters averaged over the last updates, which reduces the randomness of single
     /// rollouts (Polyak and Juditsky 1992).
     fn averaged_actor(&self) -> Actor {
-        self.networks.actor(&self.average)
+        self.folded(&self.average)
     }
 
     fn state(&self) -> State {
@@ -79,6 +79,17 @@ impl Learner for Ppo {
         }
         [self.updates, self.failures] = state.read_u64("updates")?;
         Ok(())
+    }
+}
+
+impl Ppo {
+    /// Returns the actor with these parameters, for observations as they are.
+    fn folded(&self, parameters: &[f32]) -> Actor {
+        let mut actor = self.networks.actor(parameters);
+        if let Some(first) = self.networks.first_layer() {
+            self.features.fold(&first, &mut actor.parameters);
+        }
+        actor
     }
 }
 

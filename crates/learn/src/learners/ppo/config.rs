@@ -60,6 +60,9 @@ pub struct PpoConfig {
     /// less than half of it, as in rsl_rl (Rudin et al. 2022). The square of the schedule's factor lowers it. Default
     /// none.
     pub desired_kl: Option<f32>,
+    /// Whether observations have mean 0 and deviation 1 over all steps so far, as with VecNormalize of Stable-Baselines3;
+    /// for graph networks see `policy.normalize`. Default false.
+    pub normalize_observations: bool,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,
     /// Whether advantages have the same deviation in every building of an update, so that buildings where actions change
@@ -110,6 +113,7 @@ impl Default for PpoConfig {
             max_grad_norm: 0.5,
             target_kl: None,
             desired_kl: None,
+            normalize_observations: false,
             normalize_advantage: true,
             balance_buildings: false,
             actor_hidden: vec![64, 64],

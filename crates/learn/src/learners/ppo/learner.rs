@@ -66,7 +66,7 @@ impl Ppo {
     pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
         Self::with_networks(
             Networks::new(widths, &config, NetworkKind::Flat),
-            FeatureScale::new(&[], false),
+            FeatureScale::of_slots(widths.observation, config.normalize_observations),
             config,
             seed,
         )
@@ -80,7 +80,8 @@ impl Ppo {
     pub fn recurrent(policy: &RecurrentPolicy, widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
         policy.check_steps("ppo.n_steps", config.n_steps)?;
         let networks = Networks::new(widths, &config, NetworkKind::Recurrent(policy));
-        Self::with_networks(networks, FeatureScale::new(&[], false), config, seed)
+        let features = FeatureScale::of_slots(widths.observation, config.normalize_observations);
+        Self::with_networks(networks, features, config, seed)
     }
 
     /// Returns a learner for graph networks: an actor of this shape, whose outputs are its actions, and a critic of the
@@ -88,7 +89,7 @@ impl Ppo {
     /// the largest building's. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
     ///
     /// # Errors
-    /// Same as [`Ppo::new`], and when there is a credit matrix.
+    /// Same as [`Ppo::new`], and when there is a credit matrix or `normalize_observations`.
     pub fn of_graphs(
         (network, sequence): (&GraphNetwork, usize),
         widths: Widths,
@@ -99,8 +100,12 @@ impl Ppo {
         if config.credit.is_some() {
             return Err(Error::config("credit", "a matrix", "graph networks take it from their scenes"));
         }
+        if config.normalize_observations {
+            let remedy = "graph networks have `policy.normalize`";
+            return Err(Error::config("normalize_observations", "true", remedy));
+        }
         let networks = Networks::new(widths, &config, NetworkKind::Graph(network, sequence));
-        Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
+        Self::with_networks(networks, FeatureScale::of_nodes(&network.types, normalize), config, seed)
     }
 
     /// Returns a learner for the networks of a policy.

@@ -203,6 +203,16 @@ impl Networks {
         Actor { shape: self.actor.clone(), parameters: parameters[self.actors()].to_vec(), distribution }
     }
 
+    /// Returns the actor's first layer; `None` for a graph network.
+    pub fn first_layer(&self) -> Option<Layer> {
+        match &self.actor {
+            Shape::Mlp(mlp) => mlp.layers().next(),
+            // The encoder is the first of its parts.
+            Shape::Recurrent(network) => network.encoder.layers().next(),
+            Shape::Graph(_) => None,
+        }
+    }
+
     /// Returns whether standard deviations depend on the observation.
     pub fn of_state(&self) -> bool {
         self.of_state

@@ -59,9 +59,9 @@ impl Ppo {
         }
         let Walk { states: [_, after], values: steps, ends: before_ends } = walk;
         self.critic_states = after;
-        let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
+        let [ends, next] = self.observations_after(rollout);
         RolloutValues {
-            next: self.value_after(&rollout.next, of_next, &self.critic_states.clone()),
+            next: self.value_after(&next, of_next, &self.critic_states.clone()),
             ends: self.value_after(&ends, of_ends, &before_ends),
             steps,
         }

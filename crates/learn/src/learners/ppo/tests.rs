@@ -115,6 +115,58 @@ fn further_passes_move_the_critic_only() {
 }
 
 #[test]
+fn actors_that_learn_from_normalized_observations_take_them_as_they_are() {
+    let normalizing = |log_std| PpoConfig { normalize_observations: true, ..config(log_std) };
+    let all = [
+        (Ppo::new(WIDTHS, normalizing(LogStd::Free), 3).unwrap(), rollout(40, 1)),
+        (
+            Ppo::recurrent(
+                &RecurrentPolicy { width: WIDTH, sequence: 8, ..RecurrentPolicy::default() },
+                WIDTHS,
+                PpoConfig { n_steps: 40, ..normalizing(LogStd::OfState) },
+                3,
+            )
+            .unwrap(),
+            recurrent_rollout(40, 1),
+        ),
+    ];
+    for (mut ppo, mut rollout) in all {
+        // Slots far from 0, of very different deviations, and a constant.
+        for row in rollout.observations.chunks_exact_mut(4) {
+            [row[0], row[1], row[2]] = [0.42 + 0.01 * row[0], 3.0 * row[1] - 1.0, 0.7];
+        }
+        ppo.update(&rollout).unwrap();
+        let mut normalized = rollout.observations.clone();
+        ppo.features.normalize(&mut normalized);
+        for slot in [0, 1, 3] {
+            let values = || normalized.iter().skip(slot).step_by(4).map(|value| f64::from(*value));
+            let mean = values().sum::<f64>() / 80.0;
+            let square = values().map(|value| value * value).sum::<f64>() / 80.0;
+            assert!(mean.abs() < 1e-3 && (square - 1.0).abs() < 1e-3, "slot {slot}: {mean} {square}");
+        }
+        assert!(normalized.iter().skip(2).step_by(4).all(|value| value.abs() < 1e-3));
+        // The actor has the outputs of the learner's parameters for normalized observations.
+        let (actor, own) = (ppo.actor(), ppo.networks.actor(&ppo.parameters));
+        let mean = |actor: &b2b_agent::network::Actor, observation: &[f32]| {
+            let mut mean = [0.0; 2];
+            actor.mean(observation, &mut actor.scratch(None), &mut mean);
+            mean
+        };
+        for (row, normalized) in rollout.observations.chunks_exact(4).zip(normalized.chunks_exact(4)) {
+            let (folded, expected) = (mean(&actor, row), mean(&own, normalized));
+            let near = folded.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-3);
+            assert!(near, "{folded:?} {expected:?}");
+        }
+        // Statistics are part of the state.
+        let state = State::from_bytes(&ppo.state().to_bytes()).unwrap();
+        let mut restored = ppo.clone();
+        restored.update(&rollout).unwrap();
+        restored.restore(&state).unwrap();
+        assert_eq!((restored.actor(), restored.averaged_actor()), (ppo.actor(), ppo.averaged_actor()));
+    }
+}
+
+#[test]
 fn a_credit_of_ones_is_ordinary_ppo() {
     let run = |credit| {
         let mut ppo = Ppo::new(WIDTHS, PpoConfig { credit, ..config(LogStd::Free) }, 3).unwrap();

@@ -122,6 +122,7 @@ impl Ppo {
         }
         let remembers = self.networks.actor.state() > 0;
         self.samples.read(rollout, remembers);
+        self.features.normalize(&mut self.samples.observations);
         if !remembers {
             self.evaluate_actions();
         }
@@ -189,6 +190,7 @@ impl Ppo {
         rollout: &Rollout,
         [of_ends, of_next]: &[Vec<usize>; 2],
     ) -> RolloutValues {
+        let [ends, next] = self.observations_after(rollout);
         let Self { workers, networks, parameters, widths, graphs, samples, .. } = self;
         let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
@@ -201,12 +203,19 @@ impl Ppo {
             }
             values
         };
-        let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
         RolloutValues {
-            steps: of(&rollout.observations, &samples.scenes),
-            next: of(&rollout.next, of_next),
+            steps: of(&samples.observations, &samples.scenes),
+            next: of(&next, of_next),
             ends: of(&ends, of_ends),
         }
+    }
+
+    /// Returns the final observations of episodes, and the observations after the last steps.
+    pub(super) fn observations_after(&self, rollout: &Rollout) -> [Vec<f32>; 2] {
+        let ends = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
+        let mut after = [ends, rollout.next.clone()];
+        after.iter_mut().for_each(|observations| self.features.normalize(observations));
+        after
     }
 
     /// Converts outputs of the critic to the scale of returns.
