@@ -39,11 +39,17 @@ pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
     Some(1.0 + of_energy / scored.baseline_return?)
 }
 
-/// Returns the median of a figure as a cell.
+/// Returns the median of a figure as a cell, with three decimals below 0.1.
 pub(crate) fn median_text(rows: &[&EpisodeResult], figure: Figure) -> String {
     let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.scored()?)).collect();
     values.sort_by(f64::total_cmp);
-    if values.is_empty() { "–".to_owned() } else { format!("{:.2}", median(&values)) }
+    if values.is_empty() {
+        return "–".to_owned();
+    }
+    match median(&values) {
+        small if small < 0.0995 => format!("{small:.3}"),
+        value => format!("{value:.2}"),
+    }
 }
 
 #[cfg(test)]

@@ -96,7 +96,8 @@ fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jo
     for other in &arguments.reuse {
         let count = folder.reuse(jobs, experiment.report, other)?;
         if !arguments.json {
-            stdout::print(&format!("jobs taken over from {}: {count}", other.display()))?;
+            let done = if arguments.dry_run { "to take" } else { "taken" };
+            stdout::print(&format!("jobs {done} over from {}: {count}", other.display()))?;
         }
     }
     if !arguments.dry_run {

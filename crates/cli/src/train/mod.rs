@@ -37,11 +37,11 @@ pub struct Arguments {
     /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
     #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
     problem: Option<String>,
-    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers), recurrent (the
-    /// same, with a memory of the episode), graph (one network for buildings of several types), supervisory (shifts of
-    /// what guideline36 chooses) or supervisory-graph (one network that does this in many buildings) [default:
-    /// residual; in tasks of operation supervisory, with --type supervisory-graph, unless --direct, --authority or
-    /// --problem is given]
+    /// Preset: paper (PPO as in the paper), direct (the same from features), residual (corrections to the tuned
+    /// reactive controllers), recurrent (the same, with a memory of the episode), graph (one network for buildings of
+    /// several types), supervisory (shifts of what guideline36 chooses) or supervisory-graph (one network that does
+    /// this in many buildings) [default: residual; in tasks of operation supervisory, with --type supervisory-graph,
+    /// unless --direct, --authority or --problem is given]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any options of a run's config.toml; other arguments take precedence
@@ -71,8 +71,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FORM")]
     observation: Option<ObservationForm>,
     /// How the agent acts: direct, residual:0.5, targets:60, which shifts the targets of the reactive controllers, or
-    /// supervisory:60, which shifts what guideline36 chooses, setpoints too; both hold each decision for 15, 30 or 60
-    /// minutes [default: the preset's]
+    /// supervisory:60, which shifts what guideline36 chooses, setpoints too, and begins from no rule; both hold each
+    /// decision for 15, 30 or 60 minutes [default: the preset's]
     #[arg(long, value_name = "KIND", conflicts_with_all = ["direct", "authority"])]
     acting: Option<Acting>,
     /// Train an agent that sets the actuators directly, without the reactive controllers

@@ -67,7 +67,7 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     std::fs::write(path.join("other.toml"), SMALL.replace("adaptation", "scores").replace("1152", "2304"))
         .unwrap();
     let said = both_outputs(&b2b(path, "experiment run other.toml --out other --reuse whole --dry-run"));
-    assert!(said.contains("jobs taken over from whole: 1") && said.contains("2 of 3 jobs left"), "{said}");
+    assert!(said.contains("jobs to take over from whole: 1") && said.contains("2 of 3 jobs left"), "{said}");
     std::fs::write(path.join("other.toml"), SMALL.replace("adaptation", "scores")).unwrap();
     let output = b2b(path, "experiment run other.toml --out other --reuse whole");
     assert!(both_outputs(&output).contains("0 of 3 jobs left"), "{}", both_outputs(&output));

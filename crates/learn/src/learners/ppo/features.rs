@@ -12,7 +12,7 @@ use crate::state::State;
 /// Smallest deviation of a feature: features are of the order of one, and one that has hardly varied so far may vary
 /// later.
 const SMALLEST: f64 = 0.1;
-/// Smallest deviation of a slot of a flat network, whose bounds are -1 and 1: 0.05 K of a zone temperature.
+/// Smallest deviation of a slot of a flat network, whose bounds are -1 and 1: 0.075 K of a zone temperature.
 const SMALLEST_OF_SLOT: f64 = 1e-3;
 
 /// Mean and deviation of observations over all steps so far.

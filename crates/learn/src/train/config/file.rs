@@ -15,7 +15,8 @@ use crate::learners::{LearnerChoice, LearnerKind, kinds};
 pub const CONFIG: &str = "config.toml";
 
 /// The presets by name: TOML files with the options that differ from the defaults.
-const PRESETS: [(&str, &str); 6] = [
+const PRESETS: [(&str, &str); 7] = [
+    ("direct", include_str!("../../../data/direct.toml")),
     ("graph", include_str!("../../../data/graph.toml")),
     ("paper", include_str!("../../../data/paper.toml")),
     ("recurrent", include_str!("../../../data/recurrent.toml")),

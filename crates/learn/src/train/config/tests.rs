@@ -21,7 +21,7 @@ fn every_preset_is_complete_and_valid() {
     }
     let said = TrainConfig::preset("papper").unwrap_err().to_string();
     assert!(
-        said.contains("expected `graph` or `paper` or `recurrent` or `residual` or `supervisory` or `supervisory-graph`; did you mean `paper`?"),
+        said.contains("expected `direct` or `graph` or `paper` or `recurrent` or `residual` or `supervisory` or `supervisory-graph`; did you mean `paper`?"),
         "{said}"
     );
 }
@@ -63,6 +63,12 @@ fn the_preset_of_the_paper_has_the_numbers_of_its_table() {
     assert_eq!((ppo.max_grad_norm, ppo.initial_log_std, budget.environments), (0.5, -1.0, 14));
     assert_eq!((&ppo.actor_hidden, &ppo.critic_hidden), (&vec![256, 256], &vec![256, 256]));
     assert_eq!((agent.acting, agent.observation), (Acting::Direct, ObservationForm::Raw.into()));
+}
+
+#[test]
+fn the_direct_preset_is_the_papers_with_features() {
+    let direct = TrainConfig::preset("direct").unwrap();
+    assert_eq!(changed(&TrainConfig::preset("paper").unwrap(), "observation = 'features'"), direct);
 }
 
 /// A run that does not read its own options cannot be resumed.
