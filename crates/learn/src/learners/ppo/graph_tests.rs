@@ -300,10 +300,13 @@ fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
 }
 
 #[test]
-fn a_credit_matrix_is_an_error() {
-    let config = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
-    let error = Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 0).unwrap_err();
-    assert!(error.to_string().contains("`credit` is a matrix"), "{error}");
+fn options_of_flat_networks_are_errors() {
+    let said = |config| Ppo::of_graphs((&network(), 1), WIDTHS, config, true, 0).unwrap_err().to_string();
+    let credit = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
+    assert!(said(credit).contains("`credit` is a matrix"));
+    let normalizing = PpoConfig { normalize_observations: true, ..config(LogStd::Free) };
+    let expected = "`normalize_observations` is true; graph networks have `policy.normalize`";
+    assert_eq!(said(normalizing), expected);
 }
 
 const MEMORY: usize = 3;
