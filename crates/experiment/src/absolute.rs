@@ -39,17 +39,16 @@ pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
     Some(1.0 + of_energy / scored.baseline_return?)
 }
 
-/// Returns the median of a figure as a cell, with three decimals below 0.1.
+/// Returns the median of a figure as a cell.
 pub(crate) fn median_text(rows: &[&EpisodeResult], figure: Figure) -> String {
     let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.scored()?)).collect();
     values.sort_by(f64::total_cmp);
-    if values.is_empty() {
-        return "–".to_owned();
-    }
-    match median(&values) {
-        small if small < 0.0995 => format!("{small:.3}"),
-        value => format!("{value:.2}"),
-    }
+    if values.is_empty() { "–".to_owned() } else { figure_text(median(&values)) }
+}
+
+/// Returns a figure with two decimals, and three below 0.1.
+pub(crate) fn figure_text(figure: f64) -> String {
+    if figure < 0.0995 { format!("{figure:.3}") } else { format!("{figure:.2}") }
 }
 
 #[cfg(test)]

@@ -71,8 +71,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FORM")]
     observation: Option<ObservationForm>,
     /// How the agent acts: direct, residual:0.5, targets:60, which shifts the targets of the reactive controllers, or
-    /// supervisory:60, which shifts what guideline36 chooses, setpoints too, and begins from no rule; both hold each
-    /// decision for 15, 30 or 60 minutes [default: the preset's]
+    /// supervisory:60, which shifts what guideline36 chooses, setpoints too, without the rule of linear-supervisor;
+    /// both hold each decision for 15, 30 or 60 minutes [default: the preset's]
     #[arg(long, value_name = "KIND", conflicts_with_all = ["direct", "authority"])]
     acting: Option<Acting>,
     /// Train an agent that sets the actuators directly, without the reactive controllers

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::content::{Content, SCORES};
 use super::group::Group;
-use crate::absolute::{deviation, energy, median_text, reactive_deviation, reactive_energy};
+use crate::absolute::{deviation, energy, figure_text, median_text, reactive_deviation, reactive_energy};
 use crate::definition::{Experiment, Policy, Training};
 use crate::results::Results;
 
@@ -84,7 +84,7 @@ impl<'a> Tested<'a> {
             range,
             beats,
             median_text(&self.rows, deviation),
-            format!("{:.2}", mean(&deviations)),
+            figure_text(mean(&deviations)),
             median_text(&self.rows, reactive_deviation),
             median_text(&self.rows, energy),
             median_text(&self.rows, reactive_energy),

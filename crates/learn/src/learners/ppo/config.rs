@@ -60,8 +60,8 @@ pub struct PpoConfig {
     /// less than half of it, as in rsl_rl (Rudin et al. 2022). The square of the schedule's factor lowers it. Default
     /// none.
     pub desired_kl: Option<f32>,
-    /// Whether observations have mean 0 and deviation 1 over all steps so far, as with VecNormalize of Stable-Baselines3;
-    /// for graph networks see `policy.normalize`. Default false.
+    /// Whether observations have mean 0 and deviation 1 over all steps so far, as with VecNormalize of
+    /// Stable-Baselines3; graph networks have `policy.normalize`. Default false.
     pub normalize_observations: bool,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,

@@ -1,4 +1,4 @@
-//! Normalization of observations: of a graph network's features, one for all nodes of a type in all buildings, or of the
+//! Normalization of observations: of the features of nodes, one for all nodes of a type in all buildings, or of the
 //! slots of a flat network.
 
 use b2b_agent::network::Layer;
@@ -17,15 +17,21 @@ const SMALLEST_OF_SLOT: f64 = 1e-3;
 
 /// Mean and deviation of observations over all steps so far.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum FeatureScale {
-    /// Of the features of the nodes of each type. They are parameters of the networks, which `normalize` writes.
-    Nodes { normalize: bool, types: Vec<Moments> },
-    /// Of the slots of a flat network, which learns from normalized observations.
-    Slots(Moments),
+pub(super) struct FeatureScale {
+    kind: Kind,
+    moments: Vec<Moments>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Moments of the features of each node type. They are parameters of the networks, which `normalize` writes.
+    Nodes { normalize: bool },
+    /// Moments of the slots of a flat network, which learns from normalized observations.
+    Slots,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Moments {
+struct Moments {
     count: f64,
     means: Vec<f64>,
     /// Sums of squared deviations from the mean.
@@ -35,32 +41,29 @@ pub(super) struct Moments {
 impl FeatureScale {
     /// Returns the scale of node types. It changes no parameters without `normalize`.
     pub fn of_nodes(types: &[NodeWidths], normalize: bool) -> Self {
-        let types = types.iter().map(|node| Moments::new(node.features)).collect();
-        Self::Nodes { normalize, types }
+        let moments = types.iter().map(|node| Moments::new(node.features)).collect();
+        Self { kind: Kind::Nodes { normalize }, moments }
     }
 
     /// Returns the scale of a flat network's observations of a width. It changes nothing without `normalize`.
     pub fn of_slots(width: usize, normalize: bool) -> Self {
         match normalize {
-            true => Self::Slots(Moments::new(width)),
+            true => Self { kind: Kind::Slots, moments: vec![Moments::new(width)] },
             false => Self::of_nodes(&[], false),
         }
     }
 
     /// Returns the node types that had a node.
     pub fn seen(&self) -> Vec<usize> {
-        match self {
-            Self::Nodes { types, .. } => (0..types.len()).filter(|index| types[*index].count > 0.0).collect(),
-            Self::Slots(_) => Vec::new(),
-        }
+        let is_seen = |index: &usize| self.kind != Kind::Slots && self.moments[*index].count > 0.0;
+        (0..self.moments.len()).filter(is_seen).collect()
     }
 
     /// Adds the observations of a rollout, rows of a width.
     pub fn update(&mut self, rollout: &Rollout, width: usize) {
-        let types = match self {
-            Self::Nodes { types, .. } => types,
-            Self::Slots(moments) => return moments.add(rollout.observations.chunks_exact(width)),
-        };
+        if self.kind == Kind::Slots {
+            return self.moments[0].add(rollout.observations.chunks_exact(width));
+        }
         for (number, scene) in rollout.scenes.iter().enumerate() {
             let next = rollout.scenes.get(number + 1).filter(|next| next.environment == scene.environment);
             let first = scene.environment * rollout.steps;
@@ -68,15 +71,18 @@ impl FeatureScale {
             let observations = &rollout.observations[rows.start * width..rows.end * width];
             for (node, node_type) in scene.graph.types.iter().enumerate() {
                 let columns = scene.graph.features[node]..scene.graph.features[node + 1];
-                types[*node_type].add(observations.chunks_exact(width).map(|row| &row[columns.clone()]));
+                self.moments[*node_type]
+                    .add(observations.chunks_exact(width).map(|row| &row[columns.clone()]));
             }
         }
     }
 
     /// Writes the normalization of nodes to the parameters of actor and critic.
     pub fn write(&self, networks: &Networks, parameters: &mut [f32]) {
-        let Self::Nodes { normalize: true, types } = self else { return };
-        for (moments, places) in types.iter().zip(networks.feature_places()) {
+        if self.kind != (Kind::Nodes { normalize: true }) {
+            return;
+        }
+        for (moments, places) in self.moments.iter().zip(networks.feature_places()) {
             for place in places.iter().filter(|_| moments.count > 0.0) {
                 let means = parameters[place.mean.clone()].iter_mut().zip(&moments.means);
                 means.for_each(|(parameter, mean)| *parameter = *mean as f32);
@@ -114,24 +120,13 @@ impl FeatureScale {
 
     /// Returns the mean and the scale of every slot; `None` before the first rollout, and for graph networks.
     fn slots(&self) -> Option<Vec<(f64, f64)>> {
-        match self {
-            Self::Slots(moments) if moments.count > 0.0 => {
-                Some(moments.means.iter().copied().zip(moments.scales(SMALLEST_OF_SLOT)).collect())
-            }
-            Self::Nodes { .. } | Self::Slots(_) => None,
-        }
-    }
-
-    fn all(&self) -> &[Moments] {
-        match self {
-            Self::Nodes { types, .. } => types,
-            Self::Slots(moments) => std::slice::from_ref(moments),
-        }
+        let moments = self.moments.first().filter(|first| self.kind == Kind::Slots && first.count > 0.0)?;
+        Some(moments.means.iter().copied().zip(moments.scales(SMALLEST_OF_SLOT)).collect())
     }
 
     /// Adds the statistics to a state.
     pub fn save(&self, state: &mut State) {
-        for (index, moments) in self.all().iter().enumerate() {
+        for (index, moments) in self.moments.iter().enumerate() {
             state.put_f64(&format!("features.{index}"), &moments.numbers());
         }
     }
@@ -141,11 +136,7 @@ impl FeatureScale {
     /// # Errors
     /// When the state does not contain them.
     pub fn restore(&mut self, state: &State) -> Result<()> {
-        let all = match self {
-            Self::Nodes { types, .. } => types,
-            Self::Slots(moments) => std::slice::from_mut(moments),
-        };
-        for (index, moments) in all.iter_mut().enumerate() {
+        for (index, moments) in self.moments.iter_mut().enumerate() {
             let mut numbers = moments.numbers();
             state.read_f64(&format!("features.{index}"), &mut numbers)?;
             let features = moments.means.len();
