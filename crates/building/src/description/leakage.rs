@@ -6,14 +6,14 @@
 
 use crate::Model;
 use crate::model::{Fields, number, text};
-use crate::zone::{covers_part, covers_zone};
+use crate::zone::{Space, Zone, covered_spaces, covers_zone, place};
 
 /// Reference temperature difference between zone and outdoors, K.
 pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
 /// Reference wind speed at the zone, m/s.
 pub const WIND: f64 = 3.0;
 
-/// Measures of a zone to which a design flow may be normalized.
+/// Measures of a zone or a space to which a design flow may be normalized.
 pub(super) struct Measures {
     /// m².
     pub(super) floor: f64,
@@ -28,17 +28,24 @@ pub(super) struct Measures {
 /// Evaluates the flow of an object of a class, m³/s.
 type Form = fn(&Fields, &Measures) -> f64;
 
-/// Returns the leakage of a zone, m³/s.
-pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
+/// Returns the leakage of a zone, m³/s. `measures` are the zone's, or those of a space in it.
+pub(super) fn flow(model: &Model, zone: &Zone, measures: impl Fn(Option<&Space>) -> Measures) -> f64 {
     const FORMS: [(&str, Form); 3] = [
         ("ZoneInfiltration:DesignFlowRate", design_flow),
         ("ZoneInfiltration:EffectiveLeakageArea", effective_leakage_area),
         ("ZoneInfiltration:FlowCoefficient", flow_coefficient),
     ];
-    let of_form = |(class, flow): (&str, Form)| -> f64 {
-        let objects = model.objects(class).into_iter();
-        let leaks = objects.filter(|(name, fields)| !is_door(name) && is_in(model, fields, zone));
-        leaks.map(|(_, fields)| flow(fields, measures)).sum()
+    let of_object = |form: Form, fields: &Fields| -> f64 {
+        let Some(place) = place(fields) else { return 0.0 };
+        if covers_zone(model, place, &zone.name) {
+            return form(fields, &measures(None));
+        }
+        let spaces = covered_spaces(model, place, &zone.name);
+        spaces.iter().map(|space| form(fields, &measures(Some(space)))).sum()
+    };
+    let of_form = |(class, form): (&str, Form)| -> f64 {
+        let leaks = model.objects(class).into_iter().filter(|(name, _)| !is_door(name));
+        leaks.map(|(_, fields)| of_object(form, fields)).sum()
     };
     FORMS.into_iter().map(of_form).sum()
 }
@@ -83,32 +90,44 @@ fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
     read("flow_coefficient") * libm::hypot(stack, wind)
 }
 
-/// Returns whether an object applies to a zone: by its name, a list, or a space in it.
-pub(crate) fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
-    let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
-        .map(|f| text(fields, f));
-    names.into_iter().flatten().any(|name| covers_zone(model, name, zone) || covers_part(model, name, zone))
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
 
     use super::*;
 
-    const ROOM: Measures = Measures { floor: 20.0, exterior: 50.0, exterior_walls: 30.0, volume: 60.0 };
-
     fn leak(class: &str, mut fields: serde_json::Value) -> f64 {
         let mut model = Model::default();
-        let zone = if class.ends_with("Rate") {
+        let place = if class.ends_with("Rate") {
             "zone_or_zonelist_or_space_or_spacelist_name"
         } else {
             "zone_or_space_name"
         };
-        fields[zone] = json!("room");
-        model.insert(class, "Leak", fields);
-        assert_eq!(flow(&model, "Hall", &ROOM), 0.0);
-        flow(&model, "Room", &ROOM)
+        fields[place] = json!("room");
+        model.insert(class, "Leak", fields.clone());
+        assert_eq!(of(&model, "Hall"), 0.0);
+        let flow = of(&model, "Room");
+        // The same in each half of the room: once the amount, and half a density.
+        for space in ["North", "South"] {
+            model.insert("Space", space, json!({"zone_name": "Room", "floor_area": 10.0}));
+        }
+        assert_eq!(of(&model, "Room"), flow, "{class} in an object for the whole zone");
+        fields[place] = json!("south");
+        model.insert(class, "Leak", fields.clone());
+        let is_density =
+            fields["design_flow_rate_calculation_method"].as_str().is_some_and(|m| m != "Flow/Zone");
+        let expected = if is_density { flow / 2.0 } else { flow };
+        assert!((of(&model, "Room") - expected).abs() < 1e-12, "{class} in a space");
+        flow
+    }
+
+    /// The leakage of a zone of 20 m², or a space in it with half of everything.
+    fn of(model: &Model, zone: &str) -> f64 {
+        let zone = Zone { name: zone.to_owned(), floor_area: 20.0, multiplier: 1.0 };
+        flow(model, &zone, |space| {
+            let floor = space.map_or(zone.floor_area, |space| space.floor_area);
+            Measures { floor, exterior: 2.5 * floor, exterior_walls: 1.5 * floor, volume: 3.0 * floor }
+        })
     }
 
     #[test]

@@ -19,7 +19,7 @@ use leakage::Measures;
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
 use crate::hvac::System;
 use crate::shape::{Bound, Face, OutsideBoundary, Point, Shape};
-use crate::zone::SurfaceKind;
+use crate::zone::{Space, SurfaceKind, is_in_space};
 use crate::{Conditioning, Model, PreparedBuilding, Result};
 
 /// Edition of ASHRAE 90.1 that the commercial types follow.
@@ -285,7 +285,20 @@ fn describe_zone(
     };
     let windows = glass(SurfaceKind::Wall);
     let volume = shape.volume(number);
-    let measures = Measures { floor: zone.floor_area, exterior: area(&is_outer), exterior_walls, volume };
+    let measures = |space: Option<&Space>| {
+        let is_own =
+            |face: &Bound| space.is_none_or(|space| is_in_space(model, &face.face.name, &space.name));
+        let floor = space.map_or(zone.floor_area, |space| space.floor_area);
+        Measures {
+            floor,
+            exterior: area(&|face| is_outer(face) && is_own(face)),
+            exterior_walls: area(&|face| is_outer(face) && is_wall(face) && is_own(face)),
+            // Spaces are as high as the zone unless they have a volume.
+            volume: space
+                .map_or(Some(volume), |space| space.volume)
+                .unwrap_or_else(|| volume * ratio(floor, zone.floor_area)),
+        }
+    };
     let [low, high] = shape.extent();
     let [zone_low, zone_high] = shape.zone_extent(number);
     let share = |axis: usize, length: f64| ratio(length, high[axis] - low[axis]);
@@ -308,7 +321,7 @@ fn describe_zone(
         window_area: windows * zone.multiplier,
         skylight_area: glass(SurfaceKind::Roof) * zone.multiplier,
         window_to_wall: ratio(windows, exterior_walls),
-        infiltration: ratio(3600.0 * leakage::flow(model, &zone.name, &measures), volume),
+        infiltration: ratio(3600.0 * leakage::flow(model, zone, measures), volume),
         equipment: None,
     }
 }

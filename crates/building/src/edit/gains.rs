@@ -2,9 +2,9 @@
 
 use super::geometry::multiply;
 use crate::Model;
-use crate::description::leakage;
 use crate::model::{Fields, number, text};
-use crate::zone::zones;
+use crate::people::{self, PeopleGroup};
+use crate::zone::{Zone, covered_spaces, covers_zone, place, zones};
 
 /// A kind of gains: the classes with their fields.
 #[derive(Clone, Copy, Debug)]
@@ -23,9 +23,6 @@ struct Class {
     /// Per person, W; for people the floor area of one, m².
     per_person: &'static str,
 }
-
-/// Fields that select the form.
-const METHODS: [&str; 2] = ["number_of_people_calculation_method", "design_level_calculation_method"];
 
 const fn watts(name: &'static str, level: &'static str) -> Class {
     Class { name, level, per_area: "watts_per_floor_area", per_person: "watts_per_person" }
@@ -77,43 +74,44 @@ pub fn scale(model: &mut Model, gains: &Gains, multiplier: f64) -> usize {
 /// Returns the design level of gains per floor area of all zones, W/m² or people/m²; `None` if it cannot be computed.
 pub(super) fn intensity(model: &Model, gains: &Gains) -> Option<f64> {
     let (mut total, mut floor) = (0.0, 0.0);
+    let people = people::groups(model).ok()?;
     for zone in zones(model).ok()? {
-        let area = zone.floor_area;
-        let people = level(model, &PEOPLE, &zone.name, area, 0.0)?;
-        total += level(model, gains, &zone.name, area, people)? * zone.multiplier;
-        floor += area * zone.multiplier;
+        let level = match gains.classes {
+            [class] if class.name == "People" => people::at_design(&people, &zone.name),
+            classes => power_of(model, classes, &people, &zone)?,
+        };
+        total += level * zone.multiplier;
+        floor += zone.floor_area * zone.multiplier;
     }
     (floor > 0.0).then(|| total / floor)
 }
 
-/// Returns the design level of gains in a zone.
-fn level(model: &Model, gains: &Gains, zone: &str, area: f64, people: f64) -> Option<f64> {
+/// Returns the design level of gains in a zone, W; `None` if a field or the power of server units is missing.
+fn power_of(model: &Model, classes: &[Class], people: &[PeopleGroup], zone: &Zone) -> Option<f64> {
     let mut sum = 0.0;
-    for class in gains.classes {
+    for class in classes {
         for (_, fields) in model.objects(class.name) {
-            // Spaces, lists of spaces and server units are not resolved.
-            if class.level == "watts_per_unit" || names_space_list(model, fields) {
-                return None;
+            let place = place(fields)?;
+            if covers_zone(model, place, &zone.name) {
+                sum += class.level_of(fields, zone.floor_area, people::at_design(people, &zone.name))?;
+                continue;
             }
-            if leakage::is_in(model, fields, zone) {
-                sum += class.level_of(fields, area, people)?;
+            for space in covered_spaces(model, place, &zone.name) {
+                let own = people.iter().filter(|group| group.space.as_ref() == Some(&space.name));
+                sum += class.level_of(fields, space.floor_area, own.map(|group| group.people).sum())?;
             }
         }
     }
     Some(sum)
 }
 
-fn names_space_list(model: &Model, fields: &Fields) -> bool {
-    let place = text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default();
-    model.contains("SpaceList", place) || model.contains("Space", place)
-}
-
 impl Class {
+    /// Returns the power of an object in a zone or space with a floor area and people, W.
     fn level_of(&self, fields: &Fields, area: f64, people: f64) -> Option<f64> {
-        let method = METHODS.iter().find_map(|field| text(fields, field));
-        let method = method.unwrap_or_default().to_ascii_lowercase();
-        match method.as_str() {
-            "area/person" => Some(area / number(fields, self.per_person)?),
+        let method = text(fields, "design_level_calculation_method").unwrap_or_default();
+        match method.to_ascii_lowercase().as_str() {
+            // The number of server units comes from another field.
+            _ if self.level == "watts_per_unit" => None,
             method if method.ends_with("/area") => Some(area * number(fields, self.per_area)?),
             method if method.ends_with("/person") => Some(people * number(fields, self.per_person)?),
             _ => number(fields, self.level),
@@ -170,5 +168,20 @@ mod tests {
         model.insert("Lights", "3", json!({place: "B", method: "LightingLevel", "lighting_level": 200}));
         assert_eq!(intensity(&model, &PEOPLE), Some(10.0 / 200.0));
         assert_eq!(intensity(&model, &LIGHTS), Some((2.0 * 500.0 + 800.0 + 200.0) / 200.0));
+        // In a space, densities apply to its floor and its people; in a list, to each space.
+        for (space, floor_area) in [("West", 60.0), ("East", 40.0)] {
+            model.insert("Space", space, json!({"zone_name": "B", "floor_area": floor_area}));
+        }
+        model.insert(
+            "SpaceList",
+            "Both",
+            json!({"spaces": [{"space_name": "West"}, {"space_name": "East"}]}),
+        );
+        model.insert("People", "Q", json!({place: "west", "number_of_people": 3}));
+        model.insert("Lights", "2", json!({place: "Both", method: "LightingLevel", "lighting_level": 100}));
+        model.insert("Lights", "3", json!({place: "West", method: "Watts/Person", "watts_per_person": 100}));
+        model.insert("Lights", "4", json!({place: "East", method: "Watts/Area", "watts_per_floor_area": 8}));
+        assert_eq!(intensity(&model, &PEOPLE), Some(13.0 / 200.0));
+        assert_eq!(intensity(&model, &LIGHTS), Some((2.0 * 500.0 + 200.0 + 300.0 + 320.0) / 200.0));
     }
 }

@@ -200,7 +200,8 @@ mod tests {
             "Zone": {"Hall": {"floor_area": 100.0}, "Shop": {"floor_area": 50.0, "multiplier": 2}},
             "ZoneList": {"All": {"zones": [{"zone_name": "Hall"}, {"zone_name": "Shop"}]}},
             "People": {
-                "Crowd": {"zone_or_zonelist_or_space_or_spacelist_name": "hall", "people_per_floor_area": 0.1},
+                "Crowd": {"zone_or_zonelist_or_space_or_spacelist_name": "hall",
+                    "number_of_people_calculation_method": "People/Area", "people_per_floor_area": 0.1},
                 "Staff": {"zone_or_zonelist_or_space_or_spacelist_name": "Shop", "number_of_people": 4},
             },
             "DesignSpecification:OutdoorAir": {"Fresh": specification},
@@ -253,7 +254,9 @@ mod tests {
         model.insert("Space", "Store", json!({"zone_name": "Shop", "floor_area": 20.0}));
         model.insert("SpaceList", "Sales", json!({"spaces": [{"space_name": "aisles"}]}));
         let place = "zone_or_zonelist_or_space_or_spacelist_name";
-        model.insert("People", "Customers", json!({place: "Sales", "people_per_floor_area": 0.2}));
+        let customers = json!({place: "Sales", "number_of_people_calculation_method": "People/Area",
+            "people_per_floor_area": 0.2});
+        model.insert("People", "Customers", customers);
         let minimum = |model: &Model| Ventilation::of(model, "OA", 1.2).unwrap().min_outdoor_air / 1.2;
         // 10 in the hall; 4 of the staff and 6 customers in each of two shops.
         assert!((minimum(&model) - (10.0 + 2.0 * (4.0 + 6.0)) * 0.01).abs() < 1e-12);

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::hvac::zone_equipment::has_exhaust;
 use crate::model::{Fields, Model, number, text};
-use crate::zone::{self, Zone, covers_space, covers_zone};
+use crate::zone::{self, Zone, covers_zone};
 
 /// Share of the people at design occupancy from which a zone counts as in use in operation tasks. Prototypes
 /// schedule 5 % of their people at night, on Sundays and before opening, when they supply no outdoor air: a cleaner or
@@ -77,18 +77,17 @@ struct Part {
 
 /// Returns the parts of a zone that a place covers: the name of a zone, of a space or of a list.
 fn parts(model: &Model, place: &str, zone: &Zone) -> Vec<Part> {
-    let spaces = zone::spaces(model, &zone.name);
     let listed = |name: &str| (!place.eq_ignore_ascii_case(name)).then(|| name.to_owned());
     if !covers_zone(model, place, &zone.name) {
-        let spaces = spaces.into_iter().filter(|space| covers_space(model, place, &space.name));
         let part = |space: zone::Space| Part {
             prefix: listed(&space.name),
             floor_area: space.floor_area,
             share: 1.0,
             space: Some(space.name),
         };
-        return spaces.map(part).collect();
+        return zone::covered_spaces(model, place, &zone.name).into_iter().map(part).collect();
     }
+    let spaces = zone::spaces(model, &zone.name);
     let mut rooms: Vec<_> =
         spaces.into_iter().map(|space| (space.floor_area, space.name.clone(), Some(space.name))).collect();
     if !rooms.is_empty()
@@ -111,13 +110,16 @@ fn parts(model: &Model, place: &str, zone: &Zone) -> Vec<Part> {
     rooms.into_iter().map(part).collect()
 }
 
-/// Returns the number of people that a `People` object assigns to a floor area.
+/// Returns the number of people that a `People` object assigns to a floor area, by its calculation method.
 fn count(fields: &Fields, floor_area: f64) -> f64 {
     let value = |field: &str| number(fields, field);
-    value("number_of_people")
-        .or_else(|| Some(value("people_per_floor_area")? * floor_area))
-        .or_else(|| Some(floor_area / value("floor_area_per_person")?))
-        .unwrap_or(0.0)
+    let method = text(fields, "number_of_people_calculation_method").unwrap_or_default();
+    let people = match method.to_ascii_lowercase().as_str() {
+        "people/area" => value("people_per_floor_area").map(|density| density * floor_area),
+        "area/person" => value("floor_area_per_person").map(|area| floor_area / area),
+        _ => value("number_of_people"),
+    };
+    people.unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -127,6 +129,22 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn the_calculation_method_selects_the_field() {
+        let of = |method: Option<&str>| {
+            let mut fields =
+                json!({"number_of_people": 7, "people_per_floor_area": 0.1, "floor_area_per_person": 20});
+            if let Some(method) = method {
+                fields["number_of_people_calculation_method"] = json!(method);
+            }
+            count(fields.as_object().unwrap(), 50.0)
+        };
+        assert_eq!(
+            [None, Some("People"), Some("people/area"), Some("Area/Person")].map(of),
+            [7.0, 7.0, 5.0, 2.5]
+        );
+    }
 
     #[test]
     fn a_tenth_of_the_people_use_a_zone_and_anyone_a_room_with_a_hood() {

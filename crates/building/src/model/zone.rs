@@ -25,6 +25,8 @@ pub struct Space {
     pub name: String,
     /// Floor area, m²: given in the model, or the sum of its floor surfaces.
     pub floor_area: f64,
+    /// Volume, m³, if given in the model.
+    pub volume: Option<f64>,
 }
 
 /// Kinds of surfaces.
@@ -94,11 +96,13 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
             .filter(|fields| names(fields, "space_name", name) && names(fields, "surface_type", "floor"));
         total(floors.filter_map(drawn_area))
     };
+    let divisions = model.objects("Space").into_iter().filter(|(_, fields)| names(fields, "zone_name", zone));
     let space = |(name, fields): (&str, &Fields)| Space {
         name: name.to_owned(),
         floor_area: number(fields, "floor_area").unwrap_or_else(|| area(name)),
+        volume: number(fields, "volume"),
     };
-    spaces_of(model, zone).map(space).collect()
+    divisions.map(space).collect()
 }
 
 /// Returns the floor area of a zone's surfaces that belong to no space, m²; `None` if there is no such surface. The
@@ -114,25 +118,31 @@ pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     own.filter_map(area).reduce(|sum, area| sum + area)
 }
 
-/// Returns whether a name refers to a space in the zone, or to a list that contains one.
-pub fn covers_part(model: &Model, space_or_list: &str, zone: &str) -> bool {
-    spaces_of(model, zone).any(|(space, _)| covers_space(model, space_or_list, space))
+/// Returns the spaces of a zone that a name refers to, by itself or by a list.
+pub(crate) fn covered_spaces(model: &Model, space_or_list: &str, zone: &str) -> Vec<Space> {
+    let is_covered = |space: &Space| {
+        space_or_list.eq_ignore_ascii_case(&space.name)
+            || lists(model, "SpaceList", space_or_list, ["spaces", "space_name"], &space.name)
+    };
+    spaces(model, zone).into_iter().filter(is_covered).collect()
 }
 
-fn spaces_of<'a>(model: &'a Model, zone: &'a str) -> impl Iterator<Item = (&'a str, &'a Fields)> {
-    model.objects("Space").into_iter().filter(move |(_, fields)| names(fields, "zone_name", zone))
+/// Returns the zone, space or list of them to which an object applies.
+pub(crate) fn place(fields: &Fields) -> Option<&str> {
+    ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
+        .into_iter()
+        .find_map(|field| text(fields, field))
+}
+
+/// Returns whether a surface belongs to a space.
+pub(crate) fn is_in_space(model: &Model, surface: &str, space: &str) -> bool {
+    model.get(DETAILED, surface).is_some_and(|fields| names(fields, "space_name", space))
 }
 
 /// Returns whether a name refers to the zone, or to a list that contains it.
 pub fn covers_zone(model: &Model, zone_or_list: &str, zone: &str) -> bool {
     zone_or_list.eq_ignore_ascii_case(zone)
         || lists(model, "ZoneList", zone_or_list, ["zones", "zone_name"], zone)
-}
-
-/// Returns whether a name refers to the space, or to a list that contains it.
-pub fn covers_space(model: &Model, space_or_list: &str, space: &str) -> bool {
-    space_or_list.eq_ignore_ascii_case(space)
-        || lists(model, "SpaceList", space_or_list, ["spaces", "space_name"], space)
 }
 
 fn lists(model: &Model, class: &str, list: &str, [entries, field]: [&str; 2], name: &str) -> bool {
