@@ -41,9 +41,24 @@ pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
 
 /// Returns the median of a figure as a cell.
 pub(crate) fn median_text(rows: &[&EpisodeResult], figure: Figure) -> String {
+    let values = values(rows, figure);
+    if values.is_empty() { "–".to_owned() } else { figure_text(median(&values)) }
+}
+
+/// Returns the median of a figure as a cell, with the range if there are several.
+pub(crate) fn range_text(rows: &[&EpisodeResult], figure: Figure) -> String {
+    let median = median_text(rows, figure);
+    match values(rows, figure)[..] {
+        [low, .., high] => format!("{median} ({} to {})", figure_text(low), figure_text(high)),
+        _ => median,
+    }
+}
+
+/// Returns the values of a figure in ascending order.
+fn values(rows: &[&EpisodeResult], figure: Figure) -> Vec<f64> {
     let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.scored()?)).collect();
     values.sort_by(f64::total_cmp);
-    if values.is_empty() { "–".to_owned() } else { figure_text(median(&values)) }
+    values
 }
 
 /// Returns a figure with two decimals, and three below 0.1.

@@ -9,7 +9,9 @@ use serde_json::{Value, json};
 
 use super::content::{Content, SCORES};
 use super::group::Group;
-use crate::absolute::{comfort_share, deviation, energy, median_text, reactive_deviation, reactive_energy};
+use crate::absolute::{
+    comfort_share, deviation, energy, median_text, range_text, reactive_deviation, reactive_energy,
+};
 use crate::definition::{Experiment, Policy};
 use crate::paper;
 use crate::results::Results;
@@ -35,7 +37,11 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let table = json!({"title": title, "header": header(&policies), "rows": rows});
     Content {
         tiles: policies.iter().zip(won).map(tile).collect(),
-        tables: vec![by_task(experiment, results, &policies), table],
+        tables: vec![
+            by_task(experiment, results, &policies),
+            table,
+            by_building(experiment, results, &policies),
+        ],
         charts: experiment.tasks.iter().map(|task| chart(results, &policies, task)).collect(),
         notes: SCORES.to_owned(),
     }
@@ -134,6 +140,34 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
     })
 }
 
+/// Returns a table of the RMS deviations by building, task and period.
+fn by_building(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) -> Value {
+    let tasks = experiment.tasks.iter().map(|task| &task[..]).collect::<Vec<_>>();
+    let mut places: BTreeMap<(usize, &str, &str, &str), Vec<Vec<&EpisodeResult>>> = BTreeMap::new();
+    for (number, policy) in policies.iter().enumerate() {
+        for (_, row) in results.of(&policy.name) {
+            let info = &row.info;
+            let Some(task) = tasks.iter().position(|task| *task == info.task) else { continue };
+            let place = (task, &info.building[..], tasks[task], &info.period[..]);
+            places.entry(place).or_insert_with(|| vec![Vec::new(); policies.len()])[number].push(row);
+        }
+    }
+    let rows = places.into_iter().map(|((_, building, task, period), by_policy)| {
+        let all: Vec<&EpisodeResult> = by_policy.iter().flatten().copied().collect();
+        let mut cells = [building, task, period].map(str::to_owned).to_vec();
+        cells.push(median_text(&all, reactive_deviation));
+        cells.extend(by_policy.iter().map(|own| range_text(own, deviation)));
+        cells
+    });
+    let mut header = ["building", "task", "period", "reactive"].map(str::to_owned).to_vec();
+    header.extend(policies.iter().map(|policy| policy.name.to_string()));
+    json!({
+        "title": "RMS deviation (K) by building: the median over seeds (lowest to highest)",
+        "header": header,
+        "rows": rows.collect::<Vec<_>>(),
+    })
+}
+
 /// Returns the scores by type, for each building and period one per seed.
 fn strata(rows: &[&EpisodeResult], score: fn(&EpisodeResult) -> Option<f64>) -> Vec<Vec<Cluster>> {
     let mut strata: BTreeMap<&str, BTreeMap<(&str, &str), Cluster>> = BTreeMap::new();
@@ -192,5 +226,41 @@ fn chart(results: &Results, policies: &[Policy<'_>], task: &str) -> Chart {
         wide: false,
         data: Value::from(data),
         layout,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::folder::Folder;
+
+    #[test]
+    fn every_building_has_the_deviations_of_all_agents_and_seeds() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../results/residual"));
+        let (folder, experiment, budget) = Folder::open(path).unwrap();
+        let results = Results::read(&folder, &experiment, &budget).unwrap();
+        let table = by_building(&experiment, &results, &experiment.policies(&budget));
+        let rows: Vec<Vec<&str>> = table["rows"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|row| row.as_array().unwrap().iter().filter_map(Value::as_str).collect())
+            .collect();
+        assert_eq!(rows.len(), 5 * 12 * 2, "tasks, buildings and periods");
+        let [building, task, period, reactive, own] = rows[0][..] else { panic!("{:?}", rows[0]) };
+        assert_eq!([task, period], ["constant", "summer"]);
+        let mut of_building: Vec<f64> = results
+            .of("residual")
+            .filter(|(_, row)| {
+                [&row.info.building, &row.info.task, &row.info.period] == [building, task, period]
+            })
+            .filter_map(|(_, row)| deviation(row.scored()?))
+            .collect();
+        of_building.sort_by(f64::total_cmp);
+        let [low, middle, high] = of_building[..] else { panic!("three seeds") };
+        assert_eq!(own, format!("{middle:.3} ({low:.3} to {high:.3})"));
+        assert!(reactive.parse::<f64>().unwrap() > middle);
     }
 }
