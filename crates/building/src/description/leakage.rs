@@ -6,7 +6,7 @@
 
 use crate::Model;
 use crate::model::{Fields, number, text};
-use crate::zone::{Space, Zone, covered_spaces, covers_zone, place};
+use crate::zone::{Space, Zone, covered, place};
 
 /// Reference temperature difference between zone and outdoors, K.
 pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
@@ -37,11 +37,8 @@ pub(super) fn flow(model: &Model, zone: &Zone, measures: impl Fn(Option<&Space>)
     ];
     let of_object = |form: Form, fields: &Fields| -> f64 {
         let Some(place) = place(fields) else { return 0.0 };
-        if covers_zone(model, place, &zone.name) {
-            return form(fields, &measures(None));
-        }
-        let spaces = covered_spaces(model, place, &zone.name);
-        spaces.iter().map(|space| form(fields, &measures(Some(space)))).sum()
+        let parts = covered(model, place, &zone.name);
+        parts.iter().map(|space| form(fields, &measures(space.as_ref()))).sum()
     };
     let of_form = |(class, form): (&str, Form)| -> f64 {
         let leaks = model.objects(class).into_iter().filter(|(name, _)| !is_door(name));

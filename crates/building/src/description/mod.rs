@@ -288,15 +288,18 @@ fn describe_zone(
     let measures = |space: Option<&Space>| {
         let is_own =
             |face: &Bound| space.is_none_or(|space| is_in_space(model, &face.face.name, &space.name));
-        let floor = space.map_or(zone.floor_area, |space| space.floor_area);
+        let (floor, volume) = match space {
+            None => (zone.floor_area, volume),
+            // As high as the zone unless it has a volume.
+            Some(Space { floor_area, volume: own, .. }) => {
+                (*floor_area, own.unwrap_or_else(|| volume * ratio(*floor_area, zone.floor_area)))
+            }
+        };
         Measures {
             floor,
             exterior: area(&|face| is_outer(face) && is_own(face)),
             exterior_walls: area(&|face| is_outer(face) && is_wall(face) && is_own(face)),
-            // Spaces are as high as the zone unless they have a volume.
-            volume: space
-                .map_or(Some(volume), |space| space.volume)
-                .unwrap_or_else(|| volume * ratio(floor, zone.floor_area)),
+            volume,
         }
     };
     let [low, high] = shape.extent();

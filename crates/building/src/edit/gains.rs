@@ -4,7 +4,7 @@ use super::geometry::multiply;
 use crate::Model;
 use crate::model::{Fields, number, text};
 use crate::people::{self, PeopleGroup};
-use crate::zone::{Zone, covered_spaces, covers_zone, place, zones};
+use crate::zone::{Zone, covered, place, zones};
 
 /// A kind of gains: the classes with their fields.
 #[derive(Clone, Copy, Debug)]
@@ -91,12 +91,11 @@ fn power_of(model: &Model, classes: &[Class], people: &[PeopleGroup], zone: &Zon
     let mut sum = 0.0;
     for class in classes {
         for (_, fields) in model.objects(class.name) {
-            let place = place(fields)?;
-            if covers_zone(model, place, &zone.name) {
-                sum += class.level_of(fields, zone.floor_area, people::at_design(people, &zone.name))?;
-                continue;
-            }
-            for space in covered_spaces(model, place, &zone.name) {
+            for space in covered(model, place(fields)?, &zone.name) {
+                let Some(space) = space else {
+                    sum += class.level_of(fields, zone.floor_area, people::at_design(people, &zone.name))?;
+                    continue;
+                };
                 let own = people.iter().filter(|group| group.space.as_ref() == Some(&space.name));
                 sum += class.level_of(fields, space.floor_area, own.map(|group| group.people).sum())?;
             }

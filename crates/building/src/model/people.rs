@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::hvac::zone_equipment::has_exhaust;
 use crate::model::{Fields, Model, number, text};
-use crate::zone::{self, Zone, covers_zone};
+use crate::zone::{self, Zone};
 
 /// Share of the people at design occupancy from which a zone counts as in use in operation tasks. Prototypes
 /// schedule 5 % of their people at night, on Sundays and before opening, when they supply no outdoor air: a cleaner or
@@ -46,7 +46,7 @@ pub fn groups(model: &Model) -> Result<Vec<PeopleGroup>> {
     let zones = zone::zones(model)?;
     let mut groups = Vec::new();
     for (object, fields) in model.objects("People") {
-        let place = text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default();
+        let place = zone::place(fields).unwrap_or_default();
         for zone in &zones {
             groups.extend(parts(model, place, zone).into_iter().map(|part| PeopleGroup {
                 name: part.prefix.map_or(object.to_owned(), |prefix| format!("{prefix} {object}")),
@@ -78,14 +78,15 @@ struct Part {
 /// Returns the parts of a zone that a place covers: the name of a zone, of a space or of a list.
 fn parts(model: &Model, place: &str, zone: &Zone) -> Vec<Part> {
     let listed = |name: &str| (!place.eq_ignore_ascii_case(name)).then(|| name.to_owned());
-    if !covers_zone(model, place, &zone.name) {
+    let covered = zone::covered(model, place, &zone.name);
+    if covered != [None] {
         let part = |space: zone::Space| Part {
             prefix: listed(&space.name),
             floor_area: space.floor_area,
             share: 1.0,
             space: Some(space.name),
         };
-        return zone::covered_spaces(model, place, &zone.name).into_iter().map(part).collect();
+        return covered.into_iter().flatten().map(part).collect();
     }
     let spaces = zone::spaces(model, &zone.name);
     let mut rooms: Vec<_> =

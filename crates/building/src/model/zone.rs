@@ -100,7 +100,8 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
     let space = |(name, fields): (&str, &Fields)| Space {
         name: name.to_owned(),
         floor_area: number(fields, "floor_area").unwrap_or_else(|| area(name)),
-        volume: number(fields, "volume"),
+        // The engine computes a volume of 0.
+        volume: number(fields, "volume").filter(|volume| *volume > 0.0),
     };
     divisions.map(space).collect()
 }
@@ -118,13 +119,16 @@ pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
     own.filter_map(area).reduce(|sum, area| sum + area)
 }
 
-/// Returns the spaces of a zone that a name refers to, by itself or by a list.
-pub(crate) fn covered_spaces(model: &Model, space_or_list: &str, zone: &str) -> Vec<Space> {
+/// Returns the parts of a zone that a name refers to, by itself or by a list: `None` for the whole zone, or its spaces.
+pub(crate) fn covered(model: &Model, place: &str, zone: &str) -> Vec<Option<Space>> {
+    if covers_zone(model, place, zone) {
+        return vec![None];
+    }
     let is_covered = |space: &Space| {
-        space_or_list.eq_ignore_ascii_case(&space.name)
-            || lists(model, "SpaceList", space_or_list, ["spaces", "space_name"], &space.name)
+        place.eq_ignore_ascii_case(&space.name)
+            || lists(model, "SpaceList", place, ["spaces", "space_name"], &space.name)
     };
-    spaces(model, zone).into_iter().filter(is_covered).collect()
+    spaces(model, zone).into_iter().filter(is_covered).map(Some).collect()
 }
 
 /// Returns the zone, space or list of them to which an object applies.

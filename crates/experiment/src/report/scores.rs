@@ -142,19 +142,18 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
 
 /// Returns a table of the RMS deviations by building, task and period.
 fn by_building(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) -> Value {
-    let tasks = experiment.tasks.iter().map(|task| &task[..]).collect::<Vec<_>>();
-    let mut places: BTreeMap<(usize, &str, &str, &str), Vec<Vec<&EpisodeResult>>> = BTreeMap::new();
+    let mut places: BTreeMap<(usize, &str, &str), Vec<Vec<&EpisodeResult>>> = BTreeMap::new();
     for (number, policy) in policies.iter().enumerate() {
         for (_, row) in results.of(&policy.name) {
             let info = &row.info;
-            let Some(task) = tasks.iter().position(|task| *task == info.task) else { continue };
-            let place = (task, &info.building[..], tasks[task], &info.period[..]);
+            let Some(task) = experiment.tasks.iter().position(|task| *task == info.task) else { continue };
+            let place = (task, &info.building[..], &info.period[..]);
             places.entry(place).or_insert_with(|| vec![Vec::new(); policies.len()])[number].push(row);
         }
     }
-    let rows = places.into_iter().map(|((_, building, task, period), by_policy)| {
+    let rows = places.into_iter().map(|((task, building, period), by_policy)| {
         let all: Vec<&EpisodeResult> = by_policy.iter().flatten().copied().collect();
-        let mut cells = [building, task, period].map(str::to_owned).to_vec();
+        let mut cells = [building, &experiment.tasks[task], period].map(str::to_owned).to_vec();
         cells.push(median_text(&all, reactive_deviation));
         cells.extend(by_policy.iter().map(|own| range_text(own, deviation)));
         cells
