@@ -109,7 +109,7 @@ fn prices(task: &Task, weather: &Path, calendar: Calendar) -> Result<Option<Pric
     let file = EpwFile::open(weather).map_err(Error::building)?;
     let outdoor = file.record().map_err(Error::building)?.dry_bulbs_in(calendar);
     let events =
-        if tariff.has_events() { tariff.events(calendar, &daily_means(&outdoor), None) } else { Vec::new() };
+        if tariff.has_events() { tariff.events(calendar, &daily_means(&outdoor)) } else { Vec::new() };
     let outdoor = Some(outdoor.as_slice()).filter(|_| tariff.needs_temperatures());
     Ok(Some(Prices::new(tariff, calendar, &events, outdoor)?))
 }

@@ -120,11 +120,20 @@ impl Impairment {
 
     /// Adds the errors of the sensors to the zone temperatures at the end of a step.
     pub(crate) fn disturb(&self, step: usize, temperatures: &mut [f64]) {
+        self.add(step, temperatures, 1.0);
+    }
+
+    /// Removes the errors of the sensors from the zone temperatures at the end of a step.
+    pub(crate) fn correct(&self, step: usize, temperatures: &mut [f64]) {
+        self.add(step, temperatures, -1.0);
+    }
+
+    fn add(&self, step: usize, temperatures: &mut [f64], sign: f64) {
         let mut random = (self.noise > 0.0).then(|| stream(self.seed, step as u64));
         for (temperature, bias) in temperatures.iter_mut().zip(&self.biases) {
-            *temperature += bias;
+            *temperature += sign * bias;
             if let Some(random) = &mut random {
-                *temperature += self.noise * standard_normal(random);
+                *temperature += sign * (self.noise * standard_normal(random));
             }
         }
     }

@@ -64,7 +64,7 @@ pub use spaces::{EpisodeConfig, Spaces};
 pub use task::{DataFile, Fuels, Hourly, OPERATION_WEIGHT, Task};
 pub use terms::{Amounts, Display, Penalty, RESOURCES, Resource, Term, TermMetrics, Totals};
 pub use zones::carbon_dioxide::CarbonDioxide;
-pub use zones::comfort::{Comfort, Pmv};
+pub use zones::comfort::{Comfort, PMV_WEIGHT, Pmv};
 pub use zones::presence::Presence;
 pub use zones::ventilation::Ventilation;
 pub use zones::zone_air::ZoneAir;

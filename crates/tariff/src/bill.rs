@@ -259,7 +259,7 @@ impl Bill {
                 let now = self.charge(prices, index);
                 self.closed[index].cost += now.cost;
                 self.closed[index].quantity = self.closed[index].quantity.max(now.quantity);
-                self.shares[index] = self.share(prices, index, month);
+                self.shares[index] = self.share(prices, index, day);
             }
             self.peaks = [0.0; MAX_CHARGES];
             self.month = month;
@@ -290,10 +290,10 @@ impl Bill {
         charge.ratchet.as_ref().map_or(0.0, |ratchet| ratchet.share * self.ratchets[index])
     }
 
-    /// Returns the days of a month that the episode covers and that are among a charge's dates, in months.
-    fn share(&self, prices: &Prices, index: usize, month: usize) -> f64 {
+    /// Returns the days of a day's month that the episode covers and that are among a charge's dates, in months.
+    fn share(&self, prices: &Prices, index: usize, day: u32) -> f64 {
         let charge = &prices.tariff.charges[index];
-        let covered = self.covered(prices.calendar, month);
+        let (covered, month) = (self.covered(prices.calendar, day), prices.calendar.month_of(day));
         let days =
             covered.filter(|day| charge.dates.contain(prices.calendar.day_of_common_year(*day))).count();
         days as f64 / f64::from(month_days(prices, month))
@@ -301,23 +301,25 @@ impl Bill {
 
     /// Returns the factor on the ends of blocks on a day.
     fn scale(&self, prices: &Prices, day: u32) -> f64 {
-        let month = prices.calendar.month_of(day);
-        let covered = self.covered(prices.calendar, month).count() as f64;
+        let covered = self.covered(prices.calendar, day).count() as f64;
         match prices.tariff.blocks.per {
             Per::Day => 1.0,
             Per::DayOfMonth => covered,
-            Per::Month => covered / f64::from(month_days(prices, month)),
+            Per::Month => covered / f64::from(month_days(prices, prices.calendar.month_of(day))),
         }
     }
 
-    /// Returns the days of a month that the episode covers.
-    fn covered(&self, calendar: Calendar, month: usize) -> impl Iterator<Item = u32> {
+    /// Returns the days of a day's month that the episode covers. The month in which an episode of a year begins and
+    /// ends is two months.
+    fn covered(&self, calendar: Calendar, day: u32) -> impl Iterator<Item = u32> {
+        let month = calendar.month_of(day);
         let start = calendar.month_start(month);
-        let (first, last) = (self.first_day, self.last_day);
-        let covers = move |day: &u32| match first <= last {
-            true => (first..=last).contains(day),
-            false => *day >= first || *day <= last,
+        let (first, last) = match (self.first_day, self.last_day) {
+            (first, last) if first <= last => (first, last),
+            (first, _) if day >= first => (first, u32::MAX),
+            (_, last) => (0, last),
         };
+        let covers = move |day: &u32| (first..=last).contains(day);
         (start..start + calendar.month_days(month)).filter(covers)
     }
 }

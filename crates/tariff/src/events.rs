@@ -1,7 +1,6 @@
 //! Events: hours of a winter with a high price, announced the day before.
 
 use b2b_base::calendar::Calendar;
-use b2b_base::random::{stream, uniform};
 use toml::Spanned;
 
 use crate::calendar::Date;
@@ -9,10 +8,6 @@ use crate::energy::{Class, EnergyTable};
 use crate::error::Fault;
 use crate::file::EventsFile;
 use crate::span::{Dates, Days, Hours};
-
-/// Largest difference between a day's mean temperature and the temperature assumed when events are chosen with a seed,
-/// K. It stands for the uncertainty of the forecast and of the rest of the grid.
-const UNCERTAINTY: f64 = 2.0;
 
 /// When a utility may call events and what they cost.
 #[derive(Clone, Debug)]
@@ -78,21 +73,15 @@ impl EventRule {
         &self,
         calendar: Calendar,
         daily_means: &[f64],
-        seed: Option<u64>,
         is_weekend: impl Fn(u32) -> bool,
     ) -> Vec<Event> {
-        let mut random = seed.map(|seed| stream("events", seed, 0));
         let mut candidates = Vec::new();
         for (day, mean) in (1..).zip(daily_means) {
-            for hours in &self.hours {
-                // Drawn for every time, so that a draw does not depend on which days are permitted.
-                let error = random.as_mut().map_or(0.0, |random| (2.0 * uniform(random) - 1.0) * UNCERTAINTY);
-                if self.permits(calendar.day_of_common_year(day), is_weekend(day)) {
-                    candidates.push((mean + error, day, *hours));
-                }
+            if self.permits(calendar.day_of_common_year(day), is_weekend(day)) {
+                candidates.extend(self.hours.iter().map(|hours| (mean, day, *hours)));
             }
         }
-        candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.from.cmp(&b.2.from)));
+        candidates.sort_by(|a, b| a.0.total_cmp(b.0).then(a.1.cmp(&b.1)).then(a.2.from.cmp(&b.2.from)));
         let (mut chosen, mut used) = (Vec::<Event>::new(), 0.0);
         for (_, day, hours) in candidates {
             let same_day = chosen.iter().filter(|event| event.day == day).count();

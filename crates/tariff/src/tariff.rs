@@ -112,13 +112,11 @@ impl Tariff {
     /// Chooses the events of a year from its daily mean outdoor temperatures, °C.
     ///
     /// The permitted times of the coldest permitted days become events, within the number per day and the hours per
-    /// winter that the tariff allows. January to March and December of the year count as one winter. With a seed, the
-    /// temperature of each permitted time is shifted by up to 2 K, drawn uniformly, so that the choice does not depend
-    /// on temperature alone. The same arguments give the same events, in order of time; a tariff without events has
-    /// none.
-    pub fn events(&self, calendar: Calendar, daily_means: &[f64], seed: Option<u64>) -> Vec<Event> {
+    /// winter that the tariff allows. January to March and December of the year count as one winter. In order
+    /// of time; a tariff without events has none.
+    pub fn events(&self, calendar: Calendar, daily_means: &[f64]) -> Vec<Event> {
         let Some(rule) = &self.events else { return Vec::new() };
-        rule.choose(calendar, daily_means, seed, |day| self.is_weekend(calendar, day))
+        rule.choose(calendar, daily_means, |day| self.is_weekend(calendar, day))
     }
 
     /// Returns whether a day of a year is a Saturday, a Sunday or one of the tariff's holidays.

@@ -103,10 +103,10 @@ def train(
     building of the type's training split, and with ``problem``, the run uses only the training side of a benchmark
     problem. Several types need the preset ``"graph"`` or ``"supervisory-graph"``, whose agents control buildings of any
     type. ``task`` is a task as for :func:`make_env`, or several, one of which is drawn for every episode. ``preset`` is
-    ``"residual"`` (the default), ``"direct"``, ``"paper"``, ``"recurrent"``, ``"graph"``, ``"supervisory"`` or
-    ``"supervisory-graph"``; ``options`` are any other options of a run's ``config.toml``, such as ``environments=4`` or
-    ``ppo={"gamma": 0.99}``. ``config`` is such a file, for example of an earlier run; other arguments take precedence.
-    ``out`` is the folder of the run and of the agent. If it already has a run with the same options, that run continues
+    ``"residual"``, ``"direct"``, ``"paper"``, ``"recurrent"``, ``"graph"``, ``"supervisory"`` or
+    ``"supervisory-graph"``, by default the one of ``b2b train`` for the other arguments; ``options`` are any other
+    options of a run's ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``config`` is such a
+    file, for example of an earlier run; other arguments take precedence. ``out`` is the folder of the run and of the agent. If it already has a run with the same options, that run continues
     from its last checkpoint; with ``resume``, only ``steps`` can be given.
 
     ``callback`` is called with the metrics of every update; when it returns ``False``, or at Ctrl-C, the run writes a

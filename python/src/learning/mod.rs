@@ -2,7 +2,7 @@
 
 pub(crate) mod pilot;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 use b2b_agent::Agent;
@@ -27,7 +27,8 @@ pub fn next_comfort_weight(weight: f32, reached: f64, allowed: f64) -> f32 {
 /// Trains an agent in a folder, or resumes the run in the folder, and returns the result as JSON text.
 ///
 /// `options` is a JSON object with options of a run's `config.toml`; with `resume`, only `steps`. `config` is a TOML
-/// file with such options, which `options` override; `preset` is the preset that both modify. `callback` is called with
+/// file with such options, which `options` override; `preset` is the preset that both modify, by default the one for
+/// these options. `callback` is called with
 /// a dictionary after every update; if it returns `False`, the run ends with a checkpoint. `stage` is called with a
 /// text before other work.
 #[pyfunction]
@@ -45,8 +46,11 @@ pub fn train(
     stage: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let _running = running()?;
-    let base = if resume { TrainConfig::of_run(&out) } else { configuration(preset, config.as_deref()) };
-    let config = base.and_then(|base| base.with_json(options)).map_err(of_training)?;
+    let config = match resume {
+        true => TrainConfig::of_run(&out).and_then(|base| base.with_json(options)),
+        false => TrainConfig::of_json(options, preset, config.as_deref()),
+    };
+    let config = config.map_err(of_training)?;
     let launcher = catalog::worker_options(py)?.launcher;
     let events = Events::default();
     let raised = Mutex::new(None);
@@ -64,16 +68,6 @@ pub fn train(
         locked(&raised).take().map_or(trained, Err)
     });
     Ok(serde_json::to_string(&outcome?).expect("a summary is plain data"))
-}
-
-/// Returns the configuration of a file applied to a preset: the given one, the one named in the file, or `residual`.
-fn configuration(preset: Option<&str>, file: Option<&Path>) -> b2b_learn::Result<TrainConfig> {
-    let base = TrainConfig::preset(preset.unwrap_or("residual"))?;
-    match (file, preset) {
-        (None, _) => Ok(base),
-        (Some(file), None) => base.with_file(file, &[]),
-        (Some(file), Some(_)) => base.with_file(file, &["preset"]),
-    }
 }
 
 /// Returns the description of an agent as JSON text.

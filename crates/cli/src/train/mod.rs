@@ -9,9 +9,8 @@ use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, Period};
 use b2b_dataset::{BuildingName, Catalog, Placement};
-use b2b_env::Task;
 use b2b_evaluate::statistics::Verdict;
-use b2b_learn::train::{Measures, PAGE, RunOptions, RunSummary, SUMMARY, Tasks, TrainConfig};
+use b2b_learn::train::{Measures, PAGE, PresetChoice, RunOptions, RunSummary, SUMMARY, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -87,7 +86,7 @@ pub struct Arguments {
     /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
-        "acting", "direct", "authority", "out", "place", "weather",
+        "acting", "direct", "authority", "out", "place", "weather", "control", "keep_design_days",
     ])]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -120,7 +119,7 @@ Ctrl-C writes a checkpoint. A run that was killed and resumed ends with the same
 pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
-    let out = arguments.folder(&config);
+    let out = arguments.folder(&config)?;
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let trained = train_in(&out, &config, catalog, arguments.jobs.count()?, arguments.json);
     let summary = match trained {
@@ -172,40 +171,35 @@ impl Arguments {
             config.training_set.allow_external = self.location.placement().allow_external;
             return Ok(config);
         }
-        let base = TrainConfig::preset(self.preset())?;
-        let base = self.with_algorithm(base)?;
+        let base = self.with_algorithm(TrainConfig::preset(&self.preset()?)?)?;
         let base = match &self.problem {
             Some(problem) => base.with_problem(problem)?,
             None => base,
         };
         let mut config = match &self.config {
-            Some(path) => {
-                // Arguments take precedence over the file.
-                let given = [("preset", self.preset.is_some()), ("algorithm", self.algorithm.is_some())];
-                let given: Vec<_> = given.into_iter().filter_map(|(name, is)| is.then_some(name)).collect();
-                self.with_algorithm(base.with_file(path, &given)?)?
+            // Arguments take precedence over the file.
+            Some(path) if self.algorithm.is_some() => {
+                self.with_algorithm(base.with_file(path, &["preset", "algorithm"])?)?
             }
+            Some(path) => base.with_file(path, &["preset"])?,
             None => base,
         };
         self.change(&mut config);
         Ok(config)
     }
 
-    /// Returns the preset: the named one, or the one for the agent's acting and tasks.
-    fn preset(&self) -> &str {
-        let is_no_supervisor = self.direct || self.authority.is_some() || self.problem.is_some();
-        let operates =
-            self.task.as_ref().is_some_and(|tasks| tasks.as_slice().iter().all(Task::is_operation));
-        let supervises = match self.acting {
-            None => operates && !is_no_supervisor,
-            Some(acting) => acting.is_supervision(),
+    /// Returns the name of the preset.
+    fn preset(&self) -> Result<String> {
+        let acting = self.acting.or(self.direct.then_some(Acting::Direct));
+        let choice = PresetChoice {
+            preset: self.preset.clone(),
+            task: self.task.clone(),
+            acting: acting.or(self.authority.map(|authority| Acting::Residual { authority })),
+            buildings: self.buildings.iter().map(ToString::to_string).collect(),
+            building_type: self.building_type.iter().map(ToString::to_string).collect(),
+            problem: self.problem.clone().unwrap_or_default(),
         };
-        let default = match (supervises, self.building_type.is_empty()) {
-            (false, _) => TrainConfig::DEFAULT_PRESET,
-            (true, true) => "supervisory",
-            (true, false) => "supervisory-graph",
-        };
-        self.preset.as_deref().unwrap_or(default)
+        Ok(choice.name(self.config.as_deref())?)
     }
 
     fn with_algorithm(&self, config: TrainConfig) -> Result<TrainConfig> {
@@ -249,24 +243,23 @@ impl Arguments {
     }
 
     /// Returns the folder of the run.
-    fn folder(&self, config: &TrainConfig) -> PathBuf {
+    fn folder(&self, config: &TrainConfig) -> Result<PathBuf> {
+        if let Some(given) = self.resume.as_ref().or(self.out.as_ref()) {
+            return Ok(given.clone());
+        }
         let set = &config.training_set;
-        let given = self.resume.clone().or_else(|| self.out.clone());
-        given.unwrap_or_else(|| {
-            let what = match (&set.buildings[..], &set.building_type) {
-                ([], types) => types.join("-"),
-                ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-                ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
-            };
-            let what = if set.problem.is_empty() {
-                format!("{what}-{}-{}", set.task, set.period)
-            } else {
-                Path::new(&set.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
-            };
-            let preset = self.preset();
-            let name = format!("train-{what}-{preset}-{}", config.budget.seed);
-            PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_"))
-        })
+        let what = match (&set.buildings[..], &set.building_type) {
+            ([], types) => types.join("-"),
+            ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
+        };
+        let what = if set.problem.is_empty() {
+            format!("{what}-{}-{}", set.task, set.period)
+        } else {
+            Path::new(&set.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+        };
+        let name = format!("train-{what}-{}-{}", self.preset()?, config.budget.seed);
+        Ok(PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_")))
     }
 }
 

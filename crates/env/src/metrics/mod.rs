@@ -12,7 +12,7 @@ use crate::terms::{Term, Totals};
 use crate::zones::ControlledZone;
 
 /// Absolute predicted mean vote up to which people are comfortable (ASHRAE 55).
-const NEUTRAL_VOTE: f64 = 0.5;
+pub(crate) const NEUTRAL_VOTE: f64 = 0.5;
 
 /// Deviation of one zone from its target over an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

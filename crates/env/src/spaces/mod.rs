@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use self::action::ActionSpace;
 use self::observation::ObservationSpace;
+use crate::faults::Impairment;
 use crate::setpoints::Setpoints;
 use crate::setpoints::band::Bands;
 use crate::task::Task;
@@ -112,6 +113,16 @@ impl Spaces {
     pub fn controlled_zones(&self) -> impl Iterator<Item = usize> {
         let zones = self.building.zones.iter().enumerate();
         zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, _)| index)
+    }
+
+    /// Removes the errors of faulty sensors from an episode's observations: the first is before the first step, the
+    /// others at the ends of the steps.
+    pub fn remove_sensor_errors<'a>(&self, observations: impl Iterator<Item = &'a mut [f64]>) {
+        let Some(impairment) = Impairment::new(&self.episode.task.faults, &self.building) else { return };
+        let zones = self.building.zones.len();
+        for (step, observation) in observations.enumerate() {
+            impairment.correct(step, &mut observation[..zones]);
+        }
     }
 
     /// Steps of a whole episode.

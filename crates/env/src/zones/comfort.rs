@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::limits::within;
+use crate::metrics::NEUTRAL_VOTE;
 use crate::reward::ZoneStep;
 use crate::setpoints::calendar::Season;
+use crate::task::OPERATION_WEIGHT;
 
 /// The comfort penalty of a reward, averaged over the controlled zones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,7 +22,8 @@ pub enum Comfort {
         /// Half width of the deadband, K.
         half_width: f64,
     },
-    /// PMV² while the zone is occupied; the target is not used.
+    /// PMV² while the zone is occupied; the target is not used. In operation tasks, the vote beyond ±0.5 times
+    /// [`PMV_WEIGHT`].
     Pmv(Pmv),
     /// Deviation from the band, K, times a weight: the operation tasks.
     Band {
@@ -28,6 +31,10 @@ pub enum Comfort {
         weight: f64,
     },
 }
+
+/// Penalty of a vote beyond ±0.5 in operation tasks, in units of the mean cost of a step: a vote is about 3 K of air and
+/// radiant temperature.
+pub const PMV_WEIGHT: f64 = 3.0 * OPERATION_WEIGHT;
 
 /// Assumptions of the predicted mean vote (ISO 7730). In operation tasks, mean radiant temperature and humidity are
 /// the zone's own; otherwise, the radiant temperature is the air temperature and the humidity an assumption.
@@ -84,8 +91,11 @@ impl Comfort {
             Self::Band { weight } => weight * zone.deviation().abs(),
             Self::Pmv(_) if !zone.occupied => 0.0,
             Self::Pmv(pmv) => {
-                let vote = zone.vote.unwrap_or_else(|| pmv.vote(zone.temperature, season));
-                if zone.penalize_above_target { vote.powi(2) } else { vote.min(0.0).powi(2) }
+                let felt = |vote: f64| if zone.penalize_above_target { vote.abs() } else { (-vote).max(0.0) };
+                match zone.vote {
+                    Some(vote) => PMV_WEIGHT * (felt(vote) - NEUTRAL_VOTE).max(0.0),
+                    None => felt(pmv.vote(zone.temperature, season)).powi(2),
+                }
             }
         }
     }
@@ -228,5 +238,7 @@ mod tests {
         assert!(penalty(&pmv, &there) > 0.0);
         let hot = ZoneStep { temperature: 35.0, occupied: true, ..heated };
         assert_eq!(penalty(&pmv, &hot), 0.0);
+        let felt = |vote| penalty(&pmv, &ZoneStep { vote: Some(vote), ..there });
+        assert_eq!([felt(-1.5), felt(0.4), felt(1.0)], [PMV_WEIGHT, 0.0, 0.5 * PMV_WEIGHT]);
     }
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::case::{Case, random_episode};
+use crate::case::{Case, random_episode, random_episode_from};
 use b2b_building::BuildingType;
 use b2b_building::hvac::Quantity;
-use b2b_env::{Faults, Task, Trajectory};
+use b2b_env::{Env, Faults, Task, Trajectory};
 
 const DAY: &str = "01-03..01-03";
 
@@ -39,6 +39,21 @@ fn sensors_have_the_given_noise_and_bias_and_rewards_do_not() {
         let first = biased[0][zone];
         assert!(first != 0.0 && biased.iter().all(|row| (row[zone] - first).abs() < 1e-9));
     }
+}
+
+#[test]
+fn observations_without_sensor_errors_have_the_true_temperatures() {
+    let office = office();
+    let episode = |env: &mut Env| {
+        let (first, trajectory) = random_episode_from(env, 3);
+        [first, trajectory.observations].concat()
+    };
+    let truth = episode(&mut office.env_for(DAY, "constant"));
+    let mut faulty = office.env_for(DAY, "constant+noise0.2+bias0.5");
+    let mut observed = episode(&mut faulty);
+    faulty.spaces().remove_sensor_errors(observed.chunks_exact_mut(faulty.observation().len()));
+    let farthest = truth.iter().zip(&observed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(farthest < 1e-9, "{farthest}");
 }
 
 #[test]

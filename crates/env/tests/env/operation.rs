@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_building::hvac::Unsupported;
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_dataset::archetype;
-use b2b_env::{Env, EpisodeConfig, EpisodeMetrics, Term, Trajectory};
+use b2b_env::{Env, EpisodeConfig, EpisodeMetrics, PMV_WEIGHT, Term, Trajectory};
 
 use crate::case::{Case, random_episode, random_episode_from};
 
@@ -133,7 +133,7 @@ fn the_vote_and_the_air_are_the_zone_s_own_and_observing_them_changes_nothing() 
         for name in names.iter().filter(|name| pair[0][slot(&env, &format!("{name} occupancy"))] == 1.0) {
             let air = ["air temperature", "mean radiant temperature", "relative humidity"];
             let vote = vote(air.map(|word| pair[1][slot(&env, &format!("{name} {word}"))]), 1.2, 0.5);
-            penalty += vote * vote / names.len() as f64;
+            penalty += PMV_WEIGHT * (vote.abs() - 0.5).max(0.0) / names.len() as f64;
             occupied += 1.0;
             cold_and_warm[0] += f64::from(u8::from(vote < -0.5));
             cold_and_warm[1] += f64::from(u8::from(vote > 0.5));

@@ -4,7 +4,7 @@ use b2b_base::digest::sha256;
 use b2b_control::{Objective, guideline36, kind_hash, parameters_hash};
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::{Band, DataFile, Task};
+use b2b_env::{Band, Comfort, DataFile, PMV_WEIGHT, Task};
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::EpisodePlan;
@@ -78,11 +78,13 @@ impl Key {
     }
 }
 
-/// Returns the hash of the guideline controller's parameters and of the data that a task takes by name, so that a
-/// baseline does not outlive a corrected tariff.
+/// Returns the hash of the guideline controller's parameters, of the data that a task takes by name and of the weight of
+/// votes, so that a baseline does not outlive a corrected tariff or weight.
 fn guideline36_hash(task: &Task) -> String {
     let data = [&task.tariff, &task.emission_profile].into_iter().flatten().filter_map(DataFile::text);
-    data.fold(kind_hash(BuiltIn::guideline36().kind()), |hash, text| sha256(hash + text))
+    let weight = matches!(task.comfort, Comfort::Pmv(_)).then(|| PMV_WEIGHT.to_string());
+    let data = data.map(str::to_owned).chain(weight);
+    data.fold(kind_hash(BuiltIn::guideline36().kind()), |hash, text| sha256(hash + &text))
 }
 
 /// Returns the task without its energy term and comfort band, which are not part of a baseline's key. A task of

@@ -64,11 +64,13 @@ impl Finished {
         recording: &Recording,
     ) -> Self {
         let (zones, trajectory_hash) = (controlled_zones(spaces), recording.trajectory.hash());
+        let step_rewards = StepRewards::of(&recording.trajectory);
+        let recording = &recording.with_true_temperatures(spaces);
         Self {
             record: EpisodeRecord { info, metrics: metrics.into(), inputs, trajectory_hash },
             terms: metrics.into(),
             deviations: Deviations::of(recording, &zones),
-            step_rewards: StepRewards::of(&recording.trajectory),
+            step_rewards,
             hours: Hours::of(recording, &zones, spaces),
         }
     }

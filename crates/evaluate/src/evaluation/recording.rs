@@ -1,5 +1,6 @@
 //! A recorded episode.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use b2b_building::{Conditioning, Zone};
@@ -8,6 +9,7 @@ use b2b_env::{Pair, Spaces, Target, Trajectory};
 use crate::subject::{SiteInfo, Subject};
 
 /// A recorded episode.
+#[derive(Clone)]
 pub(super) struct Recording {
     /// The observation before the first step.
     pub(super) first_observation: Vec<f64>,
@@ -55,6 +57,17 @@ impl ControlledZone {
 }
 
 impl Recording {
+    /// Returns the recording as sensors without errors would have made it.
+    pub(super) fn with_true_temperatures(&self, spaces: &Spaces) -> Cow<'_, Self> {
+        if spaces.episode.task.faults.is_none() {
+            return Cow::Borrowed(self);
+        }
+        let mut all = self.clone();
+        let ends = all.trajectory.observations.chunks_exact_mut(all.first_observation.len());
+        spaces.remove_sensor_errors(std::iter::once(all.first_observation.as_mut_slice()).chain(ends));
+        Cow::Owned(all)
+    }
+
     /// Returns the observations before and after each step.
     pub(super) fn steps(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
         let ends = self.trajectory.observations.chunks_exact(self.first_observation.len());

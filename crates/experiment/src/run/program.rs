@@ -48,7 +48,7 @@ impl Program {
     }
 
     fn train(&self, config: &Path, out: &Path) -> Result<String, Fault> {
-        let config = TrainConfig::preset(TrainConfig::DEFAULT_PRESET)?.with_file(config, &[])?;
+        let config = TrainConfig::of_json("{}", None, Some(config))?;
         config.check()?;
         let options = RunOptions {
             out: out.to_owned(),

@@ -24,8 +24,8 @@ mod summary;
 pub use crate::policy::{GraphPolicy, PolicyConfig, RecurrentPolicy};
 pub use checkpoint::CHECKPOINT;
 pub use config::{
-    AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, RewardConfig, Tasks,
-    TrainConfig, TrainingSet, merge,
+    AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, PresetChoice,
+    RewardConfig, Tasks, TrainConfig, TrainingSet, merge,
 };
 pub use judge::{AgentScores, BuildingScores, Measures};
 pub use lock::LAST;

@@ -95,6 +95,7 @@ mod tests {
         assert!(wrong("task = 'constant,random'").contains("random"));
         assert!(wrong("period = 'summer'").contains("winter"));
         assert!(wrong("steps_per_hour = 6").contains("steps per hour"));
+        assert!(wrong("control = 'setpoints'").contains("expected actuators"));
         assert!(wrong("observation = { attributes = true }").contains("withheld"));
     }
 

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use b2b_agent::ObservationForm;
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingId, BuildingName};
+use b2b_dataset::{BuildingId, BuildingName, Control};
 use b2b_env::Task;
 
 use super::config::{AgentConfig, Budget, TrainingSet};
@@ -90,6 +90,9 @@ impl TrainingSide {
         }
         if set.periods()? != [self.period.into()] {
             return Err(self.beyond("run period", &set.period, &self.period));
+        }
+        if set.control != Control::Actuators {
+            return Err(self.beyond("control", &set.control.name(), &Control::Actuators.name()));
         }
         if set.steps_per_hour != self.steps_per_hour {
             return Err(self.beyond("steps per hour", &set.steps_per_hour, &self.steps_per_hour));

@@ -135,6 +135,21 @@ fn an_episode_that_passes_new_year_costs_as_much_as_its_parts_in_two_years() {
 }
 
 #[test]
+fn a_year_from_the_middle_of_a_month_is_billed_for_twelve_months() {
+    // Half a month at the beginning and half at the end.
+    let days: Vec<u32> = (day(7, 15)..=365).chain(1..day(7, 15)).collect();
+    let bill_of = |days: &[u32]| {
+        let prices = prices("minnesota-power-gs", &[], None);
+        let mut bill = Bill::new(days[0], days[days.len() - 1]);
+        for (day, hour) in days.iter().flat_map(|day| (0..24).map(move |hour| (*day, hour))) {
+            bill.step(&prices, Moment { day, hour: f64::from(hour) }, &electricity(30.0), 1.0);
+        }
+        bill.total(&prices)
+    };
+    assert_cost(bill_of(&days), bill_of(&(1..=365).collect::<Vec<_>>()));
+}
+
+#[test]
 fn free_power_is_what_may_be_used_without_a_higher_bill() {
     let prices = prices("hq-g", &[], None);
     let at = |day, hour| Moment { day, hour };

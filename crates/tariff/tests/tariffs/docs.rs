@@ -71,7 +71,7 @@ fn the_example_of_a_tariff_is_valid() {
     let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let tariff = Tariff::parse("example", "docs/tariffs.md", example).unwrap();
     assert!(tariff.has_events() && tariff.has_demand_charge() && tariff.needs_temperatures());
-    let events = tariff.events(YEAR, &[-20.0; 365], None);
+    let events = tariff.events(YEAR, &[-20.0; 365]);
     assert!(!events.is_empty());
     Prices::new(tariff, YEAR, &events, Some(&[0.0; 8760])).unwrap();
 }

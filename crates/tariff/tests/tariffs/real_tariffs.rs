@@ -145,21 +145,19 @@ fn events_of_the_coldest_winter_days_use_up_the_hours_of_the_tariff() {
     (0..90).for_each(|day| means[day] = -10.0 - day as f64 / 10.0);
     means[day(12, 25) as usize - 1] = -40.0;
     means[day(7, 1) as usize - 1] = -50.0;
-    let events = flex.events(YEAR, &means, None);
+    let events = flex.events(YEAR, &means);
     assert_eq!(events.len(), 30, "120 hours of 4");
     let days: Vec<_> = events.iter().step_by(2).map(|event| event.day).collect();
     assert_eq!(days, (76..=90).collect::<Vec<_>>(), "the 15 coldest days, without Christmas and July");
     assert!(events.chunks(2).all(|two| two[0].day == two[1].day && two[1].from - two[0].to == 6.0));
-    assert_eq!(flex.events(YEAR, &means, Some(3)), flex.events(YEAR, &means, Some(3)));
-    assert_ne!(flex.events(YEAR, &means, Some(3)), flex.events(YEAR, &means, Some(4)));
 }
 
 #[test]
 fn events_of_rate_flex_m_are_on_weekdays_and_take_at_most_100_hours() {
     let flex = b2b_tariff::Tariff::named("hq-flex-m").unwrap();
-    let events = flex.events(YEAR, &[-20.0; 365], Some(1));
+    let events = flex.events(YEAR, &[-20.0; 365]);
     assert!(events.iter().all(|event| YEAR.weekday(event.day) < 5));
     let hours: f64 = events.iter().map(|event| event.to - event.from).sum();
     assert!((97.0..=100.0).contains(&hours), "{hours}");
-    assert!(b2b_tariff::Tariff::named("hq-m").unwrap().events(YEAR, &[-20.0; 365], None).is_empty());
+    assert!(b2b_tariff::Tariff::named("hq-m").unwrap().events(YEAR, &[-20.0; 365]).is_empty());
 }

@@ -66,9 +66,8 @@ impl History {
         let mut options = self.train.clone();
         options.insert("building_type".into(), Value::String(building_type.to_string()));
         options.insert("task".into(), Value::String(self.task.clone()));
-        let options = toml::to_string(&options).expect("a table serializes");
-        let preset = TrainConfig::preset(TrainConfig::DEFAULT_PRESET)?;
-        let mut config = preset.with_changes(&options).map_err(Error::Invalid)?;
+        let options = serde_json::to_string(&options).expect("a table serializes");
+        let mut config = TrainConfig::of_json(&options, None, None)?;
         config.check()?;
         let (steps, stages) = (config.budget.steps, self.stages);
         if steps < stages {

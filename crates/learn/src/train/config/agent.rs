@@ -1,7 +1,11 @@
 //! Network, observation and actions of an agent.
 
+use std::fmt;
+
 use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::Result;
 use crate::limits::require;
@@ -19,7 +23,9 @@ pub struct AgentConfig {
     /// and `feedback`.
     pub observation: ObservationOptions,
     /// How the agent acts: `{ kind = "direct" }`, `{ kind = "residual", authority = 0.5 }`,
-    /// `{ kind = "targets", every = 60, shift = 1.0 }` or `{ kind = "supervisory", every = 60 }`.
+    /// `{ kind = "targets", every = 60, shift = 1.0 }` or `{ kind = "supervisory", every = 60 }`; or a text such as
+    /// `supervisory:60`.
+    #[serde(deserialize_with = "text_or_table")]
     pub acting: Acting,
 }
 
@@ -64,4 +70,29 @@ impl AgentConfig {
         }
         Ok(())
     }
+}
+
+/// Reads how an agent acts.
+pub(super) fn text_or_table<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Acting, D::Error> {
+    struct TextOrTable;
+
+    impl<'de> Visitor<'de> for TextOrTable {
+        type Value = Acting;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a text such as `supervisory:60`, or a table with `kind`")
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> std::result::Result<Acting, E> {
+            text.parse().map_err(E::custom)
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Acting, A::Error> {
+            Acting::deserialize(MapAccessDeserializer::new(map))
+        }
+    }
+
+    deserializer.deserialize_any(TextOrTable)
 }

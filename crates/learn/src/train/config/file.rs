@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use super::preset_choice::PresetChoice;
 use super::train_config::TrainConfig;
 use crate::error::{Error, Result, at};
 use crate::learners::{LearnerChoice, LearnerKind, kinds};
@@ -34,12 +35,9 @@ const EVALUATION: &str = "evaluation";
 const PERMISSION: &str = "allow_external";
 
 /// A value read from a table, or why the table is invalid.
-type Read<T> = std::result::Result<T, String>;
+pub(super) type Read<T> = std::result::Result<T, String>;
 
 impl TrainConfig {
-    /// The preset of a run that names none and does not supervise.
-    pub const DEFAULT_PRESET: &str = "residual";
-
     /// Returns the names of the presets.
     pub fn presets() -> impl Iterator<Item = &'static str> {
         PRESETS.into_iter().map(|(name, _)| name)
@@ -86,6 +84,20 @@ impl TrainConfig {
             }
         }
         Ok(config)
+    }
+
+    /// Returns the preset of a run with the changes of a file and of a JSON object with the caller's options. Without
+    /// `preset`, it is the one for the options of both.
+    ///
+    /// # Errors
+    /// Errors of [`TrainConfig::preset`], [`TrainConfig::with_file`] and [`TrainConfig::with_json`].
+    pub fn of_json(options: &str, preset: Option<&str>, file: Option<&Path>) -> Result<Self> {
+        // What is invalid is reported by `with_json`.
+        let mut given: PresetChoice = serde_json::from_str(options).unwrap_or_default();
+        given.preset = preset.map(str::to_owned).or(given.preset);
+        let base = Self::preset(&given.name(file)?)?;
+        let base = file.map_or_else(|| Ok(base.clone()), |file| base.with_file(file, &["preset"]))?;
+        base.with_json(options)
     }
 
     /// Returns the configuration with the changes of a file, without the options in `ignored`.
@@ -240,7 +252,7 @@ fn explained(key: &str, error: &toml::de::Error) -> String {
 }
 
 /// Reads a TOML file.
-fn read_table(path: &Path, read: impl FnOnce(Table) -> Read<TrainConfig>) -> Result<TrainConfig> {
+pub(super) fn read_table<T>(path: &Path, read: impl FnOnce(Table) -> Read<T>) -> Result<T> {
     let text = std::fs::read_to_string(path).map_err(at(path))?;
     let table = toml::from_str(&text).map_err(|error| error.to_string());
     table.and_then(read).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })

@@ -41,6 +41,44 @@ fn a_configuration_is_written_with_the_options_of_its_learner_alone() {
 }
 
 #[test]
+fn a_run_that_names_no_preset_has_the_one_for_its_tasks_acting_and_buildings() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset_of = |options: &str, file: &str| {
+        let path = folder.path().join("mine.toml");
+        std::fs::write(&path, file).unwrap();
+        let config = TrainConfig::of_json(options, None, Some(&path)).unwrap();
+        let is_of = |name: &&str| {
+            let named = TrainConfig::of_json(options, Some(name), Some(&path)).unwrap();
+            named == config
+        };
+        TrainConfig::presets().find(is_of).unwrap()
+    };
+    assert_eq!(preset_of("{}", ""), "residual");
+    assert_eq!(preset_of(r#"{"task": "operate"}"#, ""), "supervisory");
+    assert_eq!(preset_of("{}", "task = 'operate+tou'"), "supervisory");
+    assert_eq!(preset_of(r#"{"task": "constant"}"#, "task = 'operate'"), "residual");
+    assert_eq!(preset_of(r#"{"task": ["operate", "occupancy"]}"#, ""), "residual");
+    let offices = r#"{"building_type": ["OfficeMedium"]}"#;
+    assert_eq!(preset_of(offices, "task = 'operate'"), "supervisory-graph");
+    assert_eq!(preset_of(r#"{"task": "operate"}"#, "building_type = 'OfficeMedium'"), "supervisory-graph");
+    let named = r#"{"task": "operate", "buildings": ["OfficeSmall-0042"], "building_type": []}"#;
+    assert_eq!(preset_of(named, "building_type = 'OfficeMedium'"), "supervisory");
+    assert_eq!(preset_of(r#"{"task": "operate", "acting": "residual:0.3"}"#, ""), "residual");
+    assert_eq!(preset_of(r#"{"acting": {"kind": "supervisory", "every": 30}}"#, ""), "supervisory");
+    assert_eq!(preset_of(r#"{"task": "operate"}"#, "preset = 'paper'"), "paper");
+}
+
+#[test]
+fn acting_is_a_text_or_a_table() {
+    let acting = |text: &str| TrainConfig::default().with_changes(text).map(|config| config.agent.acting);
+    let hourly = Acting::Supervisory { every: 60, shared: true, setpoints: true, rule: false };
+    assert_eq!(acting("acting = 'supervisory:60'").unwrap(), hourly);
+    assert_eq!(acting("acting = { kind = 'supervisory', every = 60 }").unwrap(), hourly);
+    let said = acting("acting = 'supervise'").unwrap_err();
+    assert!(said.contains("unknown acting `supervise`; expected direct, residual:0.5"), "{said}");
+}
+
+#[test]
 fn options_of_arguments_are_ignored_in_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
