@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from .buildings import Building, Found, find_building
+from .buildings import Building, Found, PathLike, as_building
 from .env import unwrap
 from .errors import SettingError, need
 
@@ -18,6 +18,9 @@ def collect(
     buildings: Sequence[str | Building],
     dataset_id: str,
     *,
+    place: str | None = None,
+    weather: PathLike | None = None,
+    control: str = "actuators",
     episodes: int = 1,
     steps: int | None = None,
     seed: int = 0,
@@ -31,18 +34,17 @@ def collect(
     recreates it.
 
     ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
-    Every building runs ``episodes`` episodes of at most ``steps`` steps. ``arguments`` go to :func:`make_env`.
+    Buildings that are given by their names are found as by :func:`find_building`. Every building runs ``episodes``
+    episodes of at most ``steps`` steps. ``arguments`` go to :func:`make_env`.
     Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")
-    found = [each if isinstance(each, Building) else find_building(each) for each in buildings]
+    found = [as_building(each, place, weather, control) for each in buildings]
     types = {each.building_type for each in found}
     if len(types) != 1 or None in types:
         raise SettingError("the buildings of a Minari dataset must have one type; collect one dataset per type")
-    if len(found) > 1:
-        arguments.setdefault("rescale_action", True)
-    options: dict[str, Any] = {"rescale_action": False, **_selection(found[0]), **arguments}
-    env = gymnasium.make(f"b2b/{types.pop()}-v0", **options)
+    arguments.setdefault("rescale_action", len(found) > 1)
+    env = gymnasium.make(f"b2b/{types.pop()}-v0", **_selection(found[0]), **arguments)
     core, space = unwrap(env), env.action_space
     if not isinstance(space, gymnasium.spaces.Box):
         raise SettingError(f"expected actions in a Box; got {space}")
@@ -50,8 +52,12 @@ def collect(
     collector = minari.DataCollector(env)
     try:
         for number, building in enumerate(found):
-            if building is not core.building:
+            if number:
                 core.set_building(building)
+            if env.action_space != space:
+                raise SettingError(
+                    f"{building.name} has another action space than {found[0].name}; omit rescale_action"
+                )
             policy = controller(env)
             for episode in range(episodes):
                 if hasattr(policy, "reset"):

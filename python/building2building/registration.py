@@ -10,7 +10,7 @@ from .buildings import find_building, list_building_types
 from .buildings.signatures import check_names, renamed, with_arguments_of
 from .env import BuildingEnv
 from .errors import SettingError
-from .learning.acting import ActingEnv, ActingVectorEnv
+from .learning.acting import ActingEnv, ActingVectorEnv, PhysicalVectorEnv
 from .vector import BuildingVectorEnv
 
 #: The task of an id of each version, unless another one is given.
@@ -68,8 +68,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     arguments = {"rescale_action": False, **arguments}
     if building_type is None:
         return cast(BuildingEnv, single_env(**arguments))
-    env_id, building = _env_id(building_type)
-    return cast(BuildingEnv, gymnasium.make(env_id, **{**building, **arguments}))
+    env_id, arguments = _of_id(building_type, arguments)
+    return cast(BuildingEnv, gymnasium.make(env_id, **arguments))
 
 
 @with_arguments_of(BuildingVectorEnv, acting=None, observation=None)
@@ -89,9 +89,8 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     arguments = {"rescale_action": False, **arguments}
     if building_type is None:
         return cast(BuildingVectorEnv, vector_env(num_envs=num_envs, **arguments))
-    env_id, building = _env_id(building_type)
-    envs = gymnasium.make_vec(env_id, num_envs=num_envs, **{**building, **arguments})
-    return cast(BuildingVectorEnv, envs)
+    env_id, arguments = _of_id(building_type, arguments)
+    return cast(BuildingVectorEnv, gymnasium.make_vec(env_id, num_envs=num_envs, **arguments))
 
 
 def single_env(
@@ -113,7 +112,8 @@ def vector_env(
     plain = _is_plain(acting, observation)
     if not plain:
         arguments.setdefault("autoreset_mode", "SameStep")
-    envs = BuildingVectorEnv(rescale_action=plain if rescale_action is None else rescale_action, **arguments)
+    batch = BuildingVectorEnv if plain else PhysicalVectorEnv
+    envs = batch(rescale_action=plain if rescale_action is None else rescale_action, **arguments)
     return ActingVectorEnv(envs, acting, observation or "features") if acting is not None else envs
 
 
@@ -144,15 +144,17 @@ def _is_plain(acting: str | None, observation: str | None) -> bool:
     return acting is None
 
 
-def _env_id(building: str) -> tuple[str, dict[str, str]]:
-    """Returns the id of a building type or of a dataset building's type, and the argument for the latter."""
+def _of_id(building: str, arguments: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Returns the id of a building type or of a dataset building's type, and the arguments that make the building."""
     if not isinstance(building, str):
         remedy = "pass a name such as OfficeSmall-0042, a Building as building=, or several to make_vec as buildings="
         raise SettingError(f"the building is {building!r}; {remedy}")
     for name in list_building_types():
         if name.lower() == building.lower():
-            return f"b2b/{name}-v1", {}
+            return f"b2b/{name}-v1", arguments
         if building.lower().startswith(f"{name.lower()}-"):
-            return f"b2b/{name}-v1", {"building_id": building}
+            if arguments.get("building_id") is not None:
+                raise SettingError(f"`{building}` already selects a building; omit it or building_id")
+            return f"b2b/{name}-v1", {**arguments, "building_id": building}
     find_building(building)  # raises for an unknown type and suggests the nearest
     raise SettingError(f"`{building}` is a model; pass import_building(...) as building")

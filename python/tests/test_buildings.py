@@ -3,8 +3,10 @@
 import json
 import pickle
 import subprocess
+import sys
 
 import building2building as b2b
+import gymnasium
 import numpy as np
 import pytest
 from building2building import errors
@@ -48,6 +50,61 @@ def test_a_building_is_selected_by_index(make):
     env = make("SingleFamilyHouse", split="test", index=0)
     assert env.building.name == b2b.list_buildings("SingleFamilyHouse", "test")[0]
     assert env.metadata["building"] == env.building.name
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"building_id": "Warehouse-0001"}, "Warehouse-0001 is of the type Warehouse, not OfficeSmall"),
+        ({"building_id": "OfficeSmall-0001", "index": 3}, "index and building_id each select a building"),
+        ({"building_id": "OfficeSmall-0001", "split": "test"}, "omit split"),
+        ({"building": "OfficeSmall", "index": 3}, "index and building each select"),
+        ({"building": "OfficeSmall", "place": "Miami"}, "already has a place; omit place"),
+        ({"building": "OfficeSmall", "weather": "x.epw"}, "already has a place; omit place and weather"),
+        ({"building": "Warehouse"}, "Warehouse is of the type Warehouse"),
+    ],
+)
+def test_arguments_that_select_another_building_are_errors(options, words, make):
+    if "building" in options:
+        options = {**options, "building": b2b.find_building(options["building"])}
+    with pytest.raises(errors.SettingError, match=words):
+        make("OfficeSmall", **options)
+    with pytest.raises(errors.SettingError, match="omit it or building_id"):
+        make("OfficeSmall-0042", building_id="OfficeSmall-0001")
+
+
+class Minari:
+    """The part of the package ``minari`` that ``collect`` uses."""
+
+    class DataCollector(gymnasium.Wrapper):
+        def __init__(self, env):
+            super().__init__(env)
+            self.begun = []
+
+        def reset(self, **options):
+            observation, info = super().reset(**options)
+            self.begun.append((info["building"], self.unwrapped.building.place))
+            return observation, info
+
+        def create_dataset(self, **_):
+            return self
+
+
+def test_episodes_are_collected_where_the_stored_spec_says(monkeypatch):
+    monkeypatch.setitem(sys.modules, "minari", Minari)
+    day = {"run_period": DAY, "timesteps_per_hour": 1, "steps": 1}
+    buildings = ["OfficeSmall", b2b.find_building("OfficeSmall", "Chicago", control="setpoints")]
+    made = b2b.collect(b2b.RandomController, buildings[:1], "b2b/x-v0", place="Miami", control="setpoints", **day)
+    assert made.begun == [("OfficeSmall+setpoints", "Miami")]
+    stored = made.spec.kwargs
+    assert (stored["building_id"], stored["place"], stored["control"]) == ("OfficeSmall", "Miami", "setpoints")
+    with pytest.raises(errors.SettingError, match="already has a place"):
+        b2b.collect(b2b.RandomController, buildings, "b2b/x-v0", place="Miami", **day)
+    made = b2b.collect(b2b.RandomController, buildings, "b2b/x-v0", control="setpoints", **day)
+    assert [place for _, place in made.begun] == ["Denver", "Chicago"]
+    with pytest.raises(errors.SettingError, match="OfficeSmall-0001 has another action space.*omit rescale_action"):
+        names = ["OfficeSmall", "OfficeSmall-0001"]
+        b2b.collect(b2b.RandomController, names, "b2b/x-v0", rescale_action=False, **day)
 
 
 def test_generated_buildings_have_the_given_parameters(make):

@@ -297,25 +297,49 @@ def select_building(
     control: str = "actuators",
 ) -> Building:
     """Returns the building that the arguments of :func:`make_env` select."""
-    if building is not None:
-        check_control(building, control)
-        return building
-    if building_id is not None:
-        return find_building(building_id, place, weather, control=control)
-    if building_type is None:
-        raise SettingError("no building selected; pass a building_type, a building_id or a building")
-    if index is not None:
-        split = split or "train"
-        ids = list_buildings(building_type, split)
-        if not 0 <= index < len(ids):
-            raise SettingError(f"index {index} is out of range for split `{split}`; expected 0 to {len(ids) - 1}")
-        return find_building(ids[index], place, weather, control=control)
-    if split is not None:
+    named = {"index": index, "building_id": building_id, "building": building}
+    chosen = [name for name, value in named.items() if value is not None]
+    if len(chosen) > 1:
+        raise SettingError(f"{' and '.join(chosen)} each select a building; pass one of them")
+    if split is not None and index is None:
         raise SettingError(
-            f"split `{split}` selects a building only with an index; pass index=0 for its first one, or omit split for "
-            "the type's prototype"
+            f"split `{split}` selects a building only with an index; pass index=0 for its first one, or omit split"
         )
-    return find_building(building_type, place, weather, control=control)
+    if building is None and building_id is None:
+        if building_type is None:
+            raise SettingError("no building selected; pass a building_type, a building_id or a building")
+        name = building_type if index is None else _id_at(building_type, split or "train", index)
+        return find_building(name, place, weather, control=control)
+    selected = as_building(building or building_id or "", place, weather, control)
+    check_type(selected, building_type)
+    return selected
+
+
+def _id_at(building_type: str, split: str, index: int) -> str:
+    ids = list_buildings(building_type, split)
+    if not 0 <= index < len(ids):
+        raise SettingError(f"index {index} is out of range for split `{split}`; expected 0 to {len(ids) - 1}")
+    return ids[index]
+
+
+def as_building(
+    given: PathLike | Building, place: str | None = None, weather: PathLike | None = None, control: str = "actuators"
+) -> Building:
+    """Finds a building by its name; raises if arguments would change one that was found or generated before."""
+    if not isinstance(given, Building):
+        return find_building(os.fspath(given), place, weather, control=control)
+    if place is not None or weather is not None:
+        raise SettingError(f"{given!r} already has a place; omit place and weather")
+    check_control(given, control)
+    return given
+
+
+def check_type(given: Building | Generator | str, building_type: str | None) -> None:
+    """Raises if a building, a generator or an id of the dataset is of another type than arguments name."""
+    own = given.partition("-")[0] if isinstance(given, str) else given.building_type
+    if building_type is not None and own is not None and own.lower() != building_type.lower():
+        name = given if isinstance(given, str) else given.name
+        raise SettingError(f"{name} is of the type {own}, not {building_type}; omit the type, or pass buildings of it")
 
 
 def check_control(building: Building, control: str) -> None:

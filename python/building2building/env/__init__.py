@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 import os
@@ -274,10 +275,16 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         return json.loads(self.layout.spaces.description_json())
 
     def set_building(self, building: Building | str) -> None:
-        """Changes the building of future episodes, and with it the spaces of this environment."""
-        self.building = building if isinstance(building, Building) else find_building(building)
+        """Changes the building of future episodes, and with it the spaces of this environment.
+
+        A name is found with the control of the present building, at its own place.
+        """
         self._open_core()
-        self._arguments["building"] = self.building
+        if not isinstance(building, Building):
+            building = find_building(building, control=self.building.control)
+        self.building = building
+        selection = dict.fromkeys(inspect.signature(select_building).parameters)
+        self._arguments |= {**selection, "building": building, "control": building.control}
         self._base_setting = self._setting_of(self.task)
         self._set_setting(self._base_setting)
         self._started = False

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..buildings import Building, Found, PathLike, check_control
+from ..buildings import Building, Found, PathLike, as_building
 from ..buildings.signatures import check_names, renamed, with_arguments_of
 from ..env.layout import Layout
 from ..env.morphology import Metadata, Morphology
@@ -365,9 +365,7 @@ def _found(
                 f"{building.name} was generated, but an evaluation finds buildings by name; write its to_epjson() to a "
                 "file and pass the path with weather=..."
             )
-        if place is not None or weather is not None:
-            raise SettingError(f"{building!r} already has a place; omit place and weather")
-        check_control(building, control)
+        as_building(building, place, weather, control)
         building, place, weather, allow_external, control, keep_design_days = origin
     weather = None if weather is None else os.path.abspath(weather)
     return os.fspath(building), place, weather, allow_external, control, keep_design_days

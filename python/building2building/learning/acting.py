@@ -69,6 +69,12 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         return observation, total, terminated, truncated, info
 
 
+class PhysicalVectorEnv(BuildingVectorEnv):
+    """A batch of buildings that :class:`ActingVectorEnv` drives, each in its own physical units."""
+
+    _shares_actions = False
+
+
 class ActingVectorEnv(VectorWrapper):
     """A batch of buildings for an agent with an *acting*; ``make_vec(acting=...)`` makes one.
 

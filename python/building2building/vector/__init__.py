@@ -19,9 +19,9 @@ from ..buildings import (
     Building,
     Generator,
     PathLike,
-    check_control,
+    as_building,
+    check_type,
     checked_weather,
-    find_building,
     is_dataset_id,
     list_buildings,
     select_building,
@@ -45,7 +45,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
       in [-1, 1] by fixed bounds (:attr:`scale`).
     - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read. :meth:`observation_mask` and
       :meth:`action_mask` mark what is not padding.
-    - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
+    - Buildings with different bounds, which drawn buildings have unless ``control`` is ``setpoints``, need
+      ``rescale_action=True``, which gives them one action space.
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
       that hundreds of buildings take the memory of a few. Which buildings an environment runs depends on the seed
       alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
@@ -60,6 +61,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
     single_observation_space: Box
     single_action_space: Box
+    #: Whether all buildings have one action space.
+    _shares_actions = True
 
     def __init__(
         self,
@@ -94,16 +97,13 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         _check(num_envs, reward, render_mode)
         if weights is not None and not resample:
             raise SettingError("weights apply to draws; pass resample=True")
-        if buildings is None and resample and building_type and index is None and (building_id or building) is None:
-            buildings = list_buildings(building_type, split or "train")
-        if buildings is None:
-            buildings = [select_building(building_type, split, index, building_id, place, weather, building, control)]
-        if not buildings:
-            raise SettingError("buildings is empty; pass at least one")
+        selection = {"split": split, "index": index, "building_id": building_id, "building": building}
+        where = {"place": place, "weather": weather, "control": control}
+        count = None if resample else num_envs
         #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
-        self.buildings = [
-            _candidate(each, bool(resample), control) for each in (buildings if resample else buildings[:num_envs])
-        ]
+        self.buildings = _candidates(building_type, buildings, selection, where, count)
+        if resample and not rescale_action and self._shares_actions and _may_differ(self.buildings, control):
+            raise SettingError(_DIFFERENT)
         tasks = [task] if isinstance(task, (str, dict)) else list(task)
         self.num_envs = num_envs
         self.render_mode = None
@@ -147,7 +147,10 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
         box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
         self.single_observation_space = self.scale.space if self.normalize else box
-        self.single_action_space = _action_space(actuators, core.widths[0], self.rescale_action)
+        if self._shares_actions:
+            self.single_action_space = _action_space(actuators, core.widths[0], self.rescale_action)
+        else:
+            self.single_action_space = Box(-np.inf, np.inf, (core.widths[0],), dtype=np.float32)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.metadata = {
@@ -166,10 +169,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._done = np.zeros(self.num_envs, dtype=bool)
 
     def layout_of(self, environment: int) -> Layout:
-        """Returns the layout of the building that an environment runs now."""
-        if not self._resample:
-            return self.layouts[environment % len(self.layouts)]
-        return Layout(self._open_core().spaces_of(environment))
+        """Returns the layout of the building that an environment runs now; before the first episode, of one like it."""
+        return self._rows[environment].layout
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -359,15 +360,56 @@ def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
     return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
 
 
-def _candidate(given: Building | Generator | str, lazily: bool, control: str) -> Building | Generator | str:
-    """Returns a building; with ``lazily``, an id stays an id until it is drawn."""
-    if isinstance(given, Generator) and not lazily:
-        raise SettingError("a generator has no fixed building; pass resample=True")
-    if isinstance(given, Building):
-        check_control(given, control)
-    if not isinstance(given, str) or (lazily and is_dataset_id(given)):
-        return given
-    return find_building(given, control=control)
+def _candidates(
+    building_type: str | None,
+    buildings: Sequence[Building | Generator | str] | None,
+    selection: dict[str, Any],
+    where: dict[str, Any],
+    count: int | None,
+) -> list[Building | Generator | str]:
+    """Returns the buildings that the arguments of :func:`make_vec` select: ``count`` at most, or those to draw from.
+
+    ``selection`` and ``where`` are the arguments that :func:`make_env` has, too.
+    """
+    chosen = [name for name, value in selection.items() if value is not None]
+    if buildings is None and count is None and building_type is not None and chosen in ([], ["split"]):
+        buildings, chosen = list_buildings(building_type, selection["split"] or "train"), []
+    if buildings is None:
+        return [select_building(building_type, **selection, **where)]
+    if not buildings:
+        raise SettingError("buildings is empty; pass at least one")
+    if chosen:
+        raise SettingError(f"`buildings` selects all buildings; omit {' and '.join(chosen)}")
+    return [_candidate(each, building_type, where, count is None) for each in buildings[:count]]
+
+
+def _candidate(
+    given: Building | Generator | str, building_type: str | None, where: dict[str, Any], draws: bool
+) -> Building | Generator | str:
+    """Returns a building; if buildings are drawn, an id stays an id until then."""
+    if isinstance(given, Generator) or (draws and isinstance(given, str) and is_dataset_id(given)):
+        if not draws:
+            raise SettingError("a generator has no fixed building; pass resample=True")
+        if where["place"] is not None or where["weather"] is not None:
+            name = given if isinstance(given, str) else given.name
+            remedy = "omit place and weather, or pass buildings=[Generator(..., places=...)]"
+            raise SettingError(f"{name} is drawn at its own place; {remedy}")
+    else:
+        given = as_building(given, **where)
+    check_type(given, building_type)
+    return given
+
+
+def _may_differ(buildings: list[Building | Generator | str], control: str) -> bool:
+    """Returns whether drawn buildings may have different bounds of actions.
+
+    The actuators of each are sized for it; setpoints have the same bounds everywhere.
+    """
+    sized = any((each.control if isinstance(each, Building) else control) == "actuators" for each in buildings)
+    return sized and (len(buildings) > 1 or isinstance(buildings[0], Generator))
+
+
+_DIFFERENT = "the buildings differ in actuators or bounds; pass rescale_action=True for one action space"
 
 
 def _action_space(actuators: list[list[tuple[str, float, float]]], width: int, rescale: bool) -> Box:
@@ -376,6 +418,6 @@ def _action_space(actuators: list[list[tuple[str, float, float]]], width: int, r
         return Box(-1.0, 1.0, (width,), dtype=np.float32)
     bounds = [[(low, high) for _, low, high in row] for row in actuators]
     if any(each != bounds[0] for each in bounds):
-        raise SettingError("the buildings differ in actuators or bounds; pass rescale_action=True for one action space")
+        raise SettingError(_DIFFERENT)
     low, high = rounded_inward(*np.array(bounds[0], dtype=np.float64).T)
     return Box(low, high, dtype=np.float32)

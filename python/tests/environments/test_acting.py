@@ -114,6 +114,14 @@ def test_an_environment_that_is_lost_is_truncated_and_begins_again_with_a_decisi
     envs.close()
 
 
+def test_drawn_buildings_are_supervised():
+    envs = b2b.make_vec("OfficeSmall", 1, acting="supervisory:60", resample=True, **DAY)
+    observations, info = envs.reset(seed=0)
+    assert envs.observation_space.contains(observations) and envs.layout_of(0).spaces.name == info["building"][0]
+    envs.step(np.zeros(envs.action_space.shape))
+    envs.close()
+
+
 def test_supervision_is_for_tasks_of_operation():
     arguments = {**DAY, "task": "occupancy", "acting": "supervisory:60"}
     for make in (b2b.make_env, lambda name, **others: b2b.make_vec(name, 2, **others)):

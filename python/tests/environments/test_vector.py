@@ -281,17 +281,36 @@ def test_a_place_means_the_same_in_every_house_by_role(make_vec):
     assert (observations[:, names.index("time of day")] == observations[0, names.index("time of day")]).all()
 
 
+def test_named_buildings_are_in_the_given_place(make_vec):
+    envs = make_vec(None, 2, buildings=["OfficeSmall", "Warehouse"], place="Miami", rescale_action=True)
+    assert [each.place for each in envs.buildings] == ["Miami", "Miami"]
+    with pytest.raises(errors.SettingError, match="Miami.*already has a place"):
+        make_vec(None, 2, buildings=envs.buildings, place="Denver", rescale_action=True)
+
+
+def test_drawn_setpoints_are_in_physical_units(make_vec):
+    envs = make_vec("OfficeSmall", 1, resample=True, control="setpoints")
+    envs.reset(seed=0)
+    np.testing.assert_array_equal(envs.single_action_space.high, envs.layout_of(0).action_high)
+
+
 @pytest.mark.parametrize(
     "options, words",
     [
         ({"task": []}, "task is empty"),
-        ({"task": [], "resample": True, "split": "test"}, "task is empty"),
+        ({"task": [], "resample": True, "rescale_action": True, "split": "test"}, "task is empty"),
         ({"num_envs": 2**40}, "num_envs is 1099511627776; expected 1 to 2048"),
-        ({"num_envs": 2049, "resample": True}, "expected 1 to 2048"),
+        ({"num_envs": 2049, "resample": True, "rescale_action": True}, "expected 1 to 2048"),
         ({"num_envs": 0}, "num_envs is 0"),
         ({"num_envs": "2"}, "num_envs is '2'"),
         ({"reward": "energy"}, "reward is 'energy'; expected a function"),
         ({"split": "train"}, "pass index=0"),
+        ({"resample": True, "place": "Miami"}, "OfficeSmall-0001 is drawn at its own place"),
+        ({"resample": True, "buildings": [b2b.Generator("OfficeSmall")], "weather": "x.epw"}, "pass buildings=.Gener"),
+        ({"buildings": ["OfficeSmall-0001"], "split": "test", "index": 3}, "omit split and index"),
+        ({"buildings": ["Warehouse-0001"]}, "Warehouse-0001 is of the type Warehouse, not OfficeSmall"),
+        ({"resample": True}, "pass rescale_action=True"),
+        ({"resample": True, "buildings": [b2b.Generator("OfficeSmall")]}, "pass rescale_action=True"),
     ],
 )
 def test_arguments_out_of_bounds_are_errors(options, words, make_vec):
