@@ -49,12 +49,19 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         if not isinstance(core, BuildingEnv) or core.rescale_action:
             raise SettingError("acting sets actuators in physical units; make the environment without rescale_action")
         self._building = core
-        self._pilot = _core.Pilot(core.layout.spaces, observation, acting)
+        self._names = observation, acting
+        self._read()
+
+    def _read(self) -> None:
+        self._spaces = self._building.layout.spaces
+        self._pilot = _core.Pilot(self._spaces, *self._names)
         self.observation_space, self.action_space = _spaces(self._pilot)
-        self.metadata = _named(env.metadata, self._pilot)
+        self.metadata = _named(self.env.metadata, self._pilot)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         _, info = self.env.reset(seed=seed, options=options)
+        if self._building.layout.spaces is not self._spaces:
+            self._read()
         self._pilot.reset()
         return self._pilot.observe(self._building.observation), info
 

@@ -62,8 +62,11 @@ class PadObservation(ObservationWrapper):
         if (width is None) == (zones is None):
             raise SettingError("pass either width or zones")
         self._width, self._zones = width, zones
-        self._read()
-        padded = env if zones is None else self._core
+        self._update()
+
+    def _read(self) -> None:
+        self._read_places()
+        padded = self.env if self._zones is None else self._core
         box, metadata = box_of(padded), padded.metadata
         low, high = np.zeros(self._slots, box.dtype), np.zeros(self._slots, box.dtype)
         low[self._places], high[self._places] = box.low, box.high
@@ -75,9 +78,8 @@ class PadObservation(ObservationWrapper):
             names[place], units[place] = name, unit
         self._rename(names, units)
 
-    def _read(self) -> None:
+    def _read_places(self) -> None:
         """Reads the positions of the slots of the building's observation."""
-        self._building = self._core.building
         if self._width is not None:
             slots = box_of(self.env).shape[0]
             if slots > self._width:
@@ -91,7 +93,7 @@ class PadObservation(ObservationWrapper):
         if not is_own(self.env):
             raise SettingError("the observation was changed by another wrapper; apply PadObservation with zones first")
         if len(layout.zones) > room:
-            raise SettingError(f"zones is {room}, but {self._building.name} has {len(layout.zones)} zones")
+            raise SettingError(f"zones is {room}, but {layout.spaces.name} has {len(layout.zones)} zones")
         if layout.cooling_setpoints is not None:
             raise SettingError("zones has no slots for comfort bands; use width in tasks of operation")
         varying = 0 if layout.targets is None else 2 * sum(zone.controlled for zone in layout.zones)
@@ -106,8 +108,6 @@ class PadObservation(ObservationWrapper):
         self._alike = [slice(room), slice(room + others, None, 2), slice(room + others + 1, None, 2)]
 
     def observation(self, observation: Array) -> Array:
-        if self._core.building is not self._building:
-            self._read()
         padded = np.zeros(self._slots, observation.dtype)
         padded[self._places] = observation[: len(self._places)]
         return padded
@@ -123,31 +123,26 @@ class RoleObservation(ObservationWrapper):
 
     def __init__(self, env: Env):
         super().__init__(env)
-        self._read()
-        roles = self._roles
-        if not is_own(env):
+        self._update()
+
+    def _read(self) -> None:
+        roles = self._core.layout.spaces.roles
+        if roles is None:
+            raise SettingError(
+                f"{self._core.building.name} is not one of the generator's houses; "
+                "buildings of other types have the same zones"
+            )
+        if not is_own(self.env):
             raise SettingError("the observation was changed by another wrapper; apply RoleObservation first")
         low = np.array([each.low for each in roles], np.float32)
         high = np.array([each.high for each in roles], np.float32)
         self.observation_space = Box(low, high, dtype=np.float32)
         self._rename([each.name for each in roles], [each.unit for each in roles])
-
-    def _read(self) -> None:
-        self._building = self._core.building
-        roles = self._core.layout.spaces.roles
-        if roles is None:
-            raise SettingError(
-                f"{self._building.name} is not one of the generator's houses; "
-                "buildings of other types have the same zones"
-            )
-        self._roles = roles
         self._row = np.array([each.constant for each in roles], dtype=np.float32)
         self._places = np.array([place for place, each in enumerate(roles) if each.slot is not None])
         self._own = np.array([each.slot for each in roles if each.slot is not None])
 
     def observation(self, observation: Array) -> Array:
-        if self._core.building is not self._building:
-            self._read()
         row = self._row.copy()
         row[self._places] = observation[self._own]
         return row
@@ -160,8 +155,12 @@ class NormalizeObservation(ObservationWrapper):
     @renamed(dtype="observations are f32")
     def __init__(self, env: Env, bounds: dict[str, tuple[float, float]] | None = None):
         super().__init__(env, bounds=bounds)
-        names, box = env.metadata["observation_names"], box_of(env)
-        self._scale = Scale(names, box.low, box.high, bounds)
+        self._bounds = bounds
+        self._update()
+
+    def _read(self) -> None:
+        names, box = self.env.metadata["observation_names"], box_of(self.env)
+        self._scale = Scale(names, box.low, box.high, self._bounds)
         self.observation_space = self._scale.space
         self._rename(names, ["1"] * len(names))
 
@@ -195,19 +194,16 @@ class AugmentObservationWithBuildingParams(ObservationWrapper):
         for name in self._names:
             if name not in known:
                 raise SettingError(f"unknown building attribute `{name}`; expected one of {', '.join(known)}")
-        self._read()
-        bound = np.full(len(self._names), 1.0 if scaled else np.inf)
-        self._extend(-bound, bound, [f"building {name}" for name in self._names], ["1"] * len(self._names))
+        self._update()
 
     def _read(self) -> None:
-        self._building = self._core.building
+        bound = np.full(len(self._names), 1.0 if self._scaled else np.inf)
+        self._extend(-bound, bound, [f"building {name}" for name in self._names], ["1"] * len(self._names))
         morphology = self._core.morphology
         known = morphology.scaled_common_attributes if self._scaled else morphology.common_attributes
         self._values = np.nan_to_num(np.array([known[name] for name in self._names], dtype=np.float32))
 
     def observation(self, observation: Array) -> Array:
-        if self._core.building is not self._building:
-            self._read()
         return np.concatenate([observation, self._values])
 
     def denormalize(self, observation: ArrayLike) -> Array:
@@ -222,7 +218,8 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
     """Draws a new building for every episode.
 
     Buildings are drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a split of the
-    environment's type; ``reset(options={"building": ...})`` selects one. Make the environment with
+    environment's type; ``reset(options={"building": ...})`` selects one. Ids are found by
+    :meth:`BuildingEnv.set_building`: at their own places, with the environment's ``control``. Make the environment with
     ``rescale_action=True``, so that all buildings share one action space.
 
     Houses have two to four zones: ``width`` pads the observation. As a slot may then hold another quantity in every
@@ -258,17 +255,17 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
                 raise SettingError(f"width is {width}, but the observation has {box.shape[0]} slots")
             low, high = min(float(box.low.min()), 0.0), max(float(box.high.max()), 0.0)
             self.observation_space = Box(low, high, (width,), dtype=box.dtype)
-            self._name_slots()
         if buildings is None:
             building_type = self._core.building.building_type
             if building_type is None:
                 raise SettingError("an imported building has no type to draw from; pass buildings")
             buildings = list_buildings(building_type, split)
         self._buildings = list(buildings)
+        self._update()
 
-    def _name_slots(self) -> None:
-        """Names the slots by their numbers alone, and updates the rest of the metadata."""
-        self._rename([f"slot {number}" for number in range(self._width)], ["1"] * self._width)
+    def _read(self) -> None:
+        if self._pads:
+            self._rename([f"slot {number}" for number in range(self._width)], ["1"] * self._width)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         core = self._core
@@ -285,10 +282,9 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
                 f"{core.building.name} has another action space than the previous building; make the environment with "
                 "rescale_action=True"
             )
-        if self._pads:
-            self._name_slots()
         # Without the seed, which would restart the random numbers that drew the building.
         observation, info = self.env.reset(seed=None, options=options or None)
+        self._update()
         self._check_width(len(observation))
         return self.observation(observation), info
 
@@ -308,11 +304,15 @@ class SubsetObservation(ObservationWrapper):
 
     def __init__(self, env: Env, names: Sequence[str]):
         super().__init__(env, names=names)
-        known = env.metadata["observation_names"]
-        self._slots = np.array([index_of(known, "observation slot", name) for name in names], dtype=int)
-        box = box_of(env)
+        self._names = list(names)
+        self._update()
+
+    def _read(self) -> None:
+        box, metadata = box_of(self.env), self.env.metadata
+        known = metadata["observation_names"]
+        self._slots = np.array([index_of(known, "observation slot", name) for name in self._names], dtype=int)
         self.observation_space = Box(box.low[self._slots], box.high[self._slots], dtype=box.dtype)
-        self._rename(list(names), [env.metadata["observation_units"][slot] for slot in self._slots])
+        self._rename(self._names, [metadata["observation_units"][slot] for slot in self._slots])
 
     def observation(self, observation: Array) -> Array:
         return observation[self._slots]
@@ -322,33 +322,39 @@ class SubsetAction(ObservationWrapper):
     """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, sets
     the others, in the action space of the wrapped environment; :class:`ReactiveController` by default, which acts in
     the action space of :class:`BuildingEnv`: apply wrappers that change the action space, such as ``RescaleAction``,
-    after this one."""
+    after this one. The building can change only without ``rest``."""
 
     def __init__(self, env: Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):
         super().__init__(env, names=names, rest=rest)
-        known = env.metadata["action_names"]
-        self._actuators = np.array([index_of(known, "actuator", name) for name in names], dtype=int)
-        self._rest = ReactiveController(env) if rest is None else rest
-        box = env.action_space
+        self._names, self._given = list(names), rest
+        self._update()
+
+    def _read(self) -> None:
+        core, metadata = self._core, self.env.metadata
+        if self._given is not None and self._building is not None:
+            before, now = self._building.name, core.building.name
+            raise SettingError(f"`rest` was made for {before}, but the building is now {now}; omit rest")
+        known = metadata["action_names"]
+        self._actuators = np.array([index_of(known, "actuator", name) for name in self._names], dtype=int)
+        self._rest = ReactiveController(core) if self._given is None else self._given
+        box = self.env.action_space
         if not isinstance(box, Box):
             raise SettingError(f"expected actions in a Box; got {box}")
-        if isinstance(self._rest, BuiltInController) and box != self._core.action_space:
+        if isinstance(self._rest, BuiltInController) and box != core.action_space:
             raise SettingError(
                 f"the action space was changed by another wrapper, but {type(self._rest).__name__} acts in the "
                 "building's; apply SubsetAction first"
             )
         low, high = box.low[self._actuators], box.high[self._actuators]
         self.action_space = Box(low, high, dtype=box.dtype)
-        units = env.metadata["action_units"]
-        self.metadata = env.metadata | {
-            "action_names": list(names),
-            "action_units": [units[each] for each in self._actuators],
-        }
+        units = [metadata["action_units"][each] for each in self._actuators]
+        self.metadata = metadata | {"action_names": self._names, "action_units": units}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        observation, info = super().reset(seed=seed, options=options)
         if hasattr(self._rest, "reset"):
             self._rest.reset()
-        return self.env.reset(seed=seed, options=options)
+        return observation, info
 
     def step(self, action: Any) -> Stepped:
         action = action_of_shape(action, self._actuators.shape)

@@ -26,8 +26,11 @@ class GraphObservation(ObservationWrapper):
 
     def __init__(self, env: Env):
         super().__init__(env)
-        if not is_own(env):
-            raise SettingError(f"{env} has changed the slots of the observation; wrap with GraphObservation first")
+        self._update()
+
+    def _read(self) -> None:
+        if not is_own(self.env):
+            raise SettingError(f"{self.env} has changed the slots of the observation; wrap with GraphObservation first")
         graph = self._graph = self._core.morphology
         #: Names of the columns of a node.
         self.node_columns = list(graph.node_types)

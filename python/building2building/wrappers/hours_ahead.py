@@ -49,14 +49,18 @@ class WeatherForecast(ObservationWrapper):
         self._hours, self._quantities = hours, tuple(quantities)
         self._errors = self._checked(errors or {})
         self._seed = 0
-        self._read()
-        bounds = np.repeat([self._QUANTITIES[each][1:] for each in self._quantities], hours, axis=0)
-        self._low, self._high = bounds.T
-        names = [f"{each} in {hour + 1} h" for each in self._quantities for hour in range(hours)]
-        units = [self._QUANTITIES[each][0] for each in self._quantities for _ in range(hours)]
-        self._extend(bounds[:, 0], bounds[:, 1], names, units)
+        self._update()
 
     def _read(self) -> None:
+        self._read_weather()
+        hours = range(self._hours)
+        bounds = np.repeat([self._QUANTITIES[each][1:] for each in self._quantities], self._hours, axis=0)
+        self._low, self._high = bounds.T
+        names = [f"{each} in {hour + 1} h" for each in self._quantities for hour in hours]
+        units = [self._QUANTITIES[each][0] for each in self._quantities for _ in hours]
+        self._extend(self._low, self._high, names, units)
+
+    def _read_weather(self) -> None:
         self._setting = self._core.setting
         self._year = np.stack([self._setting.hourly_weather(each) for each in self._quantities], axis=1)
 
@@ -70,6 +74,7 @@ class WeatherForecast(ObservationWrapper):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         observation, info = self.env.reset(seed=seed, options=options)
+        self._update()
         if self._errors.any():
             self._seed = int(self._core.np_random.integers(2**63))
         return self.observation(observation), info
@@ -81,7 +86,7 @@ class WeatherForecast(ObservationWrapper):
 
     def observation(self, observation: Array) -> Array:
         if self._core.setting is not self._setting:
-            self._read()
+            self._read_weather()
         # EPW values describe the hour that ends: row i belongs to the end of hour i + 1.
         now = _hour_of_year(self._core)
         positions = now + np.arange(1, self._hours + 1) - 1
@@ -116,11 +121,14 @@ class PriceSignal(ObservationWrapper):
         self._series = np.asarray(self.time_of_use() if series is None else series, dtype=np.float64)
         if self._series.shape not in ((24,), (8760,)) or not np.isfinite(self._series).all():
             raise SettingError(f"series has shape {self._series.shape}; expected 24 or 8760 finite values")
-        self._ahead, self._weight, self._name = ahead, weight, name
-        count = ahead + 1
-        names = [f"{name} now", *(f"{name} in {hour + 1} h" for hour in range(ahead))]
+        self._ahead, self._weight, self._name, self._unit = ahead, weight, name, unit
+        self._update()
+
+    def _read(self) -> None:
+        count = self._ahead + 1
+        names = [f"{self._name} now", *(f"{self._name} in {hour} h" for hour in range(1, count))]
         low, high = np.full(count, self._series.min()), np.full(count, self._series.max())
-        self._extend(np.minimum(low, 0), high, names, [unit] * count)
+        self._extend(np.minimum(low, 0), high, names, [self._unit] * count)
 
     @staticmethod
     def time_of_use() -> Array:

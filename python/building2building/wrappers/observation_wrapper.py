@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
+from ..buildings import Building
 from ..env import BuildingEnv, unwrap
 from ..errors import SettingError
 
@@ -18,7 +19,7 @@ Stepped = tuple[Array, Any, bool, bool, dict[str, Any]]
 
 
 class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
-    """A wrapper that records its arguments for the environment's spec and keeps the names of slots up to date."""
+    """A wrapper that records its arguments for the environment's spec, and reads the building again when it changes."""
 
     #: Whether the wrapper only appends zeros to the observation.
     appends_zeros = False
@@ -29,6 +30,17 @@ class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.
         gymnasium.utils.RecordConstructorArgs.__init__(self, **arguments)
         gymnasium.Wrapper.__init__(self, env)
         self._core: BuildingEnv = unwrap(env)
+        self._building: Building | None = None
+
+    def _update(self) -> None:
+        """Reads the building if it is another one than before. Wrappers call it at the end of their construction."""
+        building = self._core.building
+        if self._building is None or self._building.origin != building.origin:
+            self._read()
+            self._building = building
+
+    def _read(self) -> None:
+        """Reads what depends on the building: spaces, names and positions of slots."""
 
     def _rename(self, names: list[str], units: list[str]) -> None:
         self.metadata = self.env.metadata | {"observation_names": names, "observation_units": units}
@@ -47,6 +59,7 @@ class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         observation, info = self.env.reset(seed=seed, options=options)
+        self._update()
         return self.observation(observation), info
 
     def step(self, action: Any) -> Stepped:

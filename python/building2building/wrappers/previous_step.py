@@ -53,10 +53,13 @@ class PreviousStepObservation(ObservationWrapper):
 
     def __init__(self, env: Env):
         super().__init__(env)
-        self._scaled = _Scaling(env.action_space)
+        self._update()
+
+    def _read(self) -> None:
+        self._scaled = _Scaling(self.env.action_space)
         low, high = self._scaled.bounds
-        self._previous = np.zeros(len(low))
-        self._extend(low, high, _names(env.metadata), ["1"] * len(low))
+        self._previous = np.append(np.zeros(len(low) - 1), 1)
+        self._extend(low, high, _names(self.env.metadata), ["1"] * len(low))
 
     def observation(self, observation: Array) -> Array:
         return np.concatenate([observation, self._previous.astype(observation.dtype)])

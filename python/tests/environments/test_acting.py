@@ -122,6 +122,17 @@ def test_drawn_buildings_are_supervised():
     envs.close()
 
 
+def test_a_supervisor_follows_a_change_of_the_building():
+    env = b2b.make_env("OfficeSmall", acting="supervisory:60", **DAY)
+    env.unwrapped.set_building("OfficeSmall-0042")
+    own = b2b.make_env("OfficeSmall-0042", acting="supervisory:60", **DAY)
+    np.testing.assert_array_equal(env.reset()[0], own.reset()[0])
+    for _ in range(8):
+        steps = [each.step(np.zeros(each.action_space.shape)) for each in (env, own)]
+        np.testing.assert_array_equal(steps[0][0], steps[1][0])
+    assert steps[0][1] == steps[1][1] < 0
+
+
 def test_supervision_is_for_tasks_of_operation():
     arguments = {**DAY, "task": "occupancy", "acting": "supervisory:60"}
     for make in (b2b.make_env, lambda name, **others: b2b.make_vec(name, 2, **others)):

@@ -1,6 +1,7 @@
 """Wrappers."""
 
 import copy
+import pickle
 from types import MappingProxyType
 
 import building2building as b2b
@@ -144,6 +145,65 @@ def test_roles_are_observed_inside_and_outside_of_drawn_buildings(make):
         assert one[1]["building"] == other[1]["building"]
         np.testing.assert_array_equal(one[0], other[0])
     assert inside.metadata["observation_names"] == outside.metadata["observation_names"]
+
+
+HOUSES = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"]
+
+
+def test_slots_are_found_again_in_another_building(make):
+    env = make(HOUSES[0], rescale_action=True, timesteps_per_hour=1)
+    subset = wrappers.SubsetObservation(wrappers.NormalizeObservation(env), ["outdoor air temperature", "time of day"])
+    drawn = wrappers.ResampleBuildingOnResetWrapper(subset, HOUSES)
+    places = set()
+    for house in HOUSES:
+        observation, _ = drawn.reset(options={"building": house})
+        outdoors = env.unwrapped.layout.outdoor_temperature
+        places.add(outdoors)
+        assert observation[0] == pytest.approx((env.unwrapped.observation[outdoors] + 40) / 45 - 1, abs=1e-6)
+        assert subset.metadata["building"] == house
+    assert len(places) == 2, "the houses differ"
+
+
+def test_a_graph_is_that_of_the_building_that_was_drawn(make):
+    env = make("OfficeSmall", rescale_action=True, timesteps_per_hour=1)
+    drawn = wrappers.GraphObservation(wrappers.ResampleBuildingOnResetWrapper(env))
+    before, _ = drawn.reset(options={"building": "OfficeSmall"})
+    after, _ = drawn.reset(options={"building": "OfficeSmall-0042"})
+    own, _ = wrappers.GraphObservation(make("OfficeSmall-0042", timesteps_per_hour=1)).reset()
+    for part, other in zip(after, own, strict=True):
+        np.testing.assert_array_equal(part, other)
+    assert (before.nodes != after.nodes).any() and (before.edges != after.edges).any()
+
+
+def test_the_other_actuators_follow_the_controller_of_the_building_that_was_drawn(make):
+    options = {"rescale_action": True, "timesteps_per_hour": 1}
+    names = ["Core_ZN supply air flow"]
+    applied = []
+    drawn = wrappers.ResampleBuildingOnResetWrapper(wrappers.SubsetAction(make("OfficeSmall", **options), names))
+    drawn.reset(options={"building": "OfficeSmall-0042"})
+    own = wrappers.SubsetAction(make("OfficeSmall-0042", **options), names)
+    own.reset()
+    for env in (drawn, own):
+        env.step(np.zeros(1))
+        applied.append(env.unwrapped.applied_action())
+    np.testing.assert_array_equal(*applied)
+    inner = make("OfficeSmall", **options)
+    fixed = wrappers.SubsetAction(inner, names, b2b.ReactiveController(inner))
+    drawn = wrappers.ResampleBuildingOnResetWrapper(fixed, ["OfficeSmall", "OfficeSmall-0042"])
+    drawn.reset(options={"building": "OfficeSmall"})
+    for _ in range(2):
+        with pytest.raises(errors.SettingError, match="made for OfficeSmall, but the building is now OfficeSmall-0042"):
+            drawn.reset(options={"building": "OfficeSmall-0042"})
+
+
+def test_drawn_buildings_keep_the_control_of_the_environment(make):
+    env = make("OfficeSmall", place="Miami", control="setpoints", timesteps_per_hour=1)
+    drawn = wrappers.ResampleBuildingOnResetWrapper(env)
+    assert drawn.reset(seed=0)[1]["building"].endswith("+setpoints")
+    assert "Core_ZN cooling setpoint" in drawn.metadata["action_names"]
+    again = pickle.loads(pickle.dumps(env.unwrapped))
+    assert again.building.name == env.unwrapped.building.name
+    again.close()
 
 
 def test_the_forecast_is_the_future_weather(make):
