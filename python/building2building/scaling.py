@@ -8,6 +8,8 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import SettingError
+
 #: Usual ranges of slots, by the last words of their names. A space's own bounds are much wider.
 USUAL = {
     "outdoor air temperature": (-40.0, 50.0),
@@ -21,9 +23,10 @@ USUAL = {
 class Scale:
     """Maps the lower bound of each slot to -1 and its upper bound to 1, and clips.
 
-    ``names``, ``low`` and ``high`` describe the slots. ``bounds`` replaces the bounds of slots by their name or its
-    last words, for example ``{"air temperature": (10, 35)}``; by default :data:`USUAL`. Slots without finite bounds are
-    only clipped.
+    ``names``, ``low`` and ``high`` describe the slots. ``bounds`` replaces bounds of slots by their name or its last
+    words, for example ``{"air temperature": (10, 35)}``; :data:`USUAL` replaces others. The longest words that match
+    count, so that the outdoor air temperature keeps its own. Last words narrow bounds: where they are narrower, as in
+    slots that are scaled already, nothing is replaced. Slots without finite bounds are only clipped.
     """
 
     def __init__(
@@ -33,12 +36,20 @@ class Scale:
         high: ArrayLike,
         bounds: Mapping[str, tuple[float, float]] | None = None,
     ):
-        bounds = USUAL if bounds is None else bounds
+        known = {**USUAL, **(bounds or {})}
         lower, upper = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
+        unused = set(bounds or {})
         for index, name in enumerate(names):
-            matches = [words for words in bounds if name.endswith(words)]
-            if matches:
-                lower[index], upper[index] = bounds[max(matches, key=len)]
+            words = max((each for each in known if f" {name}".endswith(f" {each}")), key=len, default=None)
+            if words is None:
+                continue
+            least, most = known[words]
+            if words == name or (lower[index] <= least and most <= upper[index]):
+                lower[index], upper[index] = least, most
+                unused.discard(words)
+        if unused:
+            without = ", ".join(sorted(unused))
+            raise SettingError(f"bounds of {without} apply to no slot; expected last words of {', '.join(names)}")
         bounded = np.isfinite(lower) & np.isfinite(upper)
         lower, upper = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
         #: Lower and upper bounds, f32.

@@ -149,8 +149,9 @@ class RoleObservation(ObservationWrapper):
 
 
 class NormalizeObservation(ObservationWrapper):
-    """Maps each slot's bounds to [-1, 1] and clips. ``bounds`` replaces the bounds of slots by their name or its last
-    words, for example ``{"air temperature": (10, 35)}``."""
+    """Maps each slot's usual range to [-1, 1] and clips. ``bounds`` replaces the range of slots by their name or its
+    last words, for example ``{"air temperature": (10, 35)}``; the outdoor air temperature has a range of its own, and
+    slots whose bounds are narrower keep theirs."""
 
     @renamed(dtype="observations are f32")
     def __init__(self, env: Env, bounds: dict[str, tuple[float, float]] | None = None):

@@ -54,6 +54,23 @@ def test_normalized_observations_map_bounds_to_minus_one_and_one(make):
     assert observation[outdoors] == pytest.approx(2 * (plain[outdoors] + 40) / 90 - 1, abs=1e-6)
 
 
+def test_bounds_by_last_words_leave_other_quantities_alone(make):
+    previous = wrappers.PreviousStepObservation(make(timesteps_per_hour=1))
+    env = wrappers.NormalizeObservation(previous, {"air temperature": (10, 35)})
+    env.reset()
+    observation, *_ = env.step(env.action_space.high)
+    values = dict(zip(env.metadata["observation_names"], observation, strict=True))
+    plain = dict(zip(previous.unwrapped.metadata["observation_names"], previous.unwrapped.observation, strict=True))
+    zone, outdoors, electricity = "Core_ZN air temperature", "outdoor air temperature", "HVAC electricity"
+    assert values[zone] == pytest.approx((plain[zone] - 10) / 12.5 - 1, abs=1e-6)
+    assert values[outdoors] == pytest.approx((plain[outdoors] + 40) / 45 - 1, abs=1e-6)
+    assert values[electricity] == min(plain[electricity] / 5 - 1, 1)
+    actions = [value for name, value in values.items() if name.startswith("previous") and name != "previous reward"]
+    assert len(actions) == 10 and actions == [1] * 10
+    with pytest.raises(errors.SettingError, match="bounds of air temprature apply to no slot"):
+        wrappers.NormalizeObservation(previous, {"air temprature": (10, 35)})
+
+
 def test_building_parameters_are_appended(make):
     observation = stepped(wrappers.AugmentObservationWithBuildingParams(make()))
     assert len(observation) > 15 and observation[13:].any() and np.abs(observation[13:]).max() <= 1
