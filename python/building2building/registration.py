@@ -64,7 +64,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     Random draws follow the seed of ``reset``.
     """
-    check_names("make_env", arguments, (single_env, BuildingEnv, gymnasium.make))
+    takers = (single_env, BuildingEnv, gymnasium.make)
+    check_names("make_env", arguments, takers, BuildingVectorEnv, "which make_vec has; make a vector environment")
     arguments = {"rescale_action": False, **arguments}
     if building_type is None:
         return cast(BuildingEnv, single_env(**arguments))
@@ -74,7 +75,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
 @with_arguments_of(BuildingVectorEnv, acting=None, observation=None)
 def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: Any) -> BuildingVectorEnv:
-    """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
+    """Makes a vector environment. It takes the arguments of :func:`make_env`, except ``resample_targets``,
+    ``in_process``, ``keep_engine_output`` and ``render_mode``, which are for single environments, and these:
 
     - ``buildings``: a list of :class:`Building`, :class:`Generator` or ids. Environment i repeats the i-th.
     - ``resample``: ``True`` draws a building for every episode, ``k`` for every ``k`` episodes, from ``buildings`` or
@@ -85,7 +87,9 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or
       ``Disabled``.
     """
-    check_names("make_vec", arguments, (vector_env, BuildingVectorEnv, gymnasium.make_vec))
+    takers = (vector_env, BuildingVectorEnv, gymnasium.make_vec)
+    remedy = "which make_env has; make single environments, such as in gymnasium.vector.SyncVectorEnv"
+    check_names("make_vec", arguments, takers, BuildingEnv, remedy)
     arguments = {"rescale_action": False, **arguments}
     if building_type is None:
         return cast(BuildingVectorEnv, vector_env(num_envs=num_envs, **arguments))

@@ -54,11 +54,23 @@ def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T
     return decorate
 
 
-def check_names(name: str, arguments: Iterable[str], takers: Iterable[Callable[..., object]]) -> None:
-    """Raises a :class:`TypeError` that suggests the nearest name for an argument that none of ``takers`` has."""
+def check_names(
+    name: str,
+    arguments: Iterable[str],
+    takers: Iterable[Callable[..., object]],
+    other: Callable[..., object] | None = None,
+    remedy: str = "",
+) -> None:
+    """Raises a :class:`TypeError` that suggests the nearest name for an argument that none of ``takers`` has.
+
+    For an argument of ``other``, it has the ``remedy`` instead.
+    """
     known = [parameter for taker in takers for parameter in inspect.signature(taker).parameters]
+    of_other = () if other is None else inspect.signature(other).parameters
     for argument in arguments:
         if argument not in known:
+            if argument in of_other:
+                raise TypeError(f"{name}() has no argument `{argument}`, {remedy}")
             near = get_close_matches(argument, known, 1)
             hint = f"; did you mean `{near[0]}`?" if near else ""
             raise TypeError(f"{name}() has no argument `{argument}`{hint}")

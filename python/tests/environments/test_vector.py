@@ -1,5 +1,6 @@
 """The contract of a Gymnasium vector environment."""
 
+import inspect
 import warnings
 
 import building2building as b2b
@@ -279,6 +280,18 @@ def test_a_place_means_the_same_in_every_house_by_role(make_vec):
         present = [name.split()[0] for name, value in zip(names, row) if name.endswith(" present") and value]
         assert present == zones
     assert (observations[:, names.index("time of day")] == observations[0, names.index("time of day")]).all()
+
+
+def test_arguments_of_single_environments_are_said_to_be_theirs():
+    single, vector = (set(inspect.signature(each).parameters) for each in (b2b.make_env, b2b.make_vec))
+    assert single - vector == {"resample_targets", "in_process", "keep_engine_output"}
+    for argument in single - vector:
+        assert f"``{argument}``" in b2b.make_vec.__doc__
+        with pytest.raises(TypeError, match=f"no argument `{argument}`, which make_env has; make single environments"):
+            b2b.make_vec("OfficeSmall", 2, **{argument: True})
+    for argument in ("resample", "normalize"):
+        with pytest.raises(TypeError, match=f"no argument `{argument}`, which make_vec has"):
+            b2b.make_env("OfficeSmall", **{argument: True})
 
 
 def test_named_buildings_are_in_the_given_place(make_vec):
