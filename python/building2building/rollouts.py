@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import time
@@ -61,11 +62,8 @@ class PhysicalController:
 
     def __call__(self, observation: Array) -> NDArray[np.float64]:
         """Returns the action for an observation, in the environment's action space."""
-        action, layout = self.physical(observation), self._layout
-        if self._rescale:
-            span = layout.action_high - layout.action_low
-            action = 2 * (action - layout.action_low) / np.where(span > 0, span, 1) - 1
-        return action
+        action = self.physical(observation)
+        return self._layout.rescaled(action) if self._rescale else action
 
 
 class BuiltInController(PhysicalController):
@@ -311,7 +309,8 @@ def rollout(
     """Runs an episode from its reset to its end, or for at most ``steps`` steps.
 
     Built-in controllers observe f64 and act in physical units, so an episode equals ``b2b run`` bit for bit; other
-    controllers see what the environment's wrappers return.
+    controllers see what the environment's wrappers return. Rewards and the end are the wrappers'. Built-in controllers
+    also act where wrappers change the action space, but not where wrappers change rewards or steps as well.
     """
     if isinstance(controller, Controller):
         controller.reset()
@@ -343,17 +342,14 @@ def run_episode(
     penalties: list[tuple[float, float]] = []
     truncated = False
     info: dict[str, Any] = {}
+    step = _through_wrappers(env, controller) if isinstance(controller, PhysicalController) else None
     while not truncated and (steps is None or len(rewards) < steps):
-        if isinstance(controller, PhysicalController):
-            action = controller.physical(core.observation)
-            observation, reward, _, truncated, info = core.step(action, rescale=False)
-            controller.reward(reward)
-        else:
-            observation, step_reward, terminated, truncated, info = env.step(controller(observation))
-            reward, truncated = float(step_reward), truncated or terminated
+        stepped = env.step(controller(observation)) if step is None else step()
+        observation, reward, terminated, truncated, info = stepped
+        truncated = truncated or terminated
         observations.append(core.observation)
         actions.append(core.applied_action())
-        rewards.append(reward)
+        rewards.append(float(reward))
         penalties.append(core.penalties)
     return Trajectory(
         np.array(observations),
@@ -367,6 +363,38 @@ def run_episode(
         getattr(controller, "seed", 0) if isinstance(controller, BuiltInController) else 0,
         (core.record(), time.monotonic() - began),
     )
+
+
+def _through_wrappers(
+    env: gymnasium.Env[Any, Any], controller: PhysicalController
+) -> Callable[[], tuple[Any, Any, bool, bool, dict[str, Any]]]:
+    """Returns a function that runs a step with the controller's action, exact whatever wrappers make of it.
+
+    Wrappers that change the action space get a valid action of theirs instead. What they do with it cannot matter if
+    they leave rewards and steps alone, otherwise the function raises.
+    """
+    core = unwrap(env)
+    stand_in = None if env.action_space is core.action_space else copy.deepcopy(env.action_space).sample()
+
+    def step() -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        action, steps = controller.physical(core.observation), core.steps
+        carried = core.layout.rescaled(action) if core.rescale_action else action
+        core._exact = (carried, action) if stand_in is None else (None, action)
+        try:
+            stepped = env.step(carried if stand_in is None else stand_in)
+        finally:
+            core._exact = None
+        _, reward, terminated, truncated, _ = stepped
+        own = core._last_reward, core._truncated, steps + 1
+        if stand_in is not None and (reward, terminated or truncated, core.steps) != own:
+            raise SettingError(
+                f"{_name_of(controller)} cannot act through {env}, which changes both actions and rewards or steps; "
+                "pass env.unwrapped to leave wrappers out, or use rescale_action=True and reward= of make_env instead"
+            )
+        controller.reward(float(reward))
+        return stepped
+
+    return step
 
 
 def _name_of(controller: Any) -> str:

@@ -100,6 +100,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._thread = threading.get_ident() if in_process else None
         self._process = os.getpid()
         self._finish_run = False
+        #: For :func:`rollout`: steps apply the second action, in physical units, instead of the first, or of any.
+        self._exact: tuple[NDArray[np.float64] | None, NDArray[np.float64]] | None = None
         self._base_setting = self._setting_of(self.task)
         #: Building, run period, time step and task of the episode.
         self.setting = self._base_setting
@@ -129,6 +131,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self.observation = np.zeros(len(self.layout.observation_low))
         self._steps = 0
         self._penalties = math.nan, math.nan
+        self._last_reward = math.nan
         self._truncated = False
 
     def _open_core(self) -> _core.Env | _core.LocalEnv:
@@ -215,6 +218,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if core is None or (self._thread is not None and self._thread != threading.get_ident()):
             core = self._open_core()
         rescale = self.rescale_action if rescale is None else rescale
+        if self._exact is not None and (self._exact[0] is None or np.array_equal(self._exact[0], action)):
+            action, rescale = self._exact[1], False
         single, after, numbers, truncated = core.step(action, rescale)
         before, self.observation = self.observation, after
         temperature, energy, *_ = numbers
@@ -226,6 +231,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if truncated:
             info["metrics"] = core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))
+        self._last_reward = reward
         if self._steps == 1 and not rescale:
             warn_of_zeros(self.layout, action)
         if self.render_mode is not None:
@@ -354,7 +360,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         env = object.__new__(type(self))
         env.__dict__.update(self.__dict__)
         env._arguments = dict(self._arguments)
-        env._core, env._renderer, env.np_random = core, None, deepcopy(self.np_random)
+        env._core, env._renderer, env._exact, env.np_random = core, None, None, deepcopy(self.np_random)
         env._power = copy(self._power)
         close_at_exit(env)
         return env

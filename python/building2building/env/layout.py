@@ -110,6 +110,11 @@ class Layout:
         """Returns the bounds of the action as f32, rounded inward so that they are never clamped."""
         return rounded_inward(self.action_low, self.action_high)
 
+    def rescaled(self, action: Array) -> Array:
+        """Converts an action in physical units to [-1, 1]."""
+        span = self.action_high - self.action_low
+        return 2 * (action - self.action_low) / np.where(span > 0, span, 1) - 1
+
     def observation_space(self) -> Box[np.float32]:
         """Returns the observation space, f32."""
         low, high = self.observation_bounds()

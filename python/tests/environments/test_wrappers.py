@@ -326,6 +326,46 @@ def test_a_price_is_observed_and_charged(make):
         wrappers.PriceSignal(make(), [1.0])
 
 
+def test_controllers_and_functions_have_the_rewards_and_steps_of_wrappers(make):
+    for rescale in (False, True):
+        inner = make(timesteps_per_hour=1, rescale_action=rescale)
+        reactive = b2b.ReactiveController(inner)
+        alone = b2b.rollout(inner, reactive)
+        env = wrappers.PriceSignal(wrappers.NormalizeObservation(inner), weight=1000.0)
+        priced = b2b.rollout(env, reactive)
+        assert priced.hash() == alone.hash() and priced.episode_return < alone.episode_return - 1e-3
+        reactive.reset()
+        env.reset()
+        rewards = [env.step(reactive(inner.unwrapped.observation))[1] for _ in range(24)]
+        np.testing.assert_allclose(priced.rewards, rewards, rtol=1e-6)
+        limited = b2b.rollout(gymnasium.wrappers.TimeLimit(env, 5), reactive)
+        assert limited.rewards.tolist() == priced.rewards[:5].tolist() and limited.truncated
+
+
+def test_a_controller_acts_through_wrappers_that_change_actions_only(make):
+    env = make(timesteps_per_hour=1)
+    reactive = b2b.ReactiveController(env)
+    alone = b2b.rollout(env, reactive)
+    rescaled = gymnasium.wrappers.RescaleAction(env, np.float32(-1), np.float32(1))
+    subset = wrappers.PreviousStepObservation(wrappers.SubsetAction(env, ["Core_ZN supply air flow"]))
+    for each in (rescaled, subset):
+        through = b2b.rollout(each, reactive)
+        assert through.hash() == alone.hash() and through.rewards.tolist() == alone.rewards.tolist()
+    halved = gymnasium.wrappers.TransformAction(env, lambda action: 0.5 * action, None)
+    assert b2b.rollout(halved, reactive).hash() != alone.hash()
+    acting = b2b.make_env("OfficeSmall", run_period="01-01..01-01", acting="supervisory:60")
+    priced = wrappers.PriceSignal(env, weight=1000.0)
+    for each in (
+        gymnasium.wrappers.RescaleAction(priced, np.float32(-1), np.float32(1)),
+        gymnasium.wrappers.TimeLimit(rescaled, 5),
+        acting,
+    ):
+        with pytest.raises(errors.SettingError, match="reactive cannot act.*env.unwrapped"):
+            b2b.rollout(each, b2b.ReactiveController(each))
+    acting.close()
+    assert b2b.rollout(env, reactive).hash() == alone.hash()
+
+
 @pytest.fixture
 def leap_day(make, tmp_path):
     """A warehouse from 29 February to 1 March; the first day is like the one before, but at 7 °C."""
