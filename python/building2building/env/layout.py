@@ -42,12 +42,11 @@ class Layout:
         #: constant.
         self.targets = np.array([zone.target_slot for zone in controlled], dtype=int) if moving else None
         slots = [(zone.target_slot, zone.cooling_setpoint_slot) for zone in controlled]
+        has_bands = any(low is not None and self.observation[low].quantity == "heating_setpoint" for low, _ in slots)
         #: Observation slots of the controlled zones' cooling setpoints, or of their heating setpoints where nothing
         #: cools; ``None`` in tasks without bands.
         self.cooling_setpoints = (
-            np.array([low if high is None else high for low, high in slots], dtype=int)
-            if any(high is not None for _, high in slots)
-            else None
+            np.array([low if high is None else high for low, high in slots], dtype=int) if has_bands else None
         )
         #: Observation slots of the controlled zones' occupancies; ``None`` if targets are constant.
         self.occupancies = np.array([zone.occupancy_slot for zone in controlled], dtype=int) if moving else None

@@ -129,8 +129,8 @@ class RoleObservation(ObservationWrapper):
         roles = self._core.layout.spaces.roles
         if roles is None:
             raise SettingError(
-                f"{self._core.building.name} is not one of the generator's houses; "
-                "buildings of other types have the same zones"
+                f"{self._core.building.name} has no slots by role, which the generator's houses have in tasks without "
+                "comfort bands; pass width to PadObservation where widths differ"
             )
         if not is_own(self.env):
             raise SettingError("the observation was changed by another wrapper; apply RoleObservation first")

@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import re
 import subprocess
 import sys
 import types
@@ -253,6 +254,33 @@ def test_a_rollout_without_steps_has_the_observation_of_the_reset(make):
     assert len(trajectory) == 0 and trajectory.observations.shape == (1, 13)
     assert trajectory.actions.shape == (0, 10) and trajectory.penalties.shape == (0, 2)
     assert trajectory.episode_return == 0 and not trajectory.truncated and trajectory.metrics is None
+
+
+@pytest.fixture
+def heated(make, tmp_path):
+    """A warehouse whose only conditioned zone is heated, but not cooled."""
+    model = json.loads(b2b.find_building("Warehouse").to_epjson())
+    central = "AirLoop|AirTerm|Avail|Branch|Coil:Cool|Controller:|EnergyM|Fan:System|OutdoorAir:|Output"
+    central += "|SetpointM|Sizing:System|UnitarySystemP|ZoneHVAC:AirD"
+    model = {kind: objects for kind, objects in model.items() if not re.match(central, kind)}
+    lists = ("EquipmentConnections", "EquipmentList")
+    for kind in ("Coil:Heating:Fuel", "Sizing:Zone", "ZoneControl:Thermostat", *(f"ZoneHVAC:{each}" for each in lists)):
+        model[kind] = {name: each for name, each in model[kind].items() if "Zone3" in name + str(each)}
+    path = tmp_path / "heated.epJSON"
+    path.write_text(json.dumps(model))
+    building = b2b.import_building(path, place="Denver")
+    return make(None, building=building, run_period="07-01..07-01", timesteps_per_hour=1, task="operate")
+
+
+def test_a_warm_zone_without_cooling_is_in_its_band(heated):
+    assert [zone.cooling for zone in heated.unwrapped.layout.zones if zone.controlled] == [False]
+    heated.reset()
+    for _ in range(14):
+        *_, info = heated.step(heated.action_space.low)
+    assert info["zone_temperature"] > info["zone_target"] + 5
+    assert info["zone_deviation"].tolist() == [0.0] and info["reward_terms"]["temperature"] == 0
+    with pytest.raises(errors.SettingError, match="no slots for comfort bands"):
+        b2b.wrappers.PadObservation(heated, zones=5)
 
 
 def test_a_custom_reward_replaces_the_task_s_reward(make):
