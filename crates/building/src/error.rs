@@ -152,6 +152,15 @@ pub enum Error {
         /// Its uncontrolled systems with the reason, one line for all systems of a class with the same reason.
         reasons: Vec<String>,
     },
+    /// A model whose conditioned zones have no floor area.
+    #[error(
+        "the conditioned zones of {name} have a floor area of 0 m², by which energy is divided; give them floors, or enter \
+         a `floor_area` above 0 in their Zone objects"
+    )]
+    NoFloorArea {
+        /// Name of the building.
+        name: String,
+    },
     /// The engine rejected a model or failed.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),

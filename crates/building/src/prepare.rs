@@ -21,7 +21,7 @@ use crate::hvac::{
 };
 use crate::hvac_energy::{self, HvacMeter, hvac_meters};
 use crate::import::{Notes, switched_off};
-use crate::model::Model;
+use crate::model::{Model, floors};
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes, Unreported};
 use crate::zone;
@@ -153,7 +153,7 @@ impl PreparedBuilding {
         kinds: &[Kind],
         unsupported: Unsupported,
     ) -> Result<Self> {
-        let (air_density, mut notes) = size(name, &mut model, weather, library)?;
+        let (air_density, mut notes) = size(name, &mut model, weather, library, unsupported)?;
         notes.changed = changes(&model, weather, unsupported, Exhaust::Balanced)?;
         let switches = match unsupported {
             Unsupported::LeftAlone => hvac::switches_of_all(&model)?,
@@ -181,7 +181,7 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let (air_density, mut notes) = size(name, &mut model, weather, library)?;
+        let (air_density, mut notes) = size(name, &mut model, weather, library, unsupported)?;
         notes.changed = changes(&model, weather, unsupported, Exhaust::Balanced)?;
         let calendar = calendar::of(&model, weather, unsupported)?;
         let Year { zones: years, holidays, .. } = year(name, &model, &[], calendar, library)?;
@@ -204,7 +204,7 @@ impl PreparedBuilding {
         unsupported: Unsupported,
         complete: impl FnOnce(&mut Model, &[ZoneYear]),
     ) -> Result<Self> {
-        let (_, mut notes) = size(name, &mut model, weather, library)?;
+        let (_, mut notes) = size(name, &mut model, weather, library, unsupported)?;
         let exhaust = match unsupported {
             Unsupported::Refused => Exhaust::Balanced,
             Unsupported::LeftAlone => Exhaust::AsGiven,
@@ -238,14 +238,13 @@ impl PreparedBuilding {
         let own_ventilation = own_ventilation(outdoor_air, &zones, &layouts);
         let zones = prepared_zones(&model, zones, &systems, &layouts)?;
         let meters = hvac_meters(&model);
-        let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
             class: None,
             prototype: false,
             model_sha256: sha256(model.to_epjson()),
             model,
-            conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
+            conditioned_floor_area: conditioned_floor_area(name, &zones)?,
             zones,
             systems,
             layouts,
@@ -340,7 +339,16 @@ impl PreparedBuilding {
 
 /// Writes sizes into a model. Returns the air density of its design flows, kg/m³, and notes on the autosized fields
 /// without a size.
-fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<(f64, Notes)> {
+fn size(
+    name: &str,
+    model: &mut Model,
+    weather: &Path,
+    library: &Library,
+    unsupported: Unsupported,
+) -> Result<(f64, Notes)> {
+    if unsupported == Unsupported::LeftAlone {
+        floors::enter(model);
+    }
     let site = Site::read(weather)?;
     let mut notes = Notes::default();
     if sizing::needs_sizing(model) {
@@ -395,6 +403,13 @@ fn prepared_zones(
     zones.into_iter().enumerate().map(prepared).collect()
 }
 
+/// Returns the floor area of the conditioned zones, m².
+fn conditioned_floor_area(name: &str, zones: &[Zone]) -> Result<f64> {
+    let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
+    let area: f64 = zones.iter().filter(conditioned).map(|zone| zone.floor_area).sum();
+    if area > 0.0 { Ok(area) } else { Err(Error::NoFloorArea { name: name.to_owned() }) }
+}
+
 /// Returns the outdoor air of air loops with controlled zones, given the zones that each serves.
 fn own_ventilation(
     loops: Vec<(hvac::Ventilation, Vec<String>)>,
@@ -439,6 +454,18 @@ fn year(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn energy_is_not_divided_by_a_floor_area_of_zero() {
+        let zone = |floor_area, own_controls| {
+            let (name, conditioning) = ("Hall".to_owned(), Conditioning::None);
+            Zone { name, floor_area, conditioning, own_controls }
+        };
+        let area = |zones: &[Zone]| conditioned_floor_area("office", zones);
+        assert_eq!(area(&[zone(20.0, true), zone(30.0, false)]).unwrap(), 20.0);
+        let said = area(&[zone(0.0, true), zone(30.0, false)]).unwrap_err().to_string();
+        assert!(said.contains("office") && said.contains("`floor_area`"), "{said}");
+    }
 
     #[test]
     fn the_air_density_of_denver_and_miami_matches_the_engine() {

@@ -4,6 +4,7 @@
 //! *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
 
 pub mod construction;
+pub(crate) mod floors;
 pub mod opening;
 pub mod people;
 pub mod shape;

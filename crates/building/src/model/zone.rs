@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::model::floors::{self, Floors};
 use crate::model::{Fields, Model, items, number, text};
 use crate::{Error, Result};
 
@@ -12,7 +13,7 @@ const DETAILED: &str = "BuildingSurface:Detailed";
 pub struct Zone {
     /// Name.
     pub name: String,
-    /// Floor area, m²: given in the model, or the sum of its floor surfaces.
+    /// Floor area, m²: entered in the model, or that of its floors.
     pub floor_area: f64,
     /// Number of identical zones: the zone's multiplier times its group's.
     pub multiplier: f64,
@@ -23,7 +24,7 @@ pub struct Zone {
 pub struct Space {
     /// Name.
     pub name: String,
-    /// Floor area, m²: given in the model, or the sum of its floor surfaces.
+    /// Floor area, m²: entered in the model, or that of its floors.
     pub floor_area: f64,
     /// Volume, m³, if given in the model.
     pub volume: Option<f64>,
@@ -78,11 +79,11 @@ impl Surface {
 /// # Errors
 /// Same as [`surfaces`].
 pub fn zones(model: &Model) -> Result<Vec<Zone>> {
-    let surfaces = surfaces(model)?;
+    surfaces(model)?;
+    let floors = Floors::of(model);
     let zones = model.objects("Zone").into_iter().map(|(name, fields)| Zone {
         name: name.to_owned(),
-        floor_area: number(fields, "floor_area")
-            .unwrap_or_else(|| floor_area(&surfaces, name) + other_floor_area(model, name)),
+        floor_area: floors.areas(model, name).zone,
         multiplier: number(fields, "multiplier").unwrap_or(1.0) * group_multiplier(model, name),
     });
     Ok(zones.collect())
@@ -90,33 +91,24 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
 
 /// Returns the spaces of a zone; none if the zone is not divided.
 pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
-    let area = |name: &str| {
-        let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
-        let floors = surfaces
-            .filter(|fields| names(fields, "space_name", name) && names(fields, "surface_type", "floor"));
-        total(floors.filter_map(drawn_area))
-    };
-    let divisions = model.objects("Space").into_iter().filter(|(_, fields)| names(fields, "zone_name", zone));
-    let space = |(name, fields): (&str, &Fields)| Space {
+    let divisions = floors::spaces(model, zone);
+    if divisions.is_empty() {
+        return Vec::new();
+    }
+    let areas = Floors::of(model).areas(model, zone).spaces;
+    let space = |((name, fields), floor_area): ((&str, &Fields), f64)| Space {
         name: name.to_owned(),
-        floor_area: number(fields, "floor_area").unwrap_or_else(|| area(name)),
+        floor_area,
         // The engine computes a volume of 0.
         volume: number(fields, "volume").filter(|volume| *volume > 0.0),
     };
-    divisions.map(space).collect()
+    divisions.into_iter().zip(areas).map(space).collect()
 }
 
 /// Returns the floor area of a zone's surfaces that belong to no space, m²; `None` if there is no such surface. The
 /// engine makes another space of them.
 pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
-    let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
-    let own =
-        surfaces.filter(|fields| names(fields, "zone_name", zone) && text(fields, "space_name").is_none());
-    let area = |fields: &Fields| match names(fields, "surface_type", "floor") {
-        true => drawn_area(fields),
-        false => Some(0.0),
-    };
-    own.filter_map(area).reduce(|sum, area| sum + area)
+    Floors::of(model).areas(model, zone).remainder
 }
 
 /// Returns the parts of a zone that a name refers to, by itself or by a list: `None` for the whole zone, or its spaces.
@@ -154,7 +146,7 @@ fn lists(model: &Model, class: &str, list: &str, [entries, field]: [&str; 2], na
 }
 
 /// Returns whether a field has a name. The engine ignores case.
-fn names(fields: &Fields, field: &str, name: &str) -> bool {
+pub(super) fn names(fields: &Fields, field: &str, name: &str) -> bool {
     text(fields, field).is_some_and(|value| value.eq_ignore_ascii_case(name))
 }
 
@@ -212,35 +204,9 @@ fn surface(name: &str, fields: &Fields) -> Option<Surface> {
     })
 }
 
-fn corner(vertex: &Value) -> Option<[f64; 3]> {
+pub(super) fn corner(vertex: &Value) -> Option<[f64; 3]> {
     let at = |axis: &str| vertex.get(format!("vertex_{axis}_coordinate"))?.as_f64();
     Some([at("x")?, at("y")?, at("z")?])
-}
-
-fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
-    let own = surfaces.iter().filter(|s| s.kind == SurfaceKind::Floor && s.zone.eq_ignore_ascii_case(zone));
-    total(own.map(Surface::area))
-}
-
-/// Returns a sum of areas. `sum` would return -0 for an empty list.
-fn total(areas: impl Iterator<Item = f64>) -> f64 {
-    areas.fold(0.0, |sum, area| sum + area)
-}
-
-/// Returns the area of a zone's floors that are not `BuildingSurface:Detailed`, m².
-fn other_floor_area(model: &Model, zone: &str) -> f64 {
-    const FLOORS: [&str; 4] = ["Floor:Detailed", "Floor:GroundContact", "Floor:Adiabatic", "Floor:Interzone"];
-    let floors = FLOORS.iter().flat_map(|class| model.objects(class));
-    let own = floors.filter(|(_, fields)| names(fields, "zone_name", zone));
-    total(own.filter_map(|(_, fields)| drawn_area(fields)))
-}
-
-/// Returns the area of a surface from its corners, or else from its length and width, m².
-fn drawn_area(fields: &Fields) -> Option<f64> {
-    match fields.get("vertices").and_then(Value::as_array) {
-        Some(vertices) => Some(polygon_area(&vertices.iter().map(corner).collect::<Option<Vec<_>>>()?)),
-        None => Some(number(fields, "length")? * number(fields, "width")?),
-    }
 }
 
 /// Returns the area of a planar polygon in space, m².
@@ -303,6 +269,72 @@ mod tests {
         let areas: Vec<(String, f64)> =
             spaces(&model, "A").into_iter().map(|space| (space.name, space.floor_area)).collect();
         assert_eq!(areas, [("East".into(), 5.0), ("West".into(), 6.0)]);
+    }
+
+    /// Two zones on two levels, the upper one with two spaces and without floors.
+    fn levels(condition: &str, object: &str) -> Model {
+        let corner = |x: f64, y: f64| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": 3.0});
+        let corners = [corner(0.0, 0.0), corner(2.0, 0.0), corner(2.0, 3.0), corner(0.0, 3.0)];
+        let surface = |fields: [&str; 5]| {
+            let [zone, space, kind, condition, object] = fields;
+            json!({"zone_name": zone, "space_name": space, "surface_type": kind, "vertices": corners,
+                "outside_boundary_condition": condition, "outside_boundary_condition_object": object})
+        };
+        let mut model = Model::default();
+        for zone in ["Low", "High"] {
+            model.insert("Zone", zone, json!({}));
+        }
+        for space in ["East", "West"] {
+            model.insert("Space", space, json!({"zone_name": "High"}));
+            model.insert(DETAILED, space, surface(["High", space, "Roof", "Outdoors", ""]));
+        }
+        let mut floor = surface(["low", "", "Floor", "Ground", ""]);
+        floor.as_object_mut().unwrap().remove("space_name");
+        let mut ceiling = surface(["low", "", "Ceiling", condition, object]);
+        ceiling.as_object_mut().unwrap().remove("space_name");
+        model.insert(DETAILED, "Floor", floor);
+        model.insert(DETAILED, "Ceiling", ceiling);
+        model
+    }
+
+    /// The areas that the engine prints for these cases.
+    #[test]
+    fn areas_are_the_engines() {
+        let areas = |model: &Model| {
+            let spaces = spaces(model, "High").into_iter().map(|space| space.floor_area);
+            let areas: Vec<f64> = zones(model).unwrap().into_iter().map(|zone| zone.floor_area).collect();
+            (areas, spaces.collect::<Vec<f64>>())
+        };
+        let set = |model: &mut Model, class: &str, name: &str, area: f64| {
+            _ = model.require_mut(class, name).unwrap().insert("floor_area".into(), json!(area));
+        };
+        let mut model = levels("Adiabatic", "");
+        set(&mut model, "Zone", "Low", 0.0);
+        set(&mut model, "Space", "East", 10.0);
+        let west = json!({"zone_name": "High", "space_name": "west", "length": 6.0, "width": 5.0});
+        model.insert("Floor:Adiabatic", "West floor", west);
+        assert_eq!(areas(&model), (vec![40.0, 6.0], vec![10.0, 30.0]), "the zone is the sum of its spaces");
+        set(&mut model, "Zone", "High", 80.0);
+        assert_eq!(areas(&model), (vec![80.0, 6.0], vec![20.0, 60.0]), "spaces are scaled to their zone");
+        model.remove("Space", "East");
+        model.remove(DETAILED, "East");
+        model.require_mut("Space", "West").unwrap().insert("floor_area".into(), json!(0.0));
+        assert_eq!(areas(&model), (vec![80.0, 6.0], vec![80.0]), "the only space is all of its zone");
+    }
+
+    #[test]
+    fn ceilings_below_and_ceiling_heights_count_once_they_are_entered() {
+        let entered = |condition: &str, object: &str| {
+            let mut model = levels(condition, object);
+            model.require_mut("Zone", "Low").unwrap().insert("ceiling_height".into(), json!(5.0));
+            floors::enter(&mut model);
+            let volume = number(model.require("Zone", "Low").unwrap(), "volume");
+            assert_eq!((volume, zones(&model).unwrap()[1].floor_area), (Some(30.0), 6.0));
+            (zones(&model).unwrap()[0].floor_area, spaces(&model, "High")[0].floor_area)
+        };
+        assert_eq!(entered("zone", "high"), (6.0, 0.0), "they are the last space's");
+        assert_eq!(entered("Space", "East"), (6.0, 6.0));
+        assert_eq!(entered("Surface", "East"), (0.0, 0.0));
     }
 
     #[test]

@@ -397,3 +397,16 @@ fn a_model_for_another_program_keeps_the_initial_values_of_its_schedules() {
     assert_eq!(model.get("Schedule:Constant", "Warm").unwrap()["hourly_value"], json!(20));
     assert_says(&notes.warnings.join(" "), &["another program", "1 schedules"]);
 }
+
+#[test]
+fn ceiling_heights_count_in_a_users_model_and_not_in_a_generated_building() {
+    let stock = Stock::new();
+    let mut room = room();
+    room["Zone"]["Room"] = json!({"ceiling_height": 5.0});
+    let model = read_room(&stock, &room).unwrap().model;
+    let (weather, library) = (&stock.weather, &stock.library);
+    let own = PreparedBuilding::as_far_as_possible("room", model.clone(), weather, library).unwrap();
+    let generated = PreparedBuilding::new("room", model, weather, library).unwrap();
+    let volumes = [own, generated].map(|building| building.shape().unwrap().volume(0));
+    assert_eq!(volumes, [400.0, 240.0]);
+}
