@@ -299,9 +299,9 @@ pub(crate) fn begins(class: &str, beginning: &str) -> bool {
     class.get(..beginning.len()).is_some_and(|start| start.eq_ignore_ascii_case(beginning))
 }
 
-/// Returns a text field; `None` if it is missing or not text.
+/// Returns a text field; `None` if it is missing, blank or not text.
 pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
-    fields.get(field)?.as_str()
+    fields.get(field)?.as_str().filter(|text| !text.is_empty())
 }
 
 /// Returns a numeric field; `None` if it is missing or not a number.
@@ -344,6 +344,14 @@ mod tests {
     fn objects_come_in_model_order_and_names_ignore_case() {
         assert_eq!(model().names("ZONE"), ["B", "A"]);
         assert!(model().contains("zone", "a"));
+    }
+
+    #[test]
+    fn an_empty_text_is_a_blank_field_as_in_the_engine() {
+        let fields = serde_json::json!({"outside_layer": "Brick", "layer_2": ""});
+        let fields = fields.as_object().unwrap();
+        assert_eq!((text(fields, "outside_layer"), text(fields, "layer_2")), (Some("Brick"), None));
+        assert_eq!(construction::layers(fields).collect::<Vec<_>>(), ["Brick"]);
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub(super) fn name_in_controllers(model: &mut Model) {
 
 /// Returns an entry of a controller with the specifications that it leaves to `Sizing:Zone`, one per zone of a list.
 fn complete(model: &Model, entry: &Fields) -> Vec<Fields> {
-    let is_blank = |field: &&str| text(entry, field).is_none_or(str::is_empty);
+    let is_blank = |field: &&str| text(entry, field).is_none();
     let blank: Vec<&str> = SPECIFICATIONS.into_iter().filter(is_blank).collect();
     let Some(zones) = text(entry, ZONE).filter(|_| !blank.is_empty()) else { return vec![entry.clone()] };
     let list = model.get("ZoneList", zones);
@@ -55,7 +55,7 @@ fn of_zone(model: &Model, entry: &Fields, zone: &str, blank: &[&str]) -> Fields 
     };
     let Some((_, sizing)) = model.objects("Sizing:Zone").into_iter().find(is_of_zone) else { return own };
     for field in blank {
-        if let Some(name) = text(sizing, field).filter(|name| !name.is_empty()) {
+        if let Some(name) = text(sizing, field) {
             own.insert(ZONE.into(), zone.into());
             own.insert((*field).to_owned(), name.into());
         }

@@ -7,6 +7,7 @@ use crate::hvac::air_loop_graph::supply_components;
 use crate::hvac::capacity::air_loop_of;
 use crate::hvac::energy_management::sets;
 use crate::hvac::references::Reference;
+use crate::model::text;
 use crate::{Model, Result};
 
 /// End of the names of the fields, such as `heating_availability_schedule_name`.
@@ -55,9 +56,8 @@ fn switches(model: &Model, zone: &str) -> Result<Vec<Switch>> {
         if !seen.insert((object.class.to_lowercase(), object.name.to_lowercase())) {
             continue;
         }
-        let schedules = fields.iter().filter(|(field, _)| field.ends_with(SWITCH));
-        for (field, value) in schedules {
-            let Some(schedule) = value.as_str().filter(|name| !name.is_empty()) else { continue };
+        for field in fields.keys().filter(|field| field.ends_with(SWITCH)) {
+            let Some(schedule) = text(fields, field) else { continue };
             let (zone, object, schedule) = (zone.to_owned(), object.clone(), schedule.to_owned());
             found.push(Switch { zone, object, schedule, is_whole: field == SWITCH });
         }
