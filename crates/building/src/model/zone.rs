@@ -81,12 +81,18 @@ impl Surface {
 pub fn zones(model: &Model) -> Result<Vec<Zone>> {
     surfaces(model)?;
     let floors = Floors::of(model);
-    let zones = model.objects("Zone").into_iter().map(|(name, fields)| Zone {
-        name: name.to_owned(),
-        floor_area: floors.areas(model, name).zone,
-        multiplier: number(fields, "multiplier").unwrap_or(1.0) * group_multiplier(model, name),
+    let zones = model.names("Zone").into_iter().map(|name| Zone {
+        floor_area: floors.areas(model, &name).zone,
+        multiplier: multiplier(model, &name),
+        name,
     });
     Ok(zones.collect())
+}
+
+/// Returns the number of identical zones: the zone's multiplier times its group's.
+pub(crate) fn multiplier(model: &Model, zone: &str) -> f64 {
+    let own = model.get("Zone", zone).and_then(|fields| number(fields, "multiplier"));
+    own.unwrap_or(1.0) * group_multiplier(model, zone)
 }
 
 /// Returns the spaces of a zone; none if the zone is not divided.

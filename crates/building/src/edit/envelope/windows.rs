@@ -19,7 +19,7 @@ const VERTICAL: f64 = 0.01;
 /// A window in a wall.
 struct Window {
     name: String,
-    /// Area over height, with the multiplier, m.
+    /// Area over height, with the multipliers of the window and its zone, m.
     width: f64,
     height: f64,
     /// Maximum height in its wall.
@@ -39,7 +39,8 @@ struct Window {
 pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
     require_corners(model, &["Window", "GlazedDoor"])?;
     let surfaces = zone::surfaces(model)?;
-    let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
+    let outer = surfaces.iter().filter(|surface| surface.is_exterior_wall());
+    let walls: f64 = outer.map(|wall| wall.area() * zone::multiplier(model, &wall.zone)).sum();
     let (windows, doors) = glass_in_walls(model, &surfaces)?;
     if windows.is_empty() {
         return Ok(0);
@@ -54,7 +55,7 @@ pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
     Ok(windows.len())
 }
 
-/// The windows in exterior walls, in model order, and the area of the glass doors in them, m².
+/// The windows in exterior walls, in model order, and the area of the glass doors in them, m², in all copies of a zone.
 fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f64)> {
     let (mut windows, mut doors) = (Vec::new(), 0.0);
     for (name, fields) in model.objects(FENESTRATION).into_iter().filter(|(_, fields)| is_glass(fields)) {
@@ -62,7 +63,8 @@ fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f
         let corners = corners(fields);
         let (low, high) = heights(&corners);
         let height = high - low;
-        let width = mean_width(&corners, height) * number(fields, "multiplier").unwrap_or(1.0);
+        let copies = number(fields, "multiplier").unwrap_or(1.0) * zone::multiplier(model, &wall.zone);
+        let width = mean_width(&corners, height) * copies;
         if is_glass_door(fields) {
             doors += width * height;
             continue;
@@ -200,6 +202,21 @@ mod tests {
         let (low, high) = (z(&model, "Low"), z(&model, "High"));
         assert!((high.1 - high.0 - 2.9).abs() < 1e-12, "{high:?}");
         assert!((low.1 - low.0 - 2.1).abs() < 1e-12 && (low.0 - MARGIN).abs() < 1e-12, "{low:?}");
+    }
+
+    #[test]
+    fn the_walls_windows_and_doors_of_a_repeated_zone_count_as_often() {
+        let mut model = model();
+        let mut bare = model.require("BuildingSurface:Detailed", "Wall").unwrap().clone();
+        bare.insert("zone_name".into(), json!("Top"));
+        model.insert("BuildingSurface:Detailed", "Bare wall", bare.into());
+        let wall = model.require_mut("BuildingSurface:Detailed", "Wall").unwrap();
+        wall.insert("zone_name".into(), json!("Mid"));
+        model.insert("Zone", "Mid", json!({"multiplier": 9}));
+        resize(&mut model, 0.3).unwrap();
+        let height = |name| z(&model, name).1 - z(&model, name).0;
+        let glass = 9.0 * (2.0 * height("Low") + 2.0 * height("High") + 2.0);
+        assert!((glass / (10.0 * 30.0) - 0.3).abs() < 1e-12, "{glass}");
     }
 
     #[test]
