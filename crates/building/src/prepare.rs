@@ -20,7 +20,7 @@ use crate::hvac::{
     Unsupported,
 };
 use crate::hvac_energy::{self, HvacMeter, hvac_meters};
-use crate::import::{Notes, switched_off};
+use crate::import::{Notes, switched_off, without_band};
 use crate::model::{Model, floors};
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes, Unreported};
@@ -165,7 +165,7 @@ impl PreparedBuilding {
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported, &absent)?;
         notes.switched_off = switched_off(&switches, &off, &discovery);
         notes.changed.extend_from_slice(&discovery.notes);
-        Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery)? }.of_years(years))
     }
 
     /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else.
@@ -188,7 +188,7 @@ impl PreparedBuilding {
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         notes.changed.extend_from_slice(&discovery.notes);
-        Ok(Self { calendar, years, holidays, notes, ..Self::with(name, model, discovery)? })
+        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery)? }.of_years(years))
     }
 
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
@@ -211,6 +211,7 @@ impl PreparedBuilding {
         };
         notes.changed = changes(&model, weather, unsupported, exhaust)?;
         let controlled = Self::with_kinds(name, model.clone(), weather, library, &KINDS, unsupported)?;
+        notes.warnings.extend_from_slice(&controlled.notes.warnings);
         complete(&mut model, &controlled.years);
         for_episodes(&mut model, exhaust);
         Ok(Self {
@@ -258,6 +259,14 @@ impl PreparedBuilding {
         })
     }
 
+    /// Sets the years of its zones, with a warning if zones of a user's model lack a comfort band.
+    fn of_years(mut self, years: Vec<ZoneYear>) -> Self {
+        if self.calendar.is_some() {
+            self.notes.warnings.extend(without_band(&self.zones, &years));
+        }
+        Self { years, ..self }
+    }
+
     /// Returns the outputs of fans outside systems, such as a bathroom's, by zone, J. The engine's meter of fans
     /// includes them, HVAC energy does not. The engine may lack some.
     pub fn fans_outside(&self) -> impl Iterator<Item = EngineVariable> {
@@ -283,8 +292,12 @@ impl PreparedBuilding {
     /// Adds the notes of its import.
     #[must_use]
     pub fn with_notes(self, notes: Notes) -> Self {
-        let Notes { left_autosized, unused_autosized, changed, switched_off, .. } = self.notes;
-        Self { notes: Notes { left_autosized, unused_autosized, changed, switched_off, ..notes }, ..self }
+        let Notes { left_autosized, unused_autosized, changed, switched_off, warnings, .. } = self.notes;
+        let warnings = notes.warnings.into_iter().chain(warnings).collect();
+        Self {
+            notes: Notes { left_autosized, unused_autosized, changed, switched_off, warnings, ..notes },
+            ..self
+        }
     }
 
     /// Returns the model for a run period with this number of zone time steps per hour.

@@ -29,8 +29,8 @@ use std::path::Path;
 
 use b2b_base::scratch::temporary_folder;
 use b2b_energyplus::Library;
-pub(crate) use notes::switched_off;
 pub use notes::{Notes, SwitchedOff};
+pub(crate) use notes::{switched_off, without_band};
 use versions::document::Document;
 use versions::{Found, idf};
 

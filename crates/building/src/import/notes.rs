@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::versions::Conversion;
 use crate::band::Off;
 use crate::hvac::{Discovery, Switch};
+use crate::{Conditioning, Zone, ZoneYear};
 
 /// Share of a month from which a schedule counts as mostly off.
 const MOSTLY: f64 = 0.9;
@@ -97,6 +98,27 @@ pub(crate) fn switched_off(switches: &[Switch], off: &[Off], found: &Discovery) 
     all
 }
 
+/// Returns a warning that names the controlled zones without a comfort band, whose schedules have no setpoints: nothing
+/// that an agent does makes them uncomfortable in a task with the model's own bands.
+pub(crate) fn without_band(zones: &[Zone], years: &[ZoneYear]) -> Option<String> {
+    let has_band = |zone: &Zone, year: &ZoneYear| match zone.conditioning {
+        Conditioning::None => true,
+        Conditioning::Heating => year.spans().any(|span| span.heating.is_some()),
+        Conditioning::HeatingAndCooling => {
+            year.spans().any(|span| span.heating.is_some() || span.cooling.is_some())
+        }
+    };
+    let without = zones.iter().zip(years).filter(|(zone, year)| !has_band(zone, year));
+    let names: Vec<String> = without.map(|(zone, _)| format!("`{}`", zone.name)).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "no thermostat with temperature setpoints in zones {}: with `--task operate`, they are never uncomfortable; give \
+             setpoints with people and without, such as `--task operate:21-24/15.6-28`",
+            names.join(", ")
+        )
+    })
+}
+
 impl Notes {
     /// Returns the warnings and a summary of the conversion, a line each.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
@@ -132,7 +154,30 @@ mod tests {
 
     use super::*;
     use crate::Model;
+    use crate::band::Span;
     use crate::hvac::{KINDS, Unsupported, discover, switches_of_all};
+
+    #[test]
+    fn controlled_zones_without_a_comfort_band_are_named() {
+        let year = |heating, cooling| {
+            ZoneYear::of_samples(1, 1, |_| Span { from: 0.0, heating, cooling, people: true })
+        };
+        let zone = |name: &str, conditioning| Zone {
+            name: name.into(),
+            floor_area: 1.0,
+            conditioning,
+            own_controls: false,
+        };
+        let zones = [
+            zone("Attic", Conditioning::None),
+            zone("Hall", Conditioning::Heating),
+            zone("Office", Conditioning::HeatingAndCooling),
+        ];
+        let warning = |hall, office| without_band(&zones, &[year(None, None), hall, office]);
+        assert_eq!(warning(year(Some(20.0), None), year(None, Some(26.0))), None);
+        let said = warning(year(None, Some(26.0)), year(None, None)).unwrap();
+        assert!(said.contains("`Hall`, `Office`: ") && said.contains("operate:21-24"), "{said}");
+    }
 
     /// Ideal loads whose heating is switched off by one schedule, and whose cooling is not by another.
     #[test]

@@ -410,3 +410,22 @@ fn ceiling_heights_count_in_a_users_model_and_not_in_a_generated_building() {
     let volumes = [own, generated].map(|building| building.shape().unwrap().volume(0));
     assert_eq!(volumes, [400.0, 240.0]);
 }
+
+#[test]
+fn a_thermostat_of_stages_has_a_comfort_band() {
+    let stock = Stock::new();
+    let mut room = room();
+    room.as_object_mut().unwrap().remove("ZoneControl:Thermostat");
+    room["Schedule:Constant"]["Cool"] = json!({"hourly_value": 26.0});
+    room["ZoneControl:Thermostat:StagedDualSetpoint"] = json!({"T": {
+        "zone_or_zonelist_name": "Room", "number_of_heating_stages": 1, "number_of_cooling_stages": 1,
+        "heating_temperature_setpoint_schedule_name": "Warm", "heating_throttling_temperature_range": 0.5,
+        "cooling_temperature_setpoint_base_schedule_name": "Cool", "cooling_throttling_temperature_range": 0.5,
+        "stage_1_heating_temperature_offset": -0.5, "stage_1_cooling_temperature_offset": 0.5}});
+    let model = read_room(&stock, &room).unwrap().model;
+    let building =
+        PreparedBuilding::as_far_as_possible("room", model, &stock.weather, &stock.library).unwrap();
+    let span = building.years[0].at(1, 12.0);
+    assert_eq!((span.heating, span.cooling), (Some(21.0), Some(26.0)));
+    assert_eq!(building.notes.warnings, [""; 0]);
+}

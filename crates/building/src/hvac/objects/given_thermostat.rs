@@ -46,6 +46,21 @@ pub(crate) fn controls(model: &Model, thermostat: &Fields) -> Vec<Control> {
     (1..=4).filter_map(control).collect()
 }
 
+/// Returns the setpoints of a zone's thermostat of stages, which sets them instead of another thermostat.
+pub(crate) fn staged(model: &Model, zone: &str) -> Option<Control> {
+    let mut thermostats =
+        model.objects("ZoneControl:Thermostat:StagedDualSetpoint").into_iter().map(|(_, fields)| fields);
+    let own = thermostats.find(|fields| {
+        text(fields, "zone_or_zonelist_name").is_some_and(|zones| covers_zone(model, zones, zone))
+    })?;
+    let schedule = |field: &str| text(own, field).map(str::to_owned);
+    Some(Control {
+        control_type: 4.0,
+        heating: schedule("heating_temperature_setpoint_schedule_name"),
+        cooling: schedule("cooling_temperature_setpoint_base_schedule_name"),
+    })
+}
+
 /// Returns the thermostat of a zone, with the zone list if it controls one.
 pub(crate) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
     model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
