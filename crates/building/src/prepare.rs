@@ -306,7 +306,7 @@ impl PreparedBuilding {
         model.remove_class("Timestep");
         model.insert("Timestep", "Timestep 1", json!({"number_of_timesteps_per_hour": steps_per_hour}));
         model.remove_class("RunPeriod");
-        model.insert("RunPeriod", "Episode", self.in_its_calendar(period).to_epjson());
+        model.insert("RunPeriod", "Episode", self.in_its_calendar(period).to_epjson(&self.model));
         model
     }
 

@@ -7,12 +7,18 @@ use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::{Error, Result};
+use crate::model::text;
+use crate::{Error, Model, Result};
 
 /// The first year tried for the days of an episode; 2017 has the days of the week of every generated building.
 const FIRST_YEAR: u32 = 2017;
 pub(crate) const WEEKDAYS: [&str; 7] =
     ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
+
+/// Fields of a model's run period that hold whatever its days are. The engine ends a run of other years than the
+/// weather's with `treat_weather_as_actual`, so this is not among them.
+const KEPT: [&str; 3] =
+    ["apply_weekend_holiday_rule", "use_weather_file_rain_indicators", "use_weather_file_snow_indicators"];
 
 /// A date of every year, or 29 February.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -232,11 +238,12 @@ impl RunPeriod {
         [self.years()[0], month, day]
     }
 
-    /// The fields of the engine's `RunPeriod` object.
-    pub(crate) fn to_epjson(self) -> Value {
+    /// The fields of the engine's `RunPeriod` object. Holidays on weekends, rain and snow are as in the first one of a
+    /// model.
+    pub(crate) fn to_epjson(self, model: &Model) -> Value {
         let [begin_year, end_year] = self.years();
         let weekday = self.calendar.weekday(self.first.in_calendar(self.calendar));
-        json!({
+        let mut fields = json!({
             "begin_month": self.first.month,
             "begin_day_of_month": self.first.day,
             "begin_year": begin_year,
@@ -249,7 +256,15 @@ impl RunPeriod {
             "apply_weekend_holiday_rule": "No",
             "use_weather_file_rain_indicators": "Yes",
             "use_weather_file_snow_indicators": "Yes",
-        })
+        });
+        for (_, own) in model.objects("RunPeriod").into_iter().take(1) {
+            for field in KEPT {
+                if let Some(value) = text(own, field) {
+                    fields[field] = json!(value);
+                }
+            }
+        }
+        fields
     }
 }
 

@@ -120,7 +120,7 @@ fn schedules_alone(model: &Model, names: &[String], year: Calendar) -> Model {
     others.iter().for_each(|class| alone.remove_class(class));
     alone.insert("Building", "Schedules", json!({}));
     alone.insert("Timestep", "Timestep", json!({"number_of_timesteps_per_hour": PER_DAY / 24}));
-    alone.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.in_calendar(year).to_epjson());
+    alone.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.in_calendar(year).to_epjson(model));
     let control = simulation_control(&mut alone);
     control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));

@@ -65,7 +65,7 @@ fn metered_year(model: &Model) -> Model {
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
     if !matches!(&year.objects("RunPeriod")[..], [(_, period)] if is_whole_year(period)) {
         year.remove_class("RunPeriod");
-        year.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson());
+        year.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson(model));
     }
     year
 }

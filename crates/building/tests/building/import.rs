@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use b2b_building::description::Origin;
 use b2b_building::hvac::{Kind, Unsupported};
 use b2b_building::import::{Imported, Notes};
-use b2b_building::{Conditioning, Description, Error, PreparedBuilding, design_days, import};
+use b2b_building::{Conditioning, Description, Error, PreparedBuilding, RunPeriod, design_days, import};
 use b2b_climate::{EpwFile, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -428,4 +428,19 @@ fn a_thermostat_of_stages_has_a_comfort_band() {
     let span = building.years[0].at(1, 12.0);
     assert_eq!((span.heating, span.cooling), (Some(21.0), Some(26.0)));
     assert_eq!(building.notes.warnings, [""; 0]);
+}
+
+#[test]
+fn a_holiday_on_a_weekend_is_kept_on_monday_if_the_model_asks_for_it() {
+    let stock = Stock::new();
+    let mut room = room();
+    room["RunPeriodControl:SpecialDays"] =
+        json!({"New Year": {"start_date": "1/1", "duration": 1, "special_day_type": "Holiday"}});
+    room["RunPeriod"]["R"]["apply_weekend_holiday_rule"] = json!("Yes");
+    let model = read_room(&stock, &room).unwrap().model;
+    let building =
+        PreparedBuilding::as_far_as_possible("room", model, &stock.weather, &stock.library).unwrap();
+    assert_eq!(building.holidays, [2, 366], "1 January is a Sunday, and a Monday in the following year");
+    let episode = building.model_for(RunPeriod::WINTER, 4);
+    assert_eq!(episode.require("RunPeriod", "Episode").unwrap()["apply_weekend_holiday_rule"], "Yes");
 }
