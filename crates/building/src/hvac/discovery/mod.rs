@@ -18,7 +18,7 @@ use super::given_thermostat::has_thermostat;
 use super::kind::Kind;
 use super::references::{Reference, is_one_of, parts};
 use super::room_unit;
-use super::setpoints::{SetpointZone, passes_regardless};
+use super::setpoints::{SetpointZone, has_own_temperatures, passes_regardless};
 use super::system::{FromModel, System};
 use super::ventilation::Ventilation;
 use super::zone_controls;
@@ -235,7 +235,8 @@ impl Search<'_> {
         let driven: Vec<String> = self.found.systems.iter().skip(first).flat_map(|s| owned(&**s)).collect();
         let is_driven = |zone: &String| driven.iter().any(|other| other.eq_ignore_ascii_case(zone));
         for item in &mut self.found.uncontrolled {
-            item.follows_setpoints = item.zones.iter().any(is_driven);
+            item.follows_setpoints =
+                item.zones.iter().any(is_driven) && !has_own_temperatures(self.model, &item.object);
         }
         self.found.outdoor_air = outdoor_air::left_alone(self.model, &self.found.systems, self.air_density)?;
         Ok(())
@@ -257,6 +258,9 @@ impl Search<'_> {
         if !is_supported {
             let reason = match is_one_of(&item.class, &VENTILATION) {
                 true => "it ventilates by its own schedule",
+                false if has_own_temperatures(self.model, item) => {
+                    "it holds temperatures of its own schedules, not those of the zone's thermostat"
+                }
                 false if has_air_system => "unsupported component: it follows the controlled thermostat",
                 false => "unsupported component",
             };
@@ -313,7 +317,9 @@ impl Search<'_> {
 
     /// Returns whether equipment may share a zone with a controlled system.
     fn is_beside(&self, equipment: &Reference) -> bool {
-        is_beside(&equipment.class) || self.is_absent(equipment)
+        is_beside(&equipment.class)
+            || self.is_absent(equipment)
+            || has_own_temperatures(self.model, equipment)
     }
 
     fn is_absent(&self, equipment: &Reference) -> bool {

@@ -1,4 +1,5 @@
-//! The equipment that follows a zone's thermostat, and what it can do.
+//! The equipment that follows a zone's thermostat, and what it can do. Radiant systems and others that hold temperatures
+//! of their own schedules do not follow it.
 
 use std::collections::HashSet;
 
@@ -8,11 +9,33 @@ use crate::hvac::heating_only::refuse_powerless;
 use crate::hvac::references::{Reference, is_one_of};
 use crate::hvac::thermostat::governs;
 use crate::hvac::zone_equipment::{HEATERS, UNCONTROLLED, VENTILATION, is_distribution, zone_equipment};
-use crate::model::{Fields, text};
+use crate::model::{Fields, begins, number, text};
 use crate::{Error, Model, Result};
 
 /// A terminal that passes the air of its loop regardless of what the zone's thermostat calls for.
 const PASSES: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+/// Beginning of the classes of baseboards.
+const BASEBOARD: &str = "ZoneHVAC:Baseboard:";
+/// Field of equipment for the schedule of its cooling.
+const COOLING_SWITCH: &str = "cooling_availability_schedule_name";
+
+/// Ends of the names of the fields for schedules of temperatures that equipment holds.
+const OWN_TEMPERATURES: [&str; 2] =
+    ["control_temperature_schedule_name", "setpoint_temperature_schedule_name"];
+
+/// Returns whether equipment of a zone, or the design that it names, has schedules of the temperatures that it holds,
+/// whatever the zone's thermostat calls for.
+pub(in crate::hvac) fn has_own_temperatures(model: &Model, item: &Reference) -> bool {
+    let Some(own) = model.get(&item.class, &item.name) else { return false };
+    let design =
+        text(own, "design_object").and_then(|name| model.get(&format!("{}:Design", item.class), name));
+    let holds = |fields: &Fields| {
+        let mut schedules =
+            fields.keys().filter(|field| OWN_TEMPERATURES.iter().any(|end| field.ends_with(end)));
+        schedules.any(|field| text(fields, field).is_some())
+    };
+    [Some(own), design].into_iter().flatten().any(holds)
+}
 
 /// Returns the equipment of a zone that heats or cools it.
 pub(super) fn conditioning(model: &Model, zone: &str) -> Result<Vec<Reference>> {
@@ -70,8 +93,10 @@ fn follows_all_zones(model: &Model, air_loop: &str) -> bool {
 
 /// Returns whether equipment of a zone, or the air loop that serves it, can cool.
 pub(super) fn cools(model: &Model, zone: &str, equipment: &[Reference]) -> Result<bool> {
-    let only_heats =
-        |item: &Reference| is_one_of(&item.class, &HEATERS) || is_one_of(&item.class, &UNCONTROLLED);
+    let only_heats = |item: &Reference| {
+        let is_heater = begins(&item.class, BASEBOARD) || is_one_of(&item.class, &HEATERS);
+        is_heater || is_one_of(&item.class, &UNCONTROLLED) || has_no_cooling(model, item)
+    };
     let own = equipment.iter().any(|item| !is_distribution(&item.class) && !only_heats(item));
     if own {
         return Ok(true);
@@ -80,6 +105,13 @@ pub(super) fn cools(model: &Model, zone: &str, equipment: &[Reference]) -> Resul
         Some(air_loop) => Ok(has_cooler(model, supply_components(model, &air_loop)?)),
         None => Ok(equipment.iter().any(|item| is_distribution(&item.class))),
     }
+}
+
+/// Returns whether the cooling of equipment is switched off by a constant schedule.
+fn has_no_cooling(model: &Model, item: &Reference) -> bool {
+    let schedule = model.get(&item.class, &item.name).and_then(|own| text(own, COOLING_SWITCH));
+    let constant = schedule.and_then(|name| model.get("Schedule:Constant", name));
+    constant.is_some_and(|schedule| number(schedule, "hourly_value") == Some(0.0))
 }
 
 /// Returns whether a component, or one that it consists of, is a cooling coil or an evaporative cooler.

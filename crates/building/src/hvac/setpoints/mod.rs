@@ -1,6 +1,7 @@
-//! Zones that are controlled through the setpoints of their thermostat. All of a zone's equipment follows: ideal loads,
-//! fan coils, packaged terminal units, variable refrigerant flow, unit ventilators, radiant systems, terminals of an
-//! air loop. It keeps its schedules of availability and its ventilation.
+//! Zones that are controlled through the setpoints of their thermostat. A zone's equipment follows: ideal loads, fan
+//! coils, packaged terminal units, variable refrigerant flow, unit ventilators, terminals of an air loop. It keeps its
+//! schedules of availability and its ventilation. Radiant systems and others that hold temperatures of their own
+//! schedules do not follow: a zone with nothing else is left alone.
 //!
 //! The zone gets a thermostat of its own with a heating and a cooling setpoint at every hour, regardless of what the
 //! model's thermostat has. The engine ends a run whose heating setpoint is above the cooling setpoint, so the cooling
@@ -22,7 +23,7 @@ use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::text;
 use crate::morphology::universe::NodeType;
 use crate::{Conditioning, Model, Result};
-pub(super) use equipment::passes_regardless;
+pub(super) use equipment::{has_own_temperatures, passes_regardless};
 pub(crate) use switches::{Switch, absent, switches_of_all};
 
 /// Bounds of the heating setpoint, °C.
@@ -128,9 +129,15 @@ impl FromModel for SetpointZone {
 
     fn make_controllable(model: &mut Model, candidate: Candidate<'_>, _: f64) -> Result<Self> {
         let zone = candidate.zone()?;
-        let equipment = equipment::conditioning(model, zone)?;
+        let mut equipment = equipment::conditioning(model, zone)?;
         if equipment.is_empty() {
             return Err(candidate.unsupported("it has no equipment that heats or cools it"));
+        }
+        equipment.retain(|item| !has_own_temperatures(model, item));
+        if equipment.is_empty() {
+            return Err(candidate.unsupported(
+                "its equipment holds temperatures of its own schedules, whatever the thermostat calls for",
+            ));
         }
         equipment::refuse_deaf(model, zone, &equipment)?;
         let cools = equipment::cools(model, zone, &equipment)?;

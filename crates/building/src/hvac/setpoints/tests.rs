@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::hvac::KINDS;
-use crate::hvac::discovery::{Discovery, Unsupported, discover, discover_setpoints};
+use crate::hvac::discovery::{Discovery, Uncontrolled, Unsupported, discover, discover_setpoints};
 
 /// A zone with this equipment under a thermostat that only heats.
 fn model(class: &str, more: Value) -> Model {
@@ -66,13 +66,47 @@ fn a_zone_gets_both_setpoints_at_every_hour_whatever_its_author_uses() {
 
 #[test]
 fn a_zone_that_nothing_cools_has_a_heating_setpoint_alone() {
-    let mut model = model("ZoneHVAC:HighTemperatureRadiant", json!({}));
+    let mut ideal = model(
+        "ZoneHVAC:IdealLoadsAirSystem",
+        json!({"ZoneHVAC:IdealLoadsAirSystem": {"X": {"cooling_availability_schedule_name": "Off"}},
+            "Schedule:Constant": {"Off": {"hourly_value": 0.0}}}),
+    );
+    assert_eq!(found(&mut ideal).systems[0].actuators().len(), 1);
+    let mut model = model("ZoneHVAC:Baseboard:RadiantConvective:Steam", json!({}));
     let found = found(&mut model);
     assert_eq!(found.systems[0].actuators().len(), 1);
     assert_eq!(found.systems[0].conditioning(), Conditioning::Heating);
     assert_eq!(found.systems[0].node_type(0), NodeType::HeatingOnlyZone);
     let cooling = model.require("Schedule:Constant", "Z Cooling Setpoint").unwrap();
     assert_eq!(cooling["hourly_value"], OUT_OF_REACH, "above every heating setpoint");
+}
+
+/// Radiant floors, ventilated slabs and the like.
+#[test]
+fn equipment_that_holds_its_own_temperatures_is_left_alone_also_beside_what_follows() {
+    const FLOOR: &str = "ZoneHVAC:LowTemperatureRadiant:VariableFlow";
+    const SLAB: &str = "ZoneHVAC:VentilatedSlab";
+    let floor = json!({(FLOOR): {"X": {"design_object": "D"}},
+        "ZoneHVAC:LowTemperatureRadiant:VariableFlow:Design": {
+            "D": {"heating_control_temperature_schedule_name": "Warm"}}});
+    let slab = json!({(SLAB): {"X": {"heating_high_control_temperature_schedule_name": "Warm"}}});
+    for (class, more) in [(FLOOR, floor), (SLAB, slab)] {
+        let mut alone = model(class, more.clone());
+        let mut beside = model(class, more);
+        let said = found(&mut alone);
+        assert!(said.systems.is_empty());
+        let reasons = said.reasons().join("\n");
+        assert!(reasons.contains("1 × Zone: ") && reasons.contains("own schedules"), "{reasons}");
+        beside.insert("ZoneHVAC:IdealLoadsAirSystem", "Y", json!({}));
+        let list = beside.require_mut("ZoneHVAC:EquipmentList", "L").unwrap();
+        let ideal =
+            json!({"zone_equipment_object_type": "ZoneHVAC:IdealLoadsAirSystem", "zone_equipment_name": "Y"});
+        list["equipment"].as_array_mut().unwrap().push(ideal);
+        let said = found(&mut beside);
+        assert_eq!(said.systems.len(), 1);
+        let follows = |item: &Uncontrolled| (item.object.class == class, item.follows_setpoints);
+        assert_eq!(said.uncontrolled.iter().map(follows).collect::<Vec<_>>(), [(true, false), (false, true)]);
+    }
 }
 
 #[test]
