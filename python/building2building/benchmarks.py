@@ -417,15 +417,11 @@ def _scores(trajectory: Trajectory, baseline: _core.Baseline) -> dict[str, Any]:
 
 
 def _measures(episodes: list[dict[str, Any]]) -> dict[str, Any]:
-    """Aggregates scores; the episodes of a building type, task and run period are a stratum."""
-    strata: dict[tuple[str, str, str], list[list[float]]] = {}
-    resolved: dict[tuple[str, str, str], list[list[float]]] = {}
-    for each in episodes:
-        if each["score"] is not None and each["resolved_score"] is not None:
-            stratum = (each["building"].split("-")[0], each["task"], each["period"])
-            strata.setdefault(stratum, []).append([each["score"]])
-            resolved.setdefault(stratum, []).append([each["resolved_score"]])
-    return json.loads(_core.measures(list(strata.values()), list(resolved.values())))
+    """Aggregates the scores of the episodes that have them."""
+    rows = [
+        (each["building"], each["task"], each["period"], 0, each["score"], each["resolved_score"]) for each in episodes
+    ]
+    return json.loads(_core.measures([row for row in rows if None not in row]))
 
 
 def _baseline(env: _Env) -> _core.Baseline:

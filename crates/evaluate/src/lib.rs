@@ -12,6 +12,7 @@
 
 pub mod any_number;
 mod baseline;
+mod bootstrap;
 mod error;
 mod evaluation;
 pub mod operation_reward;

@@ -1,22 +1,22 @@
 //! Aggregates of scores with confidence intervals, after the recommendations of Agarwal, Schwarzer, Castro, Courville
 //! and Bellemare, "Deep Reinforcement Learning at the Edge of the Statistical Precipice", NeurIPS 2021 (rliable): the
-//! interquartile mean in addition to median and mean, and percentile intervals of a stratified bootstrap.
-//!
-//! A stratum here is a building type, in a benchmark under one task and run period: buildings are resampled within
-//! their stratum, which preserves the mix of strata.
+//! interquartile mean in addition to median and mean, and percentile intervals of a stratified bootstrap, in which
+//! buildings are drawn within their type, and the seeds of agents for all buildings ([`Sample`]).
 
 use std::fmt;
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::any_number;
+use crate::bootstrap::Design;
+pub use crate::bootstrap::Sample;
 
 /// Bootstrap resamples.
 pub const DRAWS: usize = 5000;
 /// Confidence level of the intervals.
 pub const CONFIDENCE: f64 = 0.95;
+/// Minimum number of buildings for an interval over buildings.
+pub const FEWEST: usize = 3;
 /// Difference of a score from the baseline's, 1, up to which it is no difference.
 pub const MARGIN: f64 = 0.01;
 
@@ -75,7 +75,7 @@ impl fmt::Display for Verdict {
 /// Aggregated scores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aggregate {
-    /// Number of scores, or of buildings under a task in a run period if the scores of seeds are averaged.
+    /// Number of scores: of buildings, in each of several tasks and run periods.
     pub episodes: usize,
     /// Arithmetic mean.
     pub mean: Interval,
@@ -129,35 +129,27 @@ impl fmt::Display for Interval {
     }
 }
 
-/// Scores of one building under one task, one per seed.
-pub type Cluster = Vec<f64>;
-
 /// A point of a performance profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// A score.
     pub score: f64,
-    /// Share of buildings' mean scores over seeds at or below it.
+    /// Share of mean scores over seeds at or below it.
     pub share: Interval,
 }
 
-/// Aggregates scores, one list per stratum; `None` without scores. The same seed gives the same intervals.
-pub fn aggregate(strata: &[Vec<f64>], seed: u64) -> Option<Aggregate> {
-    let alone = |scores: &Vec<f64>| scores.iter().map(|score| vec![*score]).collect();
-    aggregate_clusters(&strata.iter().map(alone).collect::<Vec<_>>(), seed)
-}
-
-/// Aggregates scores of several seeds: each building counts once, with the mean over its seeds. The bootstrap resamples
-/// buildings within their stratum, and seeds within each resampled building.
-pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregate> {
+/// Aggregates scores; `None` without any. Each building counts once in every [`Sample::case`], with the mean over its
+/// seeds.
+pub fn aggregate(samples: &[Sample<'_>]) -> Option<Aggregate> {
+    let design = Design::of(&[samples]);
     let measure = |scores: &[f64]| {
         vec![mean(scores), median(scores), interquartile_mean(scores), share_up_to(scores, is_below_baseline)]
     };
-    let intervals = bootstrap(&[strata], seed, |lists| measure(lists[0]))?;
+    let intervals = design.intervals(|lists| measure(sorted(&mut lists[0])))?;
     let [mean, median, interquartile_mean, beats_baseline] = intervals[..] else {
         return None;
     };
-    let scores: Vec<f64> = strata.iter().flatten().map(|seeds| self::mean(seeds)).collect();
+    let scores = design.means().concat();
     Some(Aggregate {
         episodes: scores.len(),
         mean,
@@ -170,71 +162,50 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
     })
 }
 
-/// Returns the performance profile: for each bound the share of buildings with a score at or below it.
-pub fn profile(strata: &[Vec<Cluster>], bounds: &[f64], seed: u64) -> Vec<Share> {
+/// Returns the performance profile: for each bound the share of scores at or below it.
+pub fn profile(samples: &[Sample<'_>], bounds: &[f64]) -> Vec<Share> {
     let shares =
         |scores: &[f64]| bounds.iter().map(|bound| share_up_to(scores, |score| score <= *bound)).collect();
-    let shares = bootstrap(&[strata], seed, |lists| shares(lists[0])).unwrap_or_default();
+    let shares = Design::of(&[samples]).intervals(|lists| shares(&lists[0])).unwrap_or_default();
     bounds.iter().zip(shares).map(|(score, share)| Share { score: *score, share }).collect()
 }
 
 /// Returns the difference between the interquartile means of two sets of scores.
-pub fn difference(above: &[Vec<Cluster>], below: &[Vec<Cluster>], seed: u64) -> Option<Interval> {
-    let measure = |lists: &[&[f64]]| vec![interquartile_mean(lists[0]) - interquartile_mean(lists[1])];
-    bootstrap(&[above, below], seed, measure)?.pop()
+pub fn difference(above: &[Sample<'_>], below: &[Sample<'_>]) -> Option<Interval> {
+    let interquartile_mean = |scores: &mut [f64]| interquartile_mean(sorted(scores));
+    let measure =
+        |lists: &mut [Vec<f64>]| vec![interquartile_mean(&mut lists[0]) - interquartile_mean(&mut lists[1])];
+    Design::of(&[above, below]).intervals(measure)?.pop()
 }
 
-/// Returns measures of lists of scores with bootstrap intervals; `None` if a list is empty.
-fn bootstrap(
-    lists: &[&[Vec<Cluster>]],
-    seed: u64,
-    measure: impl Fn(&[&[f64]]) -> Vec<f64>,
-) -> Option<Vec<Interval>> {
-    let sorted = |mut scores: Vec<f64>| {
-        scores.sort_by(f64::total_cmp);
-        scores
-    };
-    let own = |strata: &&[Vec<Cluster>]| sorted(strata.iter().flatten().map(|seeds| mean(seeds)).collect());
-    let mut scores: Vec<Vec<f64>> = lists.iter().map(own).collect();
-    if scores.iter().any(Vec::is_empty) {
-        return None;
-    }
-    let of = |scores: &[Vec<f64>]| measure(&scores.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let values = of(&scores);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut drawn = vec![Vec::with_capacity(DRAWS); values.len()];
-    for _ in 0..DRAWS {
-        for (scores, strata) in scores.iter_mut().zip(lists) {
-            scores.clear();
-            draw(strata, &mut random, scores);
-            scores.sort_by(f64::total_cmp);
-        }
-        for (drawn, value) in drawn.iter_mut().zip(of(&scores)) {
-            drawn.push(value);
-        }
-    }
-    let tail = (1.0 - CONFIDENCE) / 2.0;
-    let interval = |(drawn, value): (Vec<f64>, f64)| {
-        let drawn = sorted(drawn);
-        Interval { value, low: quantile(&drawn, tail), high: quantile(&drawn, 1.0 - tail) }
-    };
-    Some(drawn.into_iter().zip(values).map(interval).collect())
+/// Returns a statistic of the sorted means over each building; `None` without a sample.
+pub fn over_buildings(samples: &[Sample<'_>], statistic: impl Fn(&[f64]) -> f64) -> Option<Interval> {
+    let samples: Vec<Sample<'_>> = samples.iter().map(|each| each.of_building()).collect();
+    Design::of(&[&samples]).intervals(|lists| vec![statistic(sorted(&mut lists[0]))])?.pop()
 }
 
-/// Resamples the clusters of each stratum with replacement; each counts with the mean of its resampled scores.
-fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>) {
-    for stratum in strata.iter().filter(|stratum| !stratum.is_empty()) {
-        for _ in 0..stratum.len() {
-            let seeds = &stratum[random.random_range(0..stratum.len())];
-            scores.push(match seeds[..] {
-                [only] => only,
-                _ => {
-                    let sum: f64 = (0..seeds.len()).map(|_| seeds[random.random_range(0..seeds.len())]).sum();
-                    sum / seeds.len() as f64
-                }
-            });
-        }
+/// Returns a statistic of the sorted differences between the means of two sets of samples over each building that has
+/// both; `None` without one.
+pub fn over_pairs(
+    above: &[Sample<'_>],
+    below: &[Sample<'_>],
+    statistic: impl Fn(&[f64]) -> f64,
+) -> Option<Interval> {
+    fn common<'a>(own: &[Sample<'a>], other: &[Sample<'_>]) -> Vec<Sample<'a>> {
+        let has = |each: &&Sample<'_>| other.iter().any(|other| other.building == each.building);
+        own.iter().filter(has).map(|each| each.of_building()).collect()
     }
+    let measure = |lists: &mut [Vec<f64>]| {
+        let mut differences: Vec<f64> =
+            lists[0].iter().zip(&lists[1]).map(|(above, below)| above - below).collect();
+        vec![statistic(sorted(&mut differences))]
+    };
+    Design::of(&[&common(above, below), &common(below, above)]).intervals(measure)?.pop()
+}
+
+fn sorted(numbers: &mut [f64]) -> &[f64] {
+    numbers.sort_by(f64::total_cmp);
+    numbers
 }
 
 /// Returns the mean of at least one number.
@@ -310,43 +281,113 @@ mod tests {
         assert_eq!(shown, ["0.873", "0.000", "9.999", "10.0", "99.9", "100", "53261", "inf"]);
     }
 
+    /// Returns samples of buildings by type, each with its scores by seed.
+    fn samples(types: &[Vec<Vec<f64>>]) -> Vec<Sample<'static>> {
+        let name = |text: String| -> &'static str { text.leak() };
+        let mut samples = Vec::new();
+        for (number, buildings) in types.iter().enumerate() {
+            let building_type = name(number.to_string());
+            for (number, scores) in buildings.iter().enumerate() {
+                let building = name(format!("{building_type}-{number}"));
+                let of = |(seed, score): (u64, &f64)| Sample {
+                    building_type,
+                    building,
+                    case: ["constant", "winter"],
+                    agent: "",
+                    seed,
+                    score: *score,
+                };
+                samples.extend((0..).zip(scores).map(of));
+            }
+        }
+        samples
+    }
+
+    /// Returns samples of buildings by type with a score each.
+    fn alone(types: &[Vec<f64>]) -> Vec<Sample<'static>> {
+        samples(
+            &types.iter().map(|scores| scores.iter().map(|score| vec![*score]).collect()).collect::<Vec<_>>(),
+        )
+    }
+
+    fn mean_of(samples: &[Sample<'_>]) -> Interval {
+        aggregate(samples).unwrap().mean
+    }
+
     #[test]
     fn an_interval_contains_its_value_and_is_reproducible() {
-        let strata = [vec![0.9, 1.1, 1.0, 1.3], vec![2.0, 2.2, 2.1], vec![]];
-        let first = aggregate(&strata, 7).unwrap();
-        assert_eq!(aggregate(&strata, 7), Some(first.clone()));
+        let samples = alone(&[vec![0.9, 1.1, 1.0, 1.3], vec![2.0, 2.2, 2.1], vec![]]);
+        let first = aggregate(&samples).unwrap();
+        assert_eq!(aggregate(&samples), Some(first.clone()));
         assert_eq!(first.episodes, 7);
         for each in [first.mean, first.median, first.interquartile_mean] {
             assert!(each.low <= each.value && each.value <= each.high && each.low < each.high, "{each:?}");
         }
-        assert_eq!(aggregate(&[vec![]], 0), None);
+        assert_eq!(aggregate(&[]), None);
     }
 
     #[test]
-    fn seeds_of_a_building_count_as_one_score_and_widen_the_interval() {
-        let seeds =
-            |spread: f64| vec![vec![vec![1.0 - spread, 1.0 + spread], vec![2.0 - spread, 2.0 + spread]]];
-        let (steady, noisy) =
-            (aggregate_clusters(&seeds(0.0), 0).unwrap(), aggregate_clusters(&seeds(0.4), 0).unwrap());
-        assert_eq!((steady.episodes, steady.mean.value, noisy.mean.value), (2, 1.5, 1.5));
-        assert_eq!((steady.mean.low, steady.mean.high), (1.0, 2.0));
-        assert!(noisy.mean.low < 0.9 && noisy.mean.high > 2.1, "{noisy:?}");
+    fn a_building_is_drawn_with_all_its_tasks_and_periods() {
+        let once = alone(&[vec![0.5, 0.75, 1.25, 1.5]]);
+        let weeks = ["week 1", "week 2", "week 3", "week 4"];
+        let repeated: Vec<_> = once
+            .iter()
+            .flat_map(|each| weeks.map(|week| Sample { case: ["constant", week], ..*each }))
+            .collect();
+        let (once, repeated) = (aggregate(&once).unwrap(), aggregate(&repeated).unwrap());
+        assert_eq!((once.mean, once.beats_baseline), (repeated.mean, repeated.beats_baseline));
+        assert_eq!((once.episodes, repeated.episodes), (4, 16));
+    }
+
+    #[test]
+    fn equal_scores_of_several_seeds_are_one_score() {
+        let (once, six) =
+            (alone(&[vec![1.0, 1.25, 1.5]]), samples(&[[1.0, 1.25, 1.5].map(|score| vec![score; 6]).into()]));
+        assert_eq!(aggregate(&six), aggregate(&once));
+        assert_eq!(mean_of(&once), Interval { value: 1.25, low: 1.0, high: 1.5 });
+    }
+
+    #[test]
+    fn the_seeds_of_an_agent_are_drawn_once_for_all_buildings() {
+        let shared = samples(&[vec![vec![0.75, 1.25]; 40]]);
+        assert_eq!(mean_of(&shared), Interval { value: 1.0, low: 0.75, high: 1.25 });
+        // The agents of other buildings are others: their seeds differ with the buildings.
+        let own: Vec<_> = shared.iter().map(|each| Sample { agent: each.building, ..*each }).collect();
+        assert_eq!(mean_of(&own), Interval { value: 1.0, low: 1.0, high: 1.0 });
+        // With an agent for each type, all are seldom better at once.
+        let types = samples(&vec![vec![vec![0.75, 1.25]; 3]; 4]);
+        let by_type: Vec<_> =
+            types.iter().map(|each| Sample { agent: each.building_type, ..*each }).collect();
+        assert_eq!(mean_of(&types).low, 0.75);
+        assert!(mean_of(&by_type).low > 0.75);
+    }
+
+    #[test]
+    fn the_seeds_of_a_single_building_are_drawn() {
+        let seeds = samples(&[vec![vec![0.5, 1.0, 1.5]]]);
+        assert_eq!(mean_of(&seeds), Interval { value: 1.0, low: 0.5, high: 1.5 });
+    }
+
+    #[test]
+    fn a_building_without_the_drawn_seeds_counts_with_its_own() {
+        let lost = samples(&[vec![vec![1.0, 1.0], vec![3.0]]]);
+        let Interval { value, low, high } = mean_of(&lost);
+        assert_eq!((value, low, high), (2.0, 1.0, 3.0));
     }
 
     #[test]
     fn the_interval_of_a_mean_matches_its_standard_error() {
-        // Two strata of 60 and 40 scores; the variance of the mean is Σ n·s² / N², where s² has the divisor n.
+        // Two types of 60 and 40 scores; the variance of the mean is Σ n·s² / N², where s² has the divisor n.
         let scores = |count: usize, shift: f64| -> Vec<f64> {
             (0..count).map(|k| shift + (k as f64 * 0.754_877_666).fract()).collect()
         };
-        let strata = [scores(60, 0.0), scores(40, 5.0)];
+        let types = [scores(60, 0.0), scores(40, 5.0)];
         let variance = |scores: &[f64]| {
             let mean = mean(scores);
             scores.iter().map(|score| (score - mean).powi(2)).sum::<f64>() / scores.len() as f64
         };
-        let error =
-            (strata.iter().map(|each| each.len() as f64 * variance(each)).sum::<f64>()).sqrt() / 100.0;
-        let Interval { value, low, high } = aggregate(&strata, 3).unwrap().mean;
+        let error = (types.iter().map(|each| each.len() as f64 * variance(each)).sum::<f64>()).sqrt() / 100.0;
+        let Interval { value, low, high } = mean_of(&alone(&types));
         for half in [value - low, high - value] {
             assert!((half / (1.959_964 * error) - 1.0).abs() < 0.06, "{half} against {error}");
         }
@@ -354,30 +395,47 @@ mod tests {
 
     #[test]
     fn a_profile_rises_from_0_to_1_and_a_gap_is_a_difference_of_interquartile_means() {
-        let alone = |scores: &[f64]| vec![scores.iter().map(|score| vec![*score]).collect::<Vec<_>>()];
-        let (test, train) = (alone(&[0.5, 1.0, 1.5, 2.0]), alone(&[0.4, 0.8, 0.9, 1.6]));
+        let test = alone(&[vec![0.5, 1.0, 1.5, 2.0]]);
+        let train = alone(&[vec![0.4, 0.8, 0.9, 1.6]]);
+        let train: Vec<_> = train.iter().map(|each| Sample { building_type: "train", ..*each }).collect();
         let shares: Vec<f64> =
-            profile(&test, &[0.4, 0.5, 1.0, 1.7, 2.0], 0).iter().map(|each| each.share.value).collect();
+            profile(&test, &[0.4, 0.5, 1.0, 1.7, 2.0]).iter().map(|each| each.share.value).collect();
         assert_eq!(shares, [0.0, 0.25, 0.5, 0.75, 1.0]);
-        let gap = difference(&test, &train, 0).unwrap();
+        let gap = difference(&test, &train).unwrap();
         assert!((gap.value - 0.4).abs() < 1e-12 && gap.low < 0.0 && gap.high > 0.8, "{gap:?}");
-        assert_eq!(difference(&test, &[], 0), None);
+        assert_eq!(difference(&test, &[]), None);
     }
 
     #[test]
-    fn the_mix_of_strata_is_preserved() {
-        // Each stratum is constant: whatever is drawn, the mean is the same.
-        let steady = aggregate(&[vec![1.0; 5], vec![3.0; 5]], 0).unwrap();
-        assert_eq!((steady.mean.low, steady.mean.high), (2.0, 2.0));
-        let mixed = aggregate(&[[vec![1.0; 5], vec![3.0; 5]].concat()], 0).unwrap();
-        assert!(mixed.mean.low < 1.7 && mixed.mean.high > 2.3, "{mixed:?}");
+    fn what_both_sides_of_a_difference_share_cancels() {
+        let above = samples(&[vec![vec![1.0, 2.0], vec![3.0, 4.0], vec![5.0, 6.0], vec![9.0, 10.0]]]);
+        let below: Vec<_> = above.iter().map(|each| Sample { score: each.score - 0.5, ..*each }).collect();
+        let same = Interval { value: 0.5, low: 0.5, high: 0.5 };
+        assert_eq!(difference(&above, &below), Some(same));
+        assert_eq!(over_pairs(&above, &below[..4], median), Some(same), "two of four buildings");
+    }
+
+    #[test]
+    fn the_mix_of_types_is_preserved() {
+        // Each type is constant: whatever is drawn, the mean is the same.
+        let steady = mean_of(&alone(&[vec![1.0; 5], vec![3.0; 5]]));
+        assert_eq!((steady.low, steady.high), (2.0, 2.0));
+        let mixed = mean_of(&alone(&[[vec![1.0; 5], vec![3.0; 5]].concat()]));
+        assert!(mixed.low < 1.7 && mixed.high > 2.3, "{mixed:?}");
+    }
+
+    #[test]
+    fn types_with_few_buildings_are_drawn_together() {
+        let single = mean_of(&alone(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|score| vec![score])));
+        assert!(single.low < 2.5 && single.high > 4.5, "{single:?}");
     }
 
     #[test]
     fn an_infinite_score_does_not_spoil_the_aggregates() {
-        let aggregate = aggregate(&[vec![0.5, 0.6, f64::INFINITY, 0.7]], 0).unwrap();
+        let scores = [0.5, 0.6, f64::INFINITY, 0.7].map(|score| vec![score, 0.6]);
+        let aggregate = aggregate(&samples(&[scores.into()])).unwrap();
         assert_eq!(aggregate.mean.value, f64::INFINITY);
-        assert!((aggregate.interquartile_mean.value - 0.65).abs() < 1e-12);
+        assert!((aggregate.interquartile_mean.value - 0.625).abs() < 1e-12);
         assert!(!aggregate.mean.low.is_nan() && !aggregate.median.high.is_nan(), "{aggregate:?}");
     }
 }

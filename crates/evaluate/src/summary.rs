@@ -10,10 +10,7 @@ use serde::{Serialize, Serializer};
 use crate::evaluation::{EpisodeResult, relative_energy, relative_resource};
 use crate::policy::Policy;
 use crate::results::Results;
-use crate::statistics::{Aggregate, aggregate};
-
-/// Seed of the bootstrap.
-const SEED: u64 = 0;
+use crate::statistics::{Aggregate, Sample, aggregate};
 
 /// The summary of an evaluation: the object that `b2b evaluate --json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -40,7 +37,7 @@ pub struct Window {
     pub period: String,
     /// Episodes by building type, in the order of the list.
     pub types: Vec<Group>,
-    /// All episodes; each type is a stratum.
+    /// All episodes.
     pub all: Group,
 }
 
@@ -49,7 +46,7 @@ pub struct Window {
 pub struct Group {
     /// Name of the group.
     pub name: String,
-    /// Aggregated scores, as in the paper; `None` if no episode has a score.
+    /// Aggregated scores of buildings, means over seeds, as in the paper; `None` if no episode has a score.
     pub scores: Option<Aggregate>,
     /// Aggregated resolved scores; `None` if no episode has one.
     pub resolved_scores: Option<Aggregate>,
@@ -132,20 +129,19 @@ fn lost_episodes<S: Serializer>(lost: &[EpisodeResult], serializer: S) -> Result
 impl Window {
     fn of(task: String, period: String, rows: &[&EpisodeResult]) -> Self {
         let types = grouped(rows, |row| type_label(&row.info.building_type).to_owned());
-        let strata: Vec<&[&EpisodeResult]> = types.iter().map(|(_, rows)| rows.as_slice()).collect();
-        let all = Group::of("all".to_owned(), &strata);
-        let types = types.iter().map(|(name, rows)| Group::of(name.clone(), &[rows])).collect();
+        let all = Group::of("all".to_owned(), rows);
+        let types = types.into_iter().map(|(name, rows)| Group::of(name, &rows)).collect();
         Self { task, period, types, all }
     }
 }
 
 impl Group {
-    fn of(name: String, strata: &[&[&EpisodeResult]]) -> Self {
+    fn of(name: String, rows: &[&EpisodeResult]) -> Self {
         let aggregated = |score: fn(&EpisodeResult) -> Option<f64>| {
-            let of_stratum = |rows: &&[&EpisodeResult]| rows.iter().filter_map(|row| score(row)).collect();
-            aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
+            let samples = rows.iter().filter_map(|row| Some(Sample::of(&row.info, score(row)?)));
+            aggregate(&samples.collect::<Vec<_>>())
         };
-        let metrics = || strata.iter().copied().flatten().filter_map(|row| row.metrics());
+        let metrics = || rows.iter().filter_map(|row| row.metrics());
         let mean = |value: fn(&EpisodeMetrics) -> f64| mean_of(metrics().map(value)).unwrap_or_default();
         let end_use = |term: Term| {
             let column = term.entry().column.as_ref()?.name;
@@ -160,15 +156,15 @@ impl Group {
             occupied_too_warm_share: mean_of(metrics().filter_map(|metrics| metrics.occupied_too_warm)),
             energy_wh_m2: mean(EpisodeMetrics::energy),
             end_uses: Term::END_USES.into_iter().filter_map(end_use).collect(),
-            relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
-            relative_resource: relative_resource(strata.iter().copied().flatten().copied()),
+            relative_energy: relative_energy(rows.iter().copied()),
+            relative_resource: relative_resource(rows.iter().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
-            comfort: OperationComfort::of(strata.iter().copied().flatten().copied()),
+            comfort: OperationComfort::of(rows.iter().copied()),
         }
     }
 
-    /// Returns the number of scored episodes.
-    pub fn episodes(&self) -> usize {
+    /// Returns the number of buildings with a score.
+    pub fn buildings(&self) -> usize {
         self.scores.as_ref().map_or(0, |scores| scores.episodes)
     }
 }

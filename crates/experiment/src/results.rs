@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use b2b_env::EpisodeMetrics;
+use b2b_evaluate::statistics::Sample;
 use b2b_evaluate::{Deviations, EpisodeResult, Scored};
 use serde::Serialize;
 use serde_json::Value;
@@ -10,6 +11,9 @@ use serde_json::Value;
 use crate::definition::{Budget, Experiment};
 use crate::error::Result;
 use crate::folder::{Folder, JobResult, State};
+
+/// An episode with its job.
+pub(crate) type Ran<'a> = (&'a JobResult, &'a EpisodeResult);
 
 /// The results of the jobs of an experiment.
 #[derive(Clone, Debug)]
@@ -116,7 +120,7 @@ impl Results {
     }
 
     /// Returns the episodes of a policy with their jobs.
-    pub(crate) fn of<'a>(&'a self, policy: &str) -> impl Iterator<Item = (&'a JobResult, &'a EpisodeResult)> {
+    pub(crate) fn of<'a>(&'a self, policy: &str) -> impl Iterator<Item = Ran<'a>> {
         self.trainings(policy).flat_map(|(done, rows)| rows.iter().map(move |row| (done, row)))
     }
 
@@ -130,6 +134,11 @@ impl Results {
         let episodes = own.flat_map(|(_, rows, deviations)| rows.iter().zip(deviations));
         episodes.filter(move |(row, _)| is_own(row)).filter_map(|(_, deviations)| deviations.as_ref())
     }
+}
+
+/// Returns the values of episodes that have one.
+pub(crate) fn samples<'a>(rows: &[Ran<'a>], value: impl Fn(&'a Scored) -> Option<f64>) -> Vec<Sample<'a>> {
+    rows.iter().filter_map(|&(job, row)| Some(job.sample(row, value(row.scored()?)?))).collect()
 }
 
 /// Returns the episodes of a job that were not lost.

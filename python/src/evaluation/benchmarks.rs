@@ -11,6 +11,7 @@ use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
 use b2b_energyplus::install::Quiet;
 use b2b_env::EpisodeMetrics;
+use b2b_evaluate::statistics::Sample;
 use b2b_evaluate::{Baselines, EpisodePlan, EpisodeResult, ReturnTerms, Scores, Subject};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -310,10 +311,19 @@ pub fn resolved_score(episode_return: f64, baseline_return: f64, steps: usize) -
     b2b_evaluate::resolved_score(episode_return, baseline_return, steps)
 }
 
-/// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds, and `resolved`
-/// their resolved scores.
+/// Building, task, run period, seed, score and resolved score of an episode.
+type EpisodeScores = (String, String, String, u64, f64, f64);
+
+/// Returns aggregate measures as JSON text.
 #[pyfunction]
-pub fn measures(strata: Vec<Vec<Vec<f64>>>, resolved: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
-    let measures = measure_scores(&strata, &resolved).ok_or_else(|| wrong("no score to aggregate"))?;
+pub fn measures(episodes: Vec<EpisodeScores>) -> PyResult<String> {
+    fn samples((building, task, period, seed, score, resolved): &EpisodeScores) -> (Sample<'_>, Sample<'_>) {
+        let building_type = building.split('-').next().unwrap_or_default();
+        let sample =
+            Sample { building_type, building, case: [task, period], agent: "", seed: *seed, score: *score };
+        (sample, Sample { score: *resolved, ..sample })
+    }
+    let (scores, resolved): (Vec<_>, Vec<_>) = episodes.iter().map(samples).unzip();
+    let measures = measure_scores(&scores, &resolved).ok_or_else(|| wrong("no score to aggregate"))?;
     Ok(measures.to_string())
 }

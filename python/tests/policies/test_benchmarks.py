@@ -193,12 +193,19 @@ def interquartile_mean(scores):
 
 def test_measures_equal_numpy_s():
     random = np.random.default_rng(7)
-    strata = [
-        [list(random.lognormal(0.1, 0.4, size=3)) for _ in range(17)],
-        [list(random.lognormal(0.4, 0.3, size=3)) for _ in range(9)],
+    # By type: buildings, run periods, seeds; a building's periods are alike, and so are a seed's buildings.
+    seeds = random.lognormal(0, 0.2, size=3)
+    types = [
+        random.lognormal(shift, 0.4, size=(count, 1, 1)) * random.lognormal(0, 0.1, size=(count, 2, 1)) * seeds
+        for count, shift in ((17, 0.1), (9, 0.4))
     ]
-    measured = json.loads(_core.measures(strata, strata))
-    scores = np.array([np.mean(seeds) for stratum in strata for seeds in stratum])
+    episodes = [
+        (f"{name}-{building}", "constant", f"period {period}", seed, score, score)
+        for name, scores in zip("AB", types)
+        for (building, period, seed), score in np.ndenumerate(scores)
+    ]
+    measured = json.loads(_core.measures(episodes))
+    scores = np.concatenate([scores.mean(axis=2).ravel() for scores in types])
     expected = {
         "mean": np.mean(scores),
         "median": np.median(scores),
@@ -214,14 +221,11 @@ def test_measures_equal_numpy_s():
     for point in measured["profile"]:
         assert abs(point["share"]["value"] - np.mean(scores <= point["score"])) < 1e-9
 
-    # The same bootstrap with other draws: buildings within their stratum, then seeds within each building.
+    # The same bootstrap with other draws: whole buildings within their type, and seeds once for all buildings.
     def draw():
-        drawn = []
-        for stratum in map(np.array, strata):
-            buildings = stratum[random.integers(len(stratum), size=len(stratum))]
-            seeds = random.integers(3, size=buildings.shape)
-            drawn.extend(np.take_along_axis(buildings, seeds, axis=1).mean(axis=1))
-        return interquartile_mean(np.array(drawn))
+        drawn_seeds = random.integers(3, size=3)
+        drawn = [scores[random.integers(len(scores), size=len(scores))][..., drawn_seeds] for scores in types]
+        return interquartile_mean(np.concatenate([scores.mean(axis=2).ravel() for scores in drawn]))
 
     drawn = [draw() for _ in range(5000)]
     width = np.quantile(drawn, 0.975) - np.quantile(drawn, 0.025)

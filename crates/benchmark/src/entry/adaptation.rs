@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::scores::{SEED, SeedScores, by_building, clusters};
+use super::scores::{SeedScores, by_building, samples};
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
-use b2b_evaluate::statistics::{Aggregate, Interval, aggregate_clusters, median};
+use b2b_evaluate::statistics::{Aggregate, Interval, aggregate, median};
 
 /// The effect of training on the test environments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Point {
 
 impl Adaptation {
     /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
-    pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores]) -> Option<Self> {
+    pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores<'_>]) -> Option<Self> {
         let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
         let untrained = by_building(&untrained?.1, EpisodeResult::score);
         let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
@@ -41,14 +41,14 @@ impl Adaptation {
         let adapted: Vec<_> = adapted.collect();
         let pairs = untrained.iter().zip(test);
         let improvements: Vec<_> = pairs.map(|(untrained, test)| untrained.improvement(test)).collect();
-        let mut curve = vec![Point { steps: 0, scores: aggregate_clusters(&clusters(test), SEED)? }];
+        let mut curve = vec![Point { steps: 0, scores: aggregate(&samples(test))? }];
         for (steps, groups) in &adapted {
-            curve.push(Point { steps: *steps, scores: aggregate_clusters(&clusters(groups), SEED)? });
+            curve.push(Point { steps: *steps, scores: aggregate(&samples(groups))? });
         }
         let steps = steps_to_baseline(test, &adapted);
         let reached = steps.iter().filter(|steps| steps.is_finite()).count();
         Some(Self {
-            jump_start: aggregate_clusters(&clusters(&improvements), SEED)?.interquartile_mean,
+            jump_start: aggregate(&samples(&improvements))?.interquartile_mean,
             curve,
             median_steps_to_baseline: Some(median(&steps)).filter(|steps| steps.is_finite()),
             reach_baseline: reached as f64 / steps.len() as f64,
@@ -57,9 +57,9 @@ impl Adaptation {
 }
 
 /// Returns the steps after which each building's score is first 1 or less, sorted; infinite if it never is.
-fn steps_to_baseline(test: &[SeedScores], adapted: &[(u64, Vec<SeedScores>)]) -> Vec<f64> {
-    let first = |(number, group): (usize, &SeedScores)| {
-        let after = |(steps, groups): &(u64, Vec<SeedScores>)| Some((*steps, groups.get(number)?.mean()));
+fn steps_to_baseline(test: &[SeedScores<'_>], adapted: &[(u64, Vec<SeedScores<'_>>)]) -> Vec<f64> {
+    let first = |(number, group): (usize, &SeedScores<'_>)| {
+        let after = |(steps, groups): &(u64, Vec<SeedScores<'_>>)| Some((*steps, groups.get(number)?.mean()));
         let mut scores = std::iter::once((0, group.mean())).chain(adapted.iter().filter_map(after));
         scores.find(|(_, score)| *score <= 1.0).map_or(f64::INFINITY, |(steps, _)| steps as f64)
     };

@@ -3,8 +3,9 @@
 use b2b_building::Period;
 use serde::{Deserialize, Serialize};
 
-use super::scores::{Performance, SEED, by_building, clusters};
-use b2b_evaluate::statistics::{Interval, aggregate_clusters};
+use super::scores::{Performance, by_building, samples};
+use crate::problem::Stage;
+use b2b_evaluate::statistics::{Interval, aggregate};
 use b2b_evaluate::{EpisodeInfo, EpisodeResult};
 
 /// Scores by episode in a building, where a policy keeps its memory over consecutive episodes.
@@ -52,7 +53,7 @@ impl EpisodeDifference {
         };
         let interval = |periods: &[&str]| {
             let groups = by_building(rows_in(rows, periods.first()?), |row| mean(row, periods));
-            Some(aggregate_clusters(&clusters(&groups), SEED)?.interquartile_mean)
+            Some(aggregate(&samples(&groups))?.interquartile_mean)
         };
         Some(Self {
             all: interval(&periods)?,
@@ -68,7 +69,7 @@ impl EpisodeCurve {
         let (mut points, mut days_before) = (Vec::new(), 0);
         for period in periods {
             let name = period.to_string();
-            let performance = Performance::of(rows_in(rows, &name))?;
+            let performance = Performance::of(Stage::Test, rows_in(rows, &name))?;
             points.push(EpisodePoint { period: name, days_before, performance });
             days_before += period.days();
         }
@@ -77,7 +78,7 @@ impl EpisodeCurve {
         let (first, last) = (scores(points.first()?), scores(points.last()?));
         let improvements: Vec<_> =
             first.iter().zip(&last).map(|(first, last)| first.improvement(last)).collect();
-        let improvement = aggregate_clusters(&clusters(&improvements), SEED)?.interquartile_mean;
+        let improvement = aggregate(&samples(&improvements))?.interquartile_mean;
         Some(Self { points, improvement })
     }
 }
@@ -90,9 +91,6 @@ fn same_in<'a>(rows: &'a [EpisodeResult], row: &EpisodeResult, period: &str) -> 
     })
 }
 
-fn rows_in<'a>(
-    rows: &'a [EpisodeResult],
-    period: &'a str,
-) -> impl Iterator<Item = &'a EpisodeResult> + Clone {
+fn rows_in<'a>(rows: &'a [EpisodeResult], period: &str) -> impl Iterator<Item = &'a EpisodeResult> + Clone {
     rows.iter().filter(move |row| row.info.period == period)
 }

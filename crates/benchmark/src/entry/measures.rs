@@ -6,19 +6,17 @@ use serde_json::{Value, json};
 
 use super::adaptation::Adaptation;
 use super::episode_curve::EpisodeCurve;
-use super::scores::{
-    Performance, SEED, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
-};
+use super::scores::{Performance, Score, building_scores, by_building, from_random, samples};
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
-use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
+use b2b_evaluate::statistics::{Interval, Sample, Share, aggregate, difference, profile};
 
 /// The measures of a run.
 ///
 /// A *score* belongs to one building, task and run period: the return divided by the tuned reactive controllers'
 /// return, averaged over seeds, as in the paper; in an operation task it is the score at comfort. Lower is better;
 /// the baseline scores 1. Measures also have the resolved score, RMS deviation and energy; profile, gap and adaptation
-/// use the paper's score. A stratum of the bootstrap is a building type under a task in a run period.
+/// use the paper's score.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Zero-shot performance on the test environments.
@@ -70,21 +68,17 @@ impl Measures {
         let rows_of = |wanted: Stage| {
             stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())
         };
-        let clusters_of = |rows: &[EpisodeResult]| clusters(&by_building(rows, EpisodeResult::score));
         let test_rows = rows_of(Stage::Test)?;
         let test = by_building(test_rows, EpisodeResult::score);
-        let test_clusters = clusters(&test);
-        let train = rows_of(Stage::Train).map(clusters_of);
-        let strata = strata(&test);
-        let several = strata.len() > 1;
-        let strata = strata.into_iter().filter(|_| several);
-        let performance_of = |stage| rows_of(stage).and_then(Performance::of);
+        let test_samples = samples(&test);
+        let gap = |rows| difference(&test_samples, &samples(&by_building(rows, EpisodeResult::score)));
+        let performance_of = |stage| rows_of(stage).and_then(|rows| Performance::of(stage, rows));
         Some(Self {
             test: performance_of(Stage::Test)?,
-            strata: strata.filter_map(|(key, _)| Stratum::of(key, test_rows)).collect(),
-            profile: profile(&test_clusters, &bounds(), SEED),
+            strata: Stratum::all(&test_samples, test_rows),
+            profile: profile(&test_samples, &bounds()),
             scores: building_scores(test_rows),
-            generalization_gap: train.as_ref().and_then(|train| difference(&test_clusters, train, SEED)),
+            generalization_gap: rows_of(Stage::Train).and_then(gap),
             train: performance_of(Stage::Train),
             upper_bound: performance_of(Stage::UpperBound),
             adaptation: Adaptation::of(stages, &test),
@@ -94,10 +88,27 @@ impl Measures {
 }
 
 impl Stratum {
-    fn of(key: StratumKey, rows: &[EpisodeResult]) -> Option<Self> {
-        let own: Vec<&EpisodeResult> = rows.iter().filter(|row| is_in(row, &key)).collect();
-        let performance = Performance::of(own.iter().copied())?;
-        let (building_type, task, period) = key;
+    /// Returns the strata in order of first appearance; none if there is only one.
+    fn all(samples: &[Sample<'_>], rows: &[EpisodeResult]) -> Vec<Self> {
+        let mut keys: Vec<[&str; 3]> = Vec::new();
+        for Sample { building_type, case: [task, period], .. } in samples {
+            let key = [*building_type, *task, *period];
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+        let several = keys.len() > 1;
+        keys.into_iter().filter(|_| several).filter_map(|key| Self::of(key, rows)).collect()
+    }
+
+    fn of([building_type, task, period]: [&str; 3], rows: &[EpisodeResult]) -> Option<Self> {
+        let is_own = |row: &&EpisodeResult| {
+            let info = &row.info;
+            [&info.building_type[..], &info.task, &info.period] == [building_type, task, period]
+        };
+        let own: Vec<&EpisodeResult> = rows.iter().filter(is_own).collect();
+        let performance = Performance::of(Stage::Test, own)?;
+        let [building_type, task, period] = [building_type, task, period].map(str::to_owned);
         Some(Self { building_type, task, period, performance })
     }
 }
@@ -106,16 +117,15 @@ impl Stratum {
 /// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if no building of the rows was run
 /// under random actions that are worse than the baseline.
 pub fn mean_from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Option<Interval> {
-    let scores = aggregate_clusters(&clusters(&from_random(rows, random)), SEED)?;
-    Some(scores.interquartile_mean)
+    Some(aggregate(&samples(&from_random(rows, random)))?.interquartile_mean)
 }
 
-/// Returns aggregates and profile of scores by stratum, building and seed, as in [`Measures`]; `None` without scores.
-/// `resolved` has the resolved scores in the same order.
-pub fn measure_scores(strata: &[Vec<Cluster>], resolved: &[Vec<Cluster>]) -> Option<Value> {
-    let mut test = json!(aggregate_clusters(strata, SEED)?);
-    test["resolved"] = json!(aggregate_clusters(resolved, SEED)?);
-    Some(json!({"test": test, "profile": profile(strata, &bounds(), SEED)}))
+/// Returns aggregates and profile of scores, as in [`Measures`]; `None` without scores. `resolved` has the resolved
+/// scores of the same episodes.
+pub fn measure_scores(scores: &[Sample<'_>], resolved: &[Sample<'_>]) -> Option<Value> {
+    let mut test = json!(aggregate(scores)?);
+    test["resolved"] = json!(aggregate(resolved)?);
+    Some(json!({"test": test, "profile": profile(scores, &bounds())}))
 }
 
 #[cfg(test)]
@@ -223,6 +233,16 @@ mod tests {
         assert_eq!(adaptation.median_steps_to_baseline, Some(median));
         let curve: Vec<_> = adaptation.curve.iter().map(|point| point.steps).collect();
         assert_eq!(curve, [0, 100, 200]);
+    }
+
+    #[test]
+    fn seeds_are_drawn_for_all_buildings_but_belong_to_a_specialist_s() {
+        let rows = || rows(|_, seed| 1.0 + seed as f64);
+        let measures = Measures::of(&[(Stage::Test, rows()), (Stage::UpperBound, rows())], &[]).unwrap();
+        let interval = |performance: &Performance| performance.resolved.interquartile_mean;
+        assert_eq!(interval(&measures.test), Interval { value: 1.5, low: 1.0, high: 2.0 });
+        let specialists = measures.upper_bound.unwrap();
+        assert_eq!(interval(&specialists), Interval { value: 1.5, low: 1.5, high: 1.5 });
     }
 
     #[test]

@@ -1,16 +1,12 @@
-//! The scores of a stage: grouped by building, and by stratum for the bootstrap.
+//! The scores of a stage by building.
 
 use serde::{Deserialize, Serialize};
 
 use b2b_evaluate::any_number;
-use b2b_evaluate::statistics::{Aggregate, Cluster, aggregate_clusters};
-use b2b_evaluate::{EpisodeResult, relative_energy};
+use b2b_evaluate::statistics::{Aggregate, Sample, aggregate, mean};
+use b2b_evaluate::{EpisodeInfo, EpisodeResult, relative_energy};
 
-/// Seed of the bootstrap.
-pub(super) const SEED: u64 = 0;
-
-/// Building type, task and run period.
-pub(super) type StratumKey = (String, String, String);
+use crate::problem::Stage;
 
 /// The score of a building under a task in a run period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,14 +44,23 @@ pub struct Performance {
 }
 
 impl Performance {
-    /// Returns the performance in some rows; `None` if none has a score.
-    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult> + Clone) -> Option<Self> {
-        let aggregate = |score: fn(&EpisodeResult) -> Option<f64>| {
-            aggregate_clusters(&clusters(&by_building(rows.clone(), score)), SEED)
+    /// Returns the performance in some rows of a stage; `None` if none has a score.
+    pub(super) fn of<'a>(
+        stage: Stage,
+        rows: impl IntoIterator<Item = &'a EpisodeResult> + Clone,
+    ) -> Option<Self> {
+        let sample = |row: &'a EpisodeResult, score: f64| {
+            let sample = Sample::of(&row.info, score);
+            // Specialists act in one building each.
+            if stage == Stage::UpperBound { Sample { agent: sample.building, ..sample } } else { sample }
+        };
+        let aggregated = |score: fn(&EpisodeResult) -> Option<f64>| {
+            let samples = rows.clone().into_iter().filter_map(|row| Some(sample(row, score(row)?)));
+            aggregate(&samples.collect::<Vec<_>>())
         };
         Some(Self {
-            scores: aggregate(EpisodeResult::score)?,
-            resolved: aggregate(EpisodeResult::resolved_score)?,
+            scores: aggregated(EpisodeResult::score)?,
+            resolved: aggregated(EpisodeResult::resolved_score)?,
             rms_deviation_k: mean_deviation(rows.clone()),
             relative_energy: relative_energy(rows),
         })
@@ -69,44 +74,34 @@ fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> f64 
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The scores of a building under a task in a run period, one per seed.
-pub(super) struct SeedScores {
-    building: String,
-    building_type: String,
-    task: String,
-    period: String,
-    seeds: Cluster,
+/// The scores of a building under a task in a run period, with their seeds.
+pub(super) struct SeedScores<'a> {
+    /// The first seed's episode.
+    info: &'a EpisodeInfo,
+    seeds: Vec<(u64, f64)>,
 }
 
-impl SeedScores {
+impl<'a> SeedScores<'a> {
     /// Returns the mean over seeds.
     pub(super) fn mean(&self) -> f64 {
-        self.seeds.iter().sum::<f64>() / self.seeds.len() as f64
+        mean(&self.seeds.iter().map(|(_, score)| *score).collect::<Vec<_>>())
     }
 
-    /// Returns whether a row has the same building, task and run period.
-    fn has(&self, row: &EpisodeResult) -> bool {
-        self.building == row.info.building && self.task == row.info.task && self.period == row.info.period
+    /// Returns whether an episode has the same building, task and run period.
+    fn has(&self, info: &EpisodeInfo) -> bool {
+        let EpisodeInfo { building, task, period, .. } = self.info;
+        [building, task, period] == [&info.building, &info.task, &info.period]
     }
 
-    /// Returns whether other scores have the same building, task and run period.
-    fn is_of(&self, other: &Self) -> bool {
-        self.building == other.building && self.task == other.task && self.period == other.period
+    /// Returns the scores after a change.
+    fn map(&self, change: impl Fn(f64) -> f64) -> Self {
+        let seeds = self.seeds.iter().map(|(seed, score)| (*seed, change(*score))).collect();
+        Self { info: self.info, seeds }
     }
 
     /// Returns the mean minus each score of `other`, as scores of the same building.
-    pub(super) fn improvement(&self, other: &Self) -> Self {
-        Self {
-            building: other.building.clone(),
-            building_type: other.building_type.clone(),
-            task: other.task.clone(),
-            period: other.period.clone(),
-            seeds: other.seeds.iter().map(|score| self.mean() - score).collect(),
-        }
-    }
-
-    fn stratum(&self) -> StratumKey {
-        (self.building_type.clone(), self.task.clone(), self.period.clone())
+    pub(super) fn improvement<'b>(&self, other: &SeedScores<'b>) -> SeedScores<'b> {
+        other.map(|score| self.mean() - score)
     }
 }
 
@@ -114,20 +109,14 @@ impl SeedScores {
 pub(super) fn by_building<'a>(
     rows: impl IntoIterator<Item = &'a EpisodeResult>,
     score: impl Fn(&EpisodeResult) -> Option<f64>,
-) -> Vec<SeedScores> {
-    let mut groups: Vec<SeedScores> = Vec::new();
+) -> Vec<SeedScores<'a>> {
+    let mut groups: Vec<SeedScores<'a>> = Vec::new();
     for row in rows {
         let (info, Some(score)) = (&row.info, score(row)) else { continue };
         // Seeds of a building are adjacent.
-        match groups.iter_mut().rev().find(|group| group.has(row)) {
-            Some(group) => group.seeds.push(score),
-            None => groups.push(SeedScores {
-                building: info.building.clone(),
-                building_type: info.building_type.clone(),
-                task: info.task.clone(),
-                period: info.period.clone(),
-                seeds: vec![score],
-            }),
+        match groups.iter_mut().rev().find(|group| group.has(info)) {
+            Some(group) => group.seeds.push((info.seed, score)),
+            None => groups.push(SeedScores { info, seeds: vec![(info.seed, score)] }),
         }
     }
     groups
@@ -136,13 +125,11 @@ pub(super) fn by_building<'a>(
 /// Returns the scores of rows on the scale where random actions have 0 and the baseline has 1: the decrease of the
 /// penalty from random actions, divided by the baseline's decrease. Scores and resolved scores give the same. Leaves
 /// out buildings that were not run under random actions, or where random actions are at least as good as the baseline.
-pub(super) fn from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> Vec<SeedScores> {
+pub(super) fn from_random<'a>(rows: &'a [EpisodeResult], random: &[EpisodeResult]) -> Vec<SeedScores<'a>> {
     let random = by_building(random, EpisodeResult::score);
-    let scaled = |group: SeedScores| {
-        let highest = random.iter().find(|other| other.is_of(&group))?.mean();
-        let scale = |score: &f64| (highest - score) / (highest - 1.0);
-        let seeds = group.seeds.iter().map(scale).collect();
-        (highest > 1.0).then_some(SeedScores { seeds, ..group })
+    let scaled = |group: SeedScores<'a>| {
+        let highest = random.iter().find(|other| other.has(group.info))?.mean();
+        (highest > 1.0).then(|| group.map(|score| (highest - score) / (highest - 1.0)))
     };
     by_building(rows, EpisodeResult::score).into_iter().filter_map(scaled).collect()
 }
@@ -150,15 +137,15 @@ pub(super) fn from_random(rows: &[EpisodeResult], random: &[EpisodeResult]) -> V
 /// Returns the scores of every building, means over seeds.
 pub(super) fn building_scores(rows: &[EpisodeResult]) -> Vec<Score> {
     let resolved = by_building(rows, EpisodeResult::resolved_score);
-    let score = |group: &SeedScores| {
-        let own: Vec<&EpisodeResult> = rows.iter().filter(|row| group.has(row)).collect();
-        let same = |other: &&SeedScores| own.first().is_some_and(|row| other.has(row));
+    let score = |group: &SeedScores<'_>| {
+        let own: Vec<&EpisodeResult> = rows.iter().filter(|row| group.has(&row.info)).collect();
+        let EpisodeInfo { building, task, period, .. } = group.info.clone();
         Some(Score {
-            building: group.building.clone(),
-            task: group.task.clone(),
-            period: group.period.clone(),
+            building,
+            task,
+            period,
             score: group.mean(),
-            resolved_score: resolved.iter().find(same)?.mean(),
+            resolved_score: resolved.iter().find(|other| other.has(group.info))?.mean(),
             rms_deviation_k: mean_deviation(own.iter().copied()),
             relative_energy: relative_energy(own.iter().copied()),
         })
@@ -166,25 +153,10 @@ pub(super) fn building_scores(rows: &[EpisodeResult]) -> Vec<Score> {
     by_building(rows, EpisodeResult::score).iter().filter_map(score).collect()
 }
 
-/// Returns whether a row belongs to a stratum.
-pub(super) fn is_in(row: &EpisodeResult, (building_type, task, period): &StratumKey) -> bool {
-    row.info.building_type == *building_type && row.info.task == *task && row.info.period == *period
-}
-
-/// Groups scores by stratum, in order of first appearance.
-pub(super) fn strata(groups: &[SeedScores]) -> Vec<(StratumKey, Vec<Cluster>)> {
-    let mut strata: Vec<(StratumKey, Vec<Cluster>)> = Vec::new();
-    for group in groups {
-        let key = group.stratum();
-        match strata.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, clusters)) => clusters.push(group.seeds.clone()),
-            None => strata.push((key, vec![group.seeds.clone()])),
-        }
-    }
-    strata
-}
-
-/// Returns the clusters of each stratum.
-pub(super) fn clusters(groups: &[SeedScores]) -> Vec<Vec<Cluster>> {
-    strata(groups).into_iter().map(|(_, clusters)| clusters).collect()
+/// Returns the scores as they are drawn.
+pub(super) fn samples<'a>(groups: &[SeedScores<'a>]) -> Vec<Sample<'a>> {
+    let samples = groups.iter().flat_map(|SeedScores { info, seeds }| {
+        seeds.iter().map(|(seed, score)| Sample { seed: *seed, ..Sample::of(info, *score) })
+    });
+    samples.collect()
 }

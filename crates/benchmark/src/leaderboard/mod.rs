@@ -312,8 +312,8 @@ fn footer(results: &[Ranked], rank_by: RankBy) -> String {
     format!(
         "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
          the tuned reactive controllers' return (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
-         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In operation, both are the score at comfort: cost relative to Guideline 36's, plus a penalty for more discomfort. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
-         type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
+         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In operation, both are the score at comfort: cost relative to Guideline 36's, plus a penalty for more discomfort. In brackets: 95 % bootstrap confidence intervals over buildings within each type, \
+         and over seeds. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
          entries that beat it, interquartile mean; shown if the board has a result of the random policy. Unverified: the policy is the author's own program, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )

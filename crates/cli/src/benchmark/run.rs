@@ -160,7 +160,7 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
     };
     format!(
         "{} on {}{modified}\nresolved and normalized score: interquartile means (lower is better, baseline = 1)\n\n{}\n\n{}\n\n{}  \
-         [95 % confidence intervals: bootstrap over buildings, stratified by type and task]\n\n  {}",
+         [95 % confidence intervals: bootstrap over buildings within each type, and over seeds]\n\n  {}",
         result.name,
         result.problem.name,
         score_table(&result.measures),

@@ -10,7 +10,7 @@ use crate::terminal::table::Table;
 pub(super) fn window_text(policy: &str, window: &Window) -> String {
     let several = window.types.len() > 1;
     let groups = || window.types.iter().chain(several.then_some(&window.all));
-    let episodes: usize = window.types.iter().map(Group::episodes).sum();
+    let buildings: usize = window.types.iter().map(Group::buildings).sum();
     let (scores, table) = match window.all.comfort {
         Some(_) => ("score at comfort (lower is better, guideline36 = 1)", operation(groups())),
         None => (
@@ -19,8 +19,8 @@ pub(super) fn window_text(policy: &str, window: &Window) -> String {
         ),
     };
     format!(
-        "{policy}, {episodes} episodes, {}, task {}\n{scores}\n\n{table}\n\n  [95 % confidence intervals: bootstrap over episodes, \
-         stratified by type]\n\n",
+        "{policy}, {buildings} buildings, {}, task {}\n{scores}\n\n{table}\n\n  [95 % confidence intervals: bootstrap over buildings \
+         within each type, and over seeds]\n\n",
         window.period, window.task,
     )
 }
@@ -28,7 +28,7 @@ pub(super) fn window_text(policy: &str, window: &Window) -> String {
 fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
     let mut table = Table::new([
         "type",
-        "episodes",
+        "buildings",
         "resolved score",
         "score",
         "median",
@@ -51,7 +51,7 @@ fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         let cell = |of: fn(&Aggregate) -> String| text(&group.scores, of);
         table.row([
             group.name.clone(),
-            group.episodes().to_string(),
+            group.buildings().to_string(),
             text(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.median.to_string()),
@@ -79,7 +79,7 @@ fn percent(share: Option<f64>) -> String {
 fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
     let mut table = Table::new([
         "type",
-        "episodes",
+        "buildings",
         "score at comfort",
         "median",
         "below 1 (%)",
@@ -96,7 +96,7 @@ fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         let comfort = group.comfort.as_ref();
         table.row([
             group.name.clone(),
-            group.episodes().to_string(),
+            group.buildings().to_string(),
             cell(|scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.median.to_string()),
             cell(Aggregate::beats_baseline_text),

@@ -115,7 +115,7 @@ fn operation_tiles(all: &Group, comfort: &OperationComfort) -> Value {
 /// The columns of a group of episodes.
 const COLUMNS: [&str; 20] = [
     "building type",
-    "episodes",
+    "buildings",
     "resolved score, interquartile mean",
     "score, interquartile mean",
     "score, median",
@@ -139,7 +139,7 @@ const COLUMNS: [&str; 20] = [
 /// The columns of a group of episodes of operation: score at comfort first.
 const OPERATION_COLUMNS: [&str; 17] = [
     "building type",
-    "episodes",
+    "buildings",
     "score at comfort, interquartile mean",
     "score, median",
     "below 1 (%)",
@@ -189,7 +189,7 @@ fn operation_cells(group: &Group) -> [String; OPERATION_COLUMNS.len()] {
     let comfort = group.comfort.as_ref();
     [
         group.name.clone(),
-        group.episodes().to_string(),
+        group.buildings().to_string(),
         of(|scores| scores.interquartile_mean.to_string()),
         of(|scores| scores.median.to_string()),
         of(Aggregate::beats_baseline_text),
@@ -229,7 +229,7 @@ fn cells(group: &Group) -> [String; COLUMNS.len()] {
         heating.zip(cooling).zip(fans).map(|((heating, cooling), fans)| known - heating - cooling - fans);
     [
         group.name.clone(),
-        group.episodes().to_string(),
+        group.buildings().to_string(),
         cell(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
         of(|scores| scores.interquartile_mean.to_string()),
         of(|scores| scores.median.to_string()),
@@ -257,7 +257,7 @@ fn footer(summary: &Summary) -> String {
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
          an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by the guideline \
          controller's cost (the baseline), plus {DISCOMFORT_COST} days of that cost for every K·h per zone of discomfort beyond its own \
-         and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+         and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over buildings within each type, and over seeds. {}.",
         summary.versions
     )
 }

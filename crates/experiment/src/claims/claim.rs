@@ -7,7 +7,7 @@ use b2b_evaluate::statistics::score_text;
 use super::interval::Measured;
 
 /// How claims are judged: the subtitle of their table.
-pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings; for fewer than three, the \
+pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings and seeds; for fewer than three, the \
                         range of all values) is on the claimed side of its bound and beyond the margin, does not hold \
                         if it is on the other side and beyond the margin, and otherwise cannot be told; trainings with \
                         fewer steps than the paper's do not count";
@@ -120,7 +120,10 @@ pub(super) fn deviations_text(agent: Option<f64>, reactive: Option<f64>) -> Stri
 
 #[cfg(test)]
 mod tests {
+    use b2b_evaluate::statistics::median;
+
     use super::super::interval::measured;
+    use super::super::interval::tests::buildings;
     use super::*;
 
     fn claim(side: Side) -> Claim {
@@ -138,7 +141,7 @@ mod tests {
     fn a_claim_is_judged_by_its_whole_interval_and_the_margin() {
         let of = |side, values: &[f64]| {
             let values = values.iter().map(|value| vec![*value]).collect::<Vec<_>>();
-            claim(side).judge(measured(&values, b2b_evaluate::statistics::median), "").verdict
+            claim(side).judge(measured(&buildings(&values), median), "").verdict
         };
         assert_eq!(of(Side::Below, &[0.5, 0.6, 0.7, 0.8]), Verdict::Holds);
         assert_eq!(of(Side::Above, &[0.5, 0.6, 0.7, 0.8]), Verdict::Fails);
@@ -150,9 +153,8 @@ mod tests {
 
     #[test]
     fn the_caveat_is_for_claims_that_do_not_hold() {
-        let of = |value: f64| {
-            claim(Side::Below).judge(measured(&[vec![value]], b2b_evaluate::statistics::median), "so").reason
-        };
+        let of =
+            |value: f64| claim(Side::Below).judge(measured(&buildings(&[vec![value]]), median), "so").reason;
         assert_eq!(of(0.5), "range of 1 building; so");
         assert_eq!(of(1.5), "range of 1 building; so; other buildings");
     }

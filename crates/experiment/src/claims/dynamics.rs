@@ -1,13 +1,12 @@
 //! The paper's claims about dynamics adaptation.
 
-use b2b_evaluate::EpisodeResult;
-use b2b_evaluate::statistics::{mean, median, quantile, score_text};
+use b2b_evaluate::statistics::{median, quantile, score_text};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
-use super::interval::{Measured, measured};
-use super::select::{by_building, lists, log_score, median_of, trained};
+use super::interval::{Measured, difference, measured};
+use super::select::{log_score, median_of, trained};
 use crate::absolute::{deviation, reactive_deviation};
-use crate::results::Results;
+use crate::results::{Ran, Results, samples};
 
 const STEPS: u64 = 4_000_000;
 const AGENTS: [&str; 3] = ["specialist", "parameterized", "generalist"];
@@ -40,7 +39,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
 }
 
 /// Judges whether an agent scores lower than another in the houses both are tested in.
-fn below(text: &str, agent: &[&EpisodeResult], other: &[&EpisodeResult]) -> Judged {
+fn below(text: &str, agent: &[Ran<'_>], other: &[Ran<'_>]) -> Judged {
     let claim = Claim {
         text: text.into(),
         quantity: "median ratio of scores in the same house",
@@ -49,22 +48,18 @@ fn below(text: &str, agent: &[&EpisodeResult], other: &[&EpisodeResult]) -> Judg
         margin: 0.05,
         caveat: CAVEAT,
     };
-    let (own, other_scores) = (by_building(agent, log_score), by_building(other, log_score));
-    let differences: Vec<Vec<f64>> = own
-        .iter()
-        .filter_map(|(house, scores)| Some(vec![mean(scores) - mean(other_scores.get(house)?)]))
-        .collect();
+    let difference = difference(&samples(agent, log_score), &samples(other, log_score), median);
     let remark = match (median_of(agent, deviation), median_of(other, deviation)) {
         (Some(own), Some(other)) => {
             format!("median RMS deviations {} and {} K", score_text(own), score_text(other))
         }
         _ => String::new(),
     };
-    claim.judge(measured(&differences, median).map(Measured::exp), &remark)
+    claim.judge(difference.map(Measured::exp), &remark)
 }
 
 /// Judges whether all agents keep the temperature near the target, by the worst agent.
-fn around_target(agents: &[&[&EpisodeResult]]) -> Judged {
+fn around_target(agents: &[&[Ran<'_>]]) -> Judged {
     let claim = Claim {
         text: "All agents control the temperature around the target".into(),
         quantity: "highest of the three median RMS deviations (K)",
@@ -73,8 +68,10 @@ fn around_target(agents: &[&[&EpisodeResult]]) -> Judged {
         margin: 0.1,
         caveat: CAVEAT,
     };
-    let all: Vec<(Measured, &[&EpisodeResult])> =
-        agents.iter().filter_map(|rows| Some((measured(&lists(rows, deviation), median)?, *rows))).collect();
+    let all: Vec<(Measured, &[Ran<'_>])> = agents
+        .iter()
+        .filter_map(|rows| Some((measured(&samples(rows, deviation), median)?, *rows)))
+        .collect();
     if all.len() < agents.len() {
         return claim.judge(None, "");
     }
@@ -85,7 +82,7 @@ fn around_target(agents: &[&[&EpisodeResult]]) -> Judged {
 }
 
 /// Judges the tail of the RMS deviations over houses.
-fn tail(text: &str, side: Side, rows: &[&EpisodeResult]) -> Judged {
+fn tail(text: &str, side: Side, rows: &[Ran<'_>]) -> Judged {
     let claim = Claim {
         text: text.into(),
         quantity: "95th percentile of RMS deviations over their median",
@@ -94,6 +91,6 @@ fn tail(text: &str, side: Side, rows: &[&EpisodeResult]) -> Judged {
         margin: 0.1,
         caveat: CAVEAT,
     };
-    let spread = measured(&lists(rows, deviation), |sorted| quantile(sorted, 0.95) / median(sorted));
+    let spread = measured(&samples(rows, deviation), |sorted| quantile(sorted, 0.95) / median(sorted));
     claim.judge(spread, "")
 }

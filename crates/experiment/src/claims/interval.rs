@@ -1,11 +1,8 @@
 //! Quantities over buildings with their intervals.
 
-use b2b_evaluate::statistics::{CONFIDENCE, DRAWS, Interval, mean, quantile};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeSet;
 
-/// Minimum number of buildings for a bootstrap.
-const FEWEST: usize = 3;
+use b2b_evaluate::statistics::{FEWEST, Interval, Sample, mean, over_buildings, over_pairs};
 
 /// A quantity over buildings.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +15,18 @@ pub(super) struct Measured {
 }
 
 impl Measured {
+    /// Returns a quantity with its interval or, of few buildings, with the range of all values.
+    fn of(samples: &[Sample<'_>], interval: Interval) -> Self {
+        let buildings = samples.iter().map(|each| each.building).collect::<BTreeSet<_>>().len();
+        let is_range = buildings < FEWEST;
+        let scores = || samples.iter().map(|each| each.score);
+        let (low, high) = match is_range {
+            true => (scores().fold(f64::INFINITY, f64::min), scores().fold(f64::NEG_INFINITY, f64::max)),
+            false => (interval.low, interval.high),
+        };
+        Self { interval: Interval { low, high, ..interval }, buildings, is_range }
+    }
+
     /// Returns the quantity whose logarithm this is.
     pub(super) fn exp(self) -> Self {
         let Interval { value, low, high } = self.interval;
@@ -25,57 +34,73 @@ impl Measured {
     }
 }
 
-/// Returns a statistic of the buildings' means, sorted, with a bootstrap interval over buildings; `None` without a
-/// value.
-pub(super) fn measured(buildings: &[Vec<f64>], statistic: fn(&[f64]) -> f64) -> Option<Measured> {
-    let mut means: Vec<f64> = buildings.iter().filter(|own| !own.is_empty()).map(|own| mean(own)).collect();
-    if means.is_empty() {
-        return None;
-    }
-    means.sort_by(f64::total_cmp);
-    let (value, count) = (statistic(&means), means.len());
-    let is_range = count < FEWEST;
-    let (low, high) = if is_range { range(buildings) } else { bootstrap(&means, statistic) };
-    Some(Measured { interval: Interval { value, low, high }, buildings: count, is_range })
+/// Returns a statistic of the buildings' means, sorted, with its interval; `None` without a value.
+pub(super) fn measured(samples: &[Sample<'_>], statistic: fn(&[f64]) -> f64) -> Option<Measured> {
+    Some(Measured::of(samples, over_buildings(samples, statistic)?))
 }
 
-fn range(buildings: &[Vec<f64>]) -> (f64, f64) {
-    let all = buildings.iter().flatten().copied();
-    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
-}
-
-fn bootstrap(values: &[f64], statistic: fn(&[f64]) -> f64) -> (f64, f64) {
-    let mut random = ChaCha8Rng::seed_from_u64(0);
-    let mut drawn: Vec<f64> = (0..DRAWS)
-        .map(|_| {
-            let mut resampled: Vec<f64> =
-                values.iter().map(|_| values[random.random_range(0..values.len())]).collect();
-            resampled.sort_by(f64::total_cmp);
-            statistic(&resampled)
-        })
-        .collect();
-    drawn.sort_by(f64::total_cmp);
-    let tail = (1.0 - CONFIDENCE) / 2.0;
-    (quantile(&drawn, tail), quantile(&drawn, 1.0 - tail))
+/// Returns a statistic of the differences between two agents' means in the buildings of both, likewise.
+pub(super) fn difference(
+    samples: &[Sample<'_>],
+    others: &[Sample<'_>],
+    statistic: fn(&[f64]) -> f64,
+) -> Option<Measured> {
+    let differences = samples.iter().filter_map(|each| {
+        let same = others.iter().filter(|other| other.building == each.building);
+        let same: Vec<f64> = same.map(|other| other.score).collect();
+        (!same.is_empty()).then(|| Sample { score: each.score - mean(&same), ..*each })
+    });
+    let differences: Vec<Sample<'_>> = differences.collect();
+    Some(Measured::of(&differences, over_pairs(samples, others, statistic)?))
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use b2b_evaluate::statistics::median;
+
+    /// Returns the samples of buildings, each with its values.
+    pub(in crate::claims) fn buildings(values: &[Vec<f64>]) -> Vec<Sample<'static>> {
+        let of = |(number, own): (usize, &Vec<f64>)| {
+            let building: &str = number.to_string().leak();
+            let sample = move |(seed, score)| Sample {
+                building_type: "",
+                building,
+                case: [""; 2],
+                agent: "",
+                seed,
+                score,
+            };
+            (0..).zip(own.clone()).map(sample)
+        };
+        values.iter().enumerate().flat_map(of).collect()
+    }
 
     #[test]
     fn buildings_are_resampled_and_two_have_their_range() {
         let many: Vec<Vec<f64>> = (0..100).map(|index| vec![f64::from(index)]).collect();
-        let Measured { interval, buildings, is_range } = measured(&many, mean).unwrap();
+        let Measured { interval, buildings: count, is_range } = measured(&buildings(&many), mean).unwrap();
         // The standard error of the mean of a uniform sample is 100 / √12 / √100.
         let error = 100.0 / 12.0_f64.sqrt() / 10.0;
         assert!((interval.high - interval.value - 1.96 * error).abs() < 0.6, "{interval:?}");
-        assert_eq!((interval.value, buildings, is_range), (49.5, 100, false));
-        let two = measured(&[vec![1.0, 3.0], vec![4.0]], median).unwrap();
+        assert_eq!((interval.value, count, is_range), (49.5, 100, false));
+        let two = measured(&buildings(&[vec![1.0, 3.0], vec![4.0]]), median).unwrap();
         assert_eq!((two.interval.value, two.interval.low, two.interval.high), (3.0, 1.0, 4.0));
-        assert!(two.is_range && measured(&[vec![]], median).is_none());
-        let one = measured(&[vec![0.0]], median).unwrap().exp();
+        assert!(two.is_range && measured(&[], median).is_none());
+        let one = measured(&buildings(&[vec![0.0]]), median).unwrap().exp();
         assert_eq!((one.interval.low, one.interval.high), (1.0, 1.0));
+    }
+
+    #[test]
+    fn agents_are_compared_in_the_buildings_of_both() {
+        let own = buildings(&[vec![1.0, 3.0], vec![2.0, 4.0], vec![9.0, 11.0], vec![50.0, 50.0]]);
+        let others = buildings(&[vec![4.0], vec![5.0], vec![12.0]]);
+        let Measured { interval, buildings, is_range } = difference(&own, &others, median).unwrap();
+        assert_eq!((interval.value, buildings, is_range), (-2.0, 3, false));
+        assert_eq!(
+            (interval.low, interval.high),
+            (-3.0, -1.0),
+            "the seeds of all buildings are drawn at once"
+        );
     }
 }

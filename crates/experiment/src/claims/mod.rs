@@ -13,7 +13,6 @@ mod transfer;
 mod weights;
 
 pub use claim::{Judged, RULE, Verdict};
-pub(crate) use select::lists;
 
 use crate::definition::Experiment;
 use crate::results::Results;

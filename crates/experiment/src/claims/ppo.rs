@@ -1,14 +1,14 @@
 //! The paper's claims in its table of PPO agents, and in its text about the energy weight.
 
 use b2b_evaluate::EpisodeResult;
-use b2b_evaluate::statistics::{mean, median, score_text};
+use b2b_evaluate::statistics::{Sample, mean, median, score_text};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
 use super::interval::measured;
-use super::select::{lists, log_resolved, log_score, median_of, trained};
+use super::select::{log_resolved, log_score, median_of, trained};
 use crate::absolute::{deviation, reactive_deviation};
 use crate::paper;
-use crate::results::Results;
+use crate::results::{Ran, Results, samples};
 
 /// Name of the agent with the paper's setting.
 pub(super) const AGENT: &str = "paper";
@@ -82,7 +82,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
     judged
 }
 
-fn of_rows(rows: &Rows, all: &[&EpisodeResult]) -> Judged {
+fn of_rows(rows: &Rows, all: &[Ran<'_>]) -> Judged {
     let claim = Claim {
         text: format!("PPO {}", rows.text),
         quantity: "median score",
@@ -91,12 +91,12 @@ fn of_rows(rows: &Rows, all: &[&EpisodeResult]) -> Judged {
         margin: 0.05,
         caveat: CAVEAT,
     };
-    let is_own = |row: &&&EpisodeResult| {
+    let is_own = |(_, row): &&Ran<'_>| {
         row.info.building_type == rows.building_type && (rows.is_own)(&row.info.task, &row.info.period)
     };
-    let own: Vec<&EpisodeResult> = all.iter().filter(is_own).copied().collect();
+    let own: Vec<Ran<'_>> = all.iter().filter(is_own).copied().collect();
     let [score, resolved] =
-        [log_score, log_resolved].map(|value| Some(measured(&lists(&own, value), median)?.exp()));
+        [log_score, log_resolved].map(|value| Some(measured(&samples(&own, value), median)?.exp()));
     let verdicts =
         [&score, &resolved].map(|measured| measured.as_ref().map(|measured| claim.verdict(measured)));
     let mut remark = deviations_text(median_of(&own, deviation), median_of(&own, reactive_deviation));
@@ -107,7 +107,7 @@ fn of_rows(rows: &Rows, all: &[&EpisodeResult]) -> Judged {
 }
 
 /// Judges whether medians are on the published side of 1, row by row.
-fn same_side(all: &[&EpisodeResult]) -> Judged {
+fn same_side(all: &[Ran<'_>]) -> Judged {
     let claim = Claim {
         text: "Rows of the table in which PPO's median beats the baseline are those in which it does as published".into(),
         quantity: "share of rows on the published side",
@@ -116,16 +116,27 @@ fn same_side(all: &[&EpisodeResult]) -> Judged {
         margin: 0.05,
         caveat: CAVEAT,
     };
-    let mut rows: Vec<[&str; 3]> = all.iter().map(|row| place(row)).collect();
+    let mut rows: Vec<[&str; 3]> = all.iter().map(|(_, row)| place(row)).collect();
     rows.sort_unstable();
     rows.dedup();
     let agrees = |place: &[&str; 3]| {
         let published = paper::score(place[0], place[1], place[2])?.median;
-        let own: Vec<&EpisodeResult> = all.iter().filter(|row| self::place(row) == *place).copied().collect();
+        let own: Vec<Ran<'_>> = all.iter().filter(|(_, row)| self::place(row) == *place).copied().collect();
         let here = median_of(&own, |scored| scored.score)?;
-        Some(vec![f64::from((published < 1.0) == (here < 1.0))])
+        Some((place.join(", "), f64::from((published < 1.0) == (here < 1.0))))
     };
-    let agreeing: Vec<Vec<f64>> = rows.iter().filter_map(agrees).collect();
+    let agreeing: Vec<(String, f64)> = rows.iter().filter_map(agrees).collect();
+    let agreeing: Vec<Sample<'_>> = agreeing
+        .iter()
+        .map(|(row, score)| Sample {
+            building_type: "",
+            building: row,
+            case: [""; 2],
+            agent: "",
+            seed: 0,
+            score: *score,
+        })
+        .collect();
     let remark = format!("rows of the table instead of buildings: {}", agreeing.len());
     claim.judge(measured(&agreeing, mean), &remark)
 }
@@ -135,7 +146,7 @@ fn place(row: &EpisodeResult) -> [&str; 3] {
 }
 
 /// Judges whether no agent with a weight on energy is degenerate.
-fn no_degenerate_policy(all: &[&EpisodeResult]) -> Judged {
+fn no_degenerate_policy(all: &[Ran<'_>]) -> Judged {
     let claim = Claim {
         text: "An energy weight of 0.5 yields no degenerate policy in any building, winter or summer".into(),
         quantity: "share of degenerate policies",
@@ -144,9 +155,8 @@ fn no_degenerate_policy(all: &[&EpisodeResult]) -> Judged {
         margin: 0.0,
         caveat: CAVEAT,
     };
-    let own: Vec<&EpisodeResult> =
-        all.iter().filter(|row| !WITHOUT_ENERGY(&row.info.task)).copied().collect();
-    let degenerate = lists(&own, |scored| {
+    let own: Vec<Ran<'_>> = all.iter().filter(|(_, row)| !WITHOUT_ENERGY(&row.info.task)).copied().collect();
+    let degenerate = samples(&own, |scored| {
         let is_off = scored.relative_energy()? < OFF_ENERGY && scored.metrics.rms_deviation > OFF_DEVIATION;
         Some(f64::from(is_off))
     });

@@ -5,9 +5,9 @@ use b2b_evaluate::{Scored, StepRewards};
 
 use super::claim::{Claim, Judged, Side, Verdict};
 use super::interval::measured;
-use super::select::{lists, trained};
+use super::select::trained;
 use crate::definition::REACTIVE;
-use crate::results::Results;
+use crate::results::{Results, samples};
 
 pub(super) fn judge(results: &Results) -> Vec<Judged> {
     let all = trained(results, REACTIVE, 0);
@@ -28,7 +28,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
     };
     vec![
         claim.judge(
-            measured(&lists(&all, median_penalty), median),
+            measured(&samples(&all, median_penalty), median),
             "half of the steps are within 0.5 K of 0 at 0.25 K²",
         ),
         tail,

@@ -4,9 +4,9 @@ use b2b_evaluate::statistics::{is_below_baseline, mean, median};
 
 use super::claim::{Claim, Judged, Side, deviations_text};
 use super::interval::measured;
-use super::select::{lists, median_of, trained};
+use super::select::{median_of, trained};
 use crate::absolute::{deviation, reactive_deviation};
-use crate::results::Results;
+use crate::results::{Results, samples};
 
 /// Name of the agent with the paper's setting.
 const AGENT: &str = "amorpheus";
@@ -40,7 +40,7 @@ pub(super) fn judge(results: &Results) -> Vec<Judged> {
     let remark = deviations_text(median_of(&all, deviation), median_of(&all, reactive_deviation));
     let won = |scored: &b2b_evaluate::Scored| Some(f64::from(is_below_baseline(scored.score?)));
     vec![
-        adapts.judge(measured(&lists(&all, deviation), median), &remark),
-        beats.judge(measured(&lists(&all, won), mean), ""),
+        adapts.judge(measured(&samples(&all, deviation), median), &remark),
+        beats.judge(measured(&samples(&all, won), mean), ""),
     ]
 }

@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 
 use b2b_env::Task;
-use b2b_evaluate::statistics::{median, score_text};
+use b2b_evaluate::statistics::{Sample, median, score_text};
 use b2b_evaluate::{EpisodeResult, Scored};
 
 use super::claim::{Claim, Judged, Side};
-use super::interval::{Measured, measured};
+use super::interval::measured;
 use super::ppo::{AGENT, OFF_ENERGY, STEPS};
-use super::select::{lists, median_of, trained};
+use super::select::{median_of, trained};
 use crate::absolute::{deviation, energy};
-use crate::results::Results;
+use crate::results::{Ran, Results, samples};
 
 const CAVEAT: &str =
     "the baseline energy that the weight is scaled by, and the buildings, are not the paper's";
@@ -20,8 +20,9 @@ const HIGH: f64 = 5.0;
 
 pub(super) fn judge(results: &Results) -> Vec<Judged> {
     let all = trained(results, AGENT, STEPS);
-    let of_type =
-        |name: &str| all.iter().filter(|row| row.info.building_type == name).copied().collect::<Vec<_>>();
+    let of_type = |name: &str| {
+        all.iter().filter(|(_, row)| row.info.building_type == name).copied().collect::<Vec<_>>()
+    };
     let (small, medium) = (of_type("OfficeSmall"), of_type("OfficeMedium"));
     vec![
         less_energy("The higher the weight, the lower the energy, in medium offices", &medium),
@@ -35,7 +36,7 @@ fn claim(text: &str, quantity: &'static str, bound: f64, margin: f64) -> Claim {
     Claim { text: text.into(), quantity, side: Side::Below, bound, margin, caveat: CAVEAT }
 }
 
-fn less_energy(text: &str, rows: &[&EpisodeResult]) -> Judged {
+fn less_energy(text: &str, rows: &[Ran<'_>]) -> Judged {
     let claim = claim(text, "ratio of the energy at weight 5 to weight 0", 1.0, 0.05);
     let (mut fell, mut steps) = (0, 0);
     for values in series(rows, energy).values() {
@@ -50,7 +51,7 @@ fn less_energy(text: &str, rows: &[&EpisodeResult]) -> Judged {
     claim.judge(measured(&ratios, median), &format!("energy falls at {fell} of {steps} steps of the weight"))
 }
 
-fn little_shift(rows: &[&EpisodeResult]) -> Judged {
+fn little_shift(rows: &[Ran<'_>]) -> Judged {
     let claim = claim(
         "In medium offices the deviation from target does not shift much with the weight",
         "RMS deviation at weight 5 minus at weight 0 (K)",
@@ -65,43 +66,40 @@ fn little_shift(rows: &[&EpisodeResult]) -> Judged {
     claim.judge(measured(&shifts, median), "")
 }
 
-fn degenerate(rows: &[&EpisodeResult]) -> Judged {
+fn degenerate(rows: &[Ran<'_>]) -> Judged {
     let claim = claim(
         "In small offices a high weight gives a degenerate policy, which turns HVAC off",
         "energy at weight 5 over the reactive controllers'",
         OFF_ENERGY,
         0.05,
     );
-    let high: Vec<&EpisodeResult> = rows.iter().filter(|row| weight(row) == Some(HIGH)).copied().collect();
+    let high: Vec<Ran<'_>> = rows.iter().filter(|(_, row)| weight(row) == Some(HIGH)).copied().collect();
     let remark = median_of(&high, deviation)
         .map(|deviation| format!("median RMS deviation {} K", score_text(deviation)));
-    let relative: Option<Measured> = measured(&lists(&high, Scored::relative_energy), median);
+    let relative = measured(&samples(&high, Scored::relative_energy), median);
     claim.judge(relative, &remark.unwrap_or_default())
 }
 
-/// Returns the change of a value with the weight: one list per building, with an item per kind of targets.
-fn changes(
-    rows: &[&EpisodeResult],
+/// Returns the change of a value with the weight in each building, for each kind of targets.
+fn changes<'a>(
+    rows: &[Ran<'a>],
     value: fn(&Scored) -> Option<f64>,
     change: impl Fn(&[(f64, f64)]) -> Option<f64>,
-) -> Vec<Vec<f64>> {
-    let mut buildings: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for ((building, _), values) in series(rows, value) {
-        buildings.entry(building).or_default().extend(change(&values));
-    }
-    buildings.into_values().collect()
+) -> Vec<Sample<'a>> {
+    let sample = |((building, setpoints), values): ((&'a str, &'a str), Series)| {
+        let case = [setpoints, ""];
+        Some(Sample { building_type: "", building, case, agent: building, seed: 0, score: change(&values)? })
+    };
+    series(rows, value).into_iter().filter_map(sample).collect()
 }
 
 /// Values with their weights, ordered by weight.
 type Series = Vec<(f64, f64)>;
 
 /// Returns the values of each building and kind of targets.
-fn series<'a>(
-    rows: &[&'a EpisodeResult],
-    value: fn(&Scored) -> Option<f64>,
-) -> BTreeMap<(&'a str, &'a str), Series> {
+fn series<'a>(rows: &[Ran<'a>], value: fn(&Scored) -> Option<f64>) -> BTreeMap<(&'a str, &'a str), Series> {
     let mut all: BTreeMap<(&str, &str), Series> = BTreeMap::new();
-    for row in rows {
+    for (_, row) in rows {
         let value = row.scored().and_then(value);
         if let (Some(weight), Some(value)) = (weight(row), value) {
             let setpoints = row.info.task.split('+').next().unwrap_or_default();

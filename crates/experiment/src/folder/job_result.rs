@@ -5,6 +5,7 @@ use std::path::Path;
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
+use b2b_evaluate::statistics::Sample;
 use b2b_evaluate::{Deviations, EpisodeResult, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -118,6 +119,13 @@ impl JobResult {
         report != ReportKind::Weights || has_all
     }
 
+    /// Returns a value of an episode of the job with its agent and seed, by which the seeds of one training differ.
+    pub(crate) fn sample<'a>(&'a self, row: &'a EpisodeResult, value: f64) -> Sample<'a> {
+        let seeded = self.key.rsplit_once('_').and_then(|(agent, seed)| Some((agent, seed.parse().ok()?)));
+        let (agent, seed) = seeded.unwrap_or((&self.key, row.info.seed));
+        Sample { agent, seed, ..Sample::of(&row.info, value) }
+    }
+
     /// Returns the policies of the job with their episodes and distributions of deviations.
     pub fn policies(&self) -> impl Iterator<Item = (String, &[EpisodeResult], &[Option<Deviations>])> {
         let best =
@@ -162,13 +170,43 @@ fn read_machine(folder: &Path) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
+    use b2b_benchmark::entry::Measures;
+
     use super::*;
+
+    fn shipped(name: &str) -> String {
+        let path = format!("{}/../../results/{name}/jobs.json", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).unwrap()
+    }
+
+    #[test]
+    fn the_seeds_of_a_training_are_of_one_agent() {
+        let found = |name: &str, agent: &str| -> Vec<(String, u64)> {
+            let results: Vec<JobResult> = serde_json::from_str(&shipped(name)).unwrap();
+            let own = results.iter().filter(|result| result.agent == agent);
+            let samples = own.map(|result| result.sample(&result.rows[0], 0.0));
+            samples.map(|sample| (sample.agent.to_owned(), sample.seed)).collect()
+        };
+        let training = "generalist/SingleFamilyHouse_constant_winter".to_owned();
+        assert_eq!(found("dynamics", "generalist"), [0, 1, 2].map(|seed| (training.clone(), seed)));
+        let entered = ["adapt-house-faults", "adapt-office-small-faults"];
+        assert_eq!(found("memory", "flat"), entered.map(|problem| (format!("flat/{problem}"), 0)));
+    }
+
+    #[test]
+    fn measures_of_shipped_entries_follow_from_their_episodes() {
+        for name in ["board", "memory"] {
+            let results: Vec<JobResult> = serde_json::from_str(&shipped(name)).unwrap();
+            let (entry, stages) = results.last().unwrap().entry.as_ref().unwrap();
+            let measures = Measures::of(stages, entry.problem.protocol.consecutive());
+            assert!(measures.as_ref() == Some(&entry.measures), "{name}");
+        }
+    }
 
     #[test]
     fn shipped_results_are_read_and_written_unchanged() {
         for name in ["ppo", "dynamics", "weights", "board"] {
-            let path = format!("{}/../../results/{name}/jobs.json", env!("CARGO_MANIFEST_DIR"));
-            let text = std::fs::read_to_string(path).unwrap();
+            let text = shipped(name);
             let results: Vec<JobResult> = serde_json::from_str(&text).unwrap();
             let lines: Vec<_> = results.iter().map(|result| serde_json::to_string(result).unwrap()).collect();
             assert!(!results.is_empty() && text == format!("[\n{}\n]\n", lines.join(",\n")), "{name}");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
-use b2b_evaluate::statistics::{Cluster, aggregate_clusters, is_below_baseline};
+use b2b_evaluate::statistics::{aggregate, is_below_baseline};
 use b2b_evaluate::{EpisodeResult, Scored};
 use serde_json::{Value, json};
 
@@ -14,7 +14,7 @@ use crate::absolute::{
 };
 use crate::definition::{Experiment, Policy};
 use crate::paper;
-use crate::results::Results;
+use crate::results::{Ran, Results, samples};
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let policies = experiment.policies(&results.budget);
@@ -107,14 +107,15 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
     let mut rows = Vec::new();
     for task in &experiment.tasks {
         for policy in policies {
-            let own: Vec<&EpisodeResult> =
-                results.of(&policy.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
-            let aggregate = |score| aggregate_clusters(&strata(&own, score), 0);
+            let own: Vec<Ran<'_>> =
+                results.of(&policy.name).filter(|(_, row)| row.info.task == *task).collect();
+            let aggregated = |score: fn(&Scored) -> Option<f64>| aggregate(&samples(&own, score));
             let (Some(scores), Some(resolved)) =
-                (aggregate(EpisodeResult::score), aggregate(EpisodeResult::resolved_score))
+                (aggregated(|scored| scored.score), aggregated(|scored| scored.resolved_score))
             else {
                 continue;
             };
+            let own: Vec<&EpisodeResult> = own.into_iter().map(|(_, row)| row).collect();
             let [share, deviation, energy, relative] =
                 [comfort_share, deviation, energy, Scored::relative_energy]
                     .map(|figure| median_text(&own, figure));
@@ -133,7 +134,7 @@ fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) 
         }
     }
     json!({
-        "title": "interquartile means by task with 95 % intervals (a bootstrap over buildings and periods within each type, and seeds), and medians",
+        "title": "interquartile means by task with 95 % intervals (a bootstrap over buildings within each type, and seeds), and medians",
         "header": ["task", "agent", "episodes", "score", "resolved score", "below 1 (%)",
                    "comfort in baseline's penalty", "RMS deviation (K)", "HVAC energy (kWh/m²)", "energy / baseline"],
         "rows": rows,
@@ -165,20 +166,6 @@ fn by_building(experiment: &Experiment, results: &Results, policies: &[Policy<'_
         "header": header,
         "rows": rows.collect::<Vec<_>>(),
     })
-}
-
-/// Returns the scores by type, for each building and period one per seed.
-fn strata(rows: &[&EpisodeResult], score: fn(&EpisodeResult) -> Option<f64>) -> Vec<Vec<Cluster>> {
-    let mut strata: BTreeMap<&str, BTreeMap<(&str, &str), Cluster>> = BTreeMap::new();
-    for row in rows {
-        let info = &row.info;
-        let clusters = strata.entry(&info.building_type).or_default();
-        clusters.entry((&info.building, &info.period)).or_default().extend(score(row));
-    }
-    let scored = |clusters: BTreeMap<_, Cluster>| {
-        clusters.into_values().filter(|cluster| !cluster.is_empty()).collect()
-    };
-    strata.into_values().map(scored).collect()
 }
 
 fn paper_cells(building_type: &str, task: &str, period: &str) -> [String; 3] {

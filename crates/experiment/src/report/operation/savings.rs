@@ -1,26 +1,22 @@
 //! What policies save against the guideline controller, at comfort.
 
+use std::collections::BTreeSet;
+
 use b2b_control::tune::travel_limit;
 use b2b_evaluate::report::{Chart, Series, trade_offs};
-use b2b_evaluate::statistics::{Cluster, MARGIN, Verdict, aggregate_clusters};
+use b2b_evaluate::statistics::{FEWEST, MARGIN, Verdict, median, over_buildings};
 use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT, relative_resource};
 use serde_json::{Value, json};
 
 use super::comparison::GUIDELINE;
 use super::{Guideline, TOGETHER, policies};
-use crate::claims::lists;
 use crate::definition::Experiment;
-use crate::results::Results;
+use crate::results::{Ran, Results, samples};
 
-/// Seed of the bootstrap.
-const SEED: u64 = 0;
 /// Name used instead of a type for all types.
 const ALL: &str = "all";
 /// Height of the chart of all episodes, pixels.
 const HEIGHT: u32 = 460;
-
-/// The episodes of a row: by type, all seeds.
-type Strata<'a> = Vec<Vec<&'a EpisodeResult>>;
 
 /// Returns a table over all periods and one by period.
 pub(super) fn tables(experiment: &Experiment, results: &Results) -> Vec<Value> {
@@ -65,11 +61,11 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
                             && [each, ALL].contains(&building_type)
                     };
                     let of_type = |each: &&str| {
-                        results.of(&policy).map(|(_, row)| row).filter(|row| own(row, each)).collect()
+                        results.of(&policy).filter(|(_, row)| own(row, each)).collect::<Vec<_>>()
                     };
-                    let strata: Strata<'_> = types.iter().map(of_type).collect();
+                    let episodes: Vec<Ran<'_>> = types.iter().flat_map(of_type).collect();
                     let names = [building_type, period, task, &policy].map(str::to_owned);
-                    rows.extend(cells(&strata, &guideline).map(|cells| [names.to_vec(), cells].concat()));
+                    rows.extend(cells(&episodes, &guideline).map(|cells| [names.to_vec(), cells].concat()));
                 }
             }
         }
@@ -79,10 +75,10 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
             "name": name,
             "title": format!(
                 "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
-                 intervals over buildings, periods and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
+                 intervals over buildings within each type, and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
                  zone and day of discomfort beyond the guideline's; beats: the score is more than {MARGIN} below 1, and all of its interval below 1; \
-                 worse: above, likewise; hunting: episodes with more actuator travel than 5 strokes/day and than the guideline; raised: \
-                 episodes in which the ventilation interlock raised an action"
+                 worse: above, likewise; fewer than {FEWEST} buildings have no verdict; hunting: episodes with more actuator travel than 5 \
+                 strokes/day and than the guideline; raised: episodes in which the ventilation interlock raised an action"
             ),
             "header": ["type", "period", "task", "policy", "buildings", "score at comfort", "verdict", "cost (%)",
                        "comfortable (%)", "episodes", format!("below {:.2}", 1.0 - MARGIN),
@@ -100,11 +96,11 @@ fn hunts(row: &EpisodeResult, guideline: &Guideline<'_>) -> bool {
 }
 
 /// Returns the figures of a row; `None` without a score.
-fn cells(strata: &Strata<'_>, guideline: &Guideline<'_>) -> Option<Vec<String>> {
-    let all = || strata.iter().flatten().copied().filter(|row| row.score().is_some());
+fn cells(episodes: &[Ran<'_>], guideline: &Guideline<'_>) -> Option<Vec<String>> {
+    let all = || episodes.iter().map(|(_, row)| *row).filter(|row| row.score().is_some());
     let scores: Vec<f64> = all().filter_map(EpisodeResult::score).collect();
-    let clusters: Vec<Vec<Cluster>> = strata.iter().map(|rows| lists(rows, |scored| scored.score)).collect();
-    let aggregate = aggregate_clusters(&clusters, SEED)?;
+    let score = over_buildings(&samples(episodes, |scored| scored.score), median)?;
+    let buildings: BTreeSet<&str> = all().map(|row| &row.info.building[..]).collect();
     let count = |is_own: &dyn Fn(f64) -> bool| scores.iter().filter(|score| is_own(**score)).count();
     let uncomfortable = all().filter(|row| {
         row.scored().and_then(|own| own.is_uncomfortable(row.info.steps_per_hour)) == Some(true)
@@ -114,9 +110,9 @@ fn cells(strata: &Strata<'_>, guideline: &Guideline<'_>) -> Option<Vec<String>> 
         |row: &&EpisodeResult| row.metrics().is_some_and(|metrics| metrics.ventilation_overrides > 0);
     let comfortable = 1.0 - uncomfortable.count() as f64 / scores.len() as f64;
     Some(vec![
-        aggregate.episodes.to_string(),
-        aggregate.median.to_string(),
-        Verdict::of(aggregate.median).to_string(),
+        buildings.len().to_string(),
+        score.to_string(),
+        if buildings.len() < FEWEST { "–".to_owned() } else { Verdict::of(score).to_string() },
         relative_resource(all()).map_or_else(String::new, |ratio| format!("{:+.1}", 100.0 * (ratio - 1.0))),
         format!("{:.0}", 100.0 * comfortable),
         scores.len().to_string(),
