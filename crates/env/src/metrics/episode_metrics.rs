@@ -192,7 +192,7 @@ episode_metrics! {
         steps: usize = "steps", "1", |metrics| metrics.steps, None;
         /// sum of the rewards, -temperature_penalty - energy_penalty
         episode_return: f64 = "return", "1", |metrics| metrics.episode_return, HIGHER_RETURN;
-        /// sum of the temperature penalties (operation: 12 × K)
+        /// sum of the temperature penalties (operation: 12 × K, or 36 × vote)
         temperature_penalty: f64 = "temperature_penalty", "K²", |metrics| metrics.temperature_penalty, None;
         /// sum of the energy penalties
         energy_penalty: f64 = "energy_penalty", "1", |metrics| metrics.energy_penalty, None;
