@@ -309,8 +309,8 @@ impl Bill {
         }
     }
 
-    /// Returns the days of a day's month that the episode covers. The month in which an episode of a year begins and
-    /// ends is two months.
+    /// Returns the days of a day's month that the episode covers. If an episode of a year begins and ends in the same
+    /// month, its beginning and its end count separately.
     fn covered(&self, calendar: Calendar, day: u32) -> impl Iterator<Item = u32> {
         let month = calendar.month_of(day);
         let start = calendar.month_start(month);

@@ -49,12 +49,12 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         if not isinstance(core, BuildingEnv) or core.rescale_action:
             raise SettingError("acting sets actuators in physical units; make the environment without rescale_action")
         self._building = core
-        self._names = observation, acting
+        self._interface = observation, acting
         self._read()
 
     def _read(self) -> None:
         self._spaces = self._building.layout.spaces
-        self._pilot = _core.Pilot(self._spaces, *self._names)
+        self._pilot = _core.Pilot(self._spaces, *self._interface)
         self.observation_space, self.action_space = _spaces(self._pilot)
         self.metadata = _named(self.env.metadata, self._pilot)
 
@@ -100,8 +100,8 @@ class ActingVectorEnv(VectorWrapper):
             raise SettingError(message)
         if env.autoreset_mode != AutoresetMode.SAME_STEP:
             raise SettingError("acting resets with the last step of a decision; pass autoreset_mode='SameStep'")
-        self._names = observation, acting
-        first = _core.Pilot(env.layout_of(0).spaces, *self._names)
+        self._interface = observation, acting
+        first = _core.Pilot(env.layout_of(0).spaces, *self._interface)
         self.single_observation_space, self.single_action_space = _spaces(first)
         self._pilots = [self._pilot(index) for index in range(env.num_envs)]
         self._seen = np.zeros((env.num_envs, *self.single_observation_space.shape), np.float32)
@@ -115,7 +115,7 @@ class ActingVectorEnv(VectorWrapper):
 
     def _pilot(self, index: int) -> _core.Pilot:
         """Returns the pilot of an environment's building; raises if its spaces are not the batch's."""
-        pilot = _core.Pilot(self.env.layout_of(index).spaces, *self._names)
+        pilot = _core.Pilot(self.env.layout_of(index).spaces, *self._interface)
         if _spaces(pilot) != (self.single_observation_space, self.single_action_space):
             raise SettingError("the buildings differ in observations or actions; choose buildings of one type")
         return pilot

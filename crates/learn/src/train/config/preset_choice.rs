@@ -40,9 +40,10 @@ impl PresetChoice {
     /// take precedence over the file's.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::ConfigFile`](crate::Error::ConfigFile) with what is wrong.
+    /// [`Error::Io`](crate::Error::Io); [`Error::ConfigFile`](crate::Error::ConfigFile) for a file that is not TOML.
     pub fn name(self, file: Option<&Path>) -> Result<String> {
-        let read = |table| Value::Table(table).try_into::<Self>().map_err(|error| error.message().to_owned());
+        // What is invalid is reported when the file is applied to the preset.
+        let read = |table| Ok(Value::Table(table).try_into().unwrap_or_default());
         let all = match file {
             Some(path) => self.or(read_table(path, read)?),
             None => self,

@@ -66,6 +66,10 @@ fn a_run_that_names_no_preset_has_the_one_for_its_tasks_acting_and_buildings() {
     assert_eq!(preset_of(r#"{"task": "operate", "acting": "residual:0.3"}"#, ""), "residual");
     assert_eq!(preset_of(r#"{"acting": {"kind": "supervisory", "every": 30}}"#, ""), "supervisory");
     assert_eq!(preset_of(r#"{"task": "operate"}"#, "preset = 'paper'"), "paper");
+    let path = folder.path().join("wrong.toml");
+    std::fs::write(&path, "task = 'occupency'").unwrap();
+    let said = TrainConfig::of_json("{}", None, Some(&path)).unwrap_err().to_string();
+    assert!(said.contains("`task`: ") && said.contains("did you mean occupancy?"), "{said}");
 }
 
 #[test]
