@@ -8,6 +8,10 @@ use rand_chacha::ChaCha8Rng;
 const STREAM: &str = "boptest forecast";
 /// Limits of a solar radiation forecast, as shares of the true value.
 const SOLAR_SHARES: [f64; 2] = [0.2, 2.0];
+/// Radiation above which errors are drawn again while the forecast is outside its limits, W/m².
+const SOLAR_CHECKED: f64 = 50.0;
+/// Draws of a forecast of radiation; the last is taken as it is.
+const SOLAR_DRAWS: usize = 200;
 
 /// The uncertainty of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,15 +73,39 @@ impl Uncertainty {
         }
     }
 
-    /// Subtracts the errors of a forecast made at an hour of the year from hourly radiations.
+    /// Subtracts the errors of a forecast made at an hour of the year from hourly radiations. As in BOPTEST, errors are
+    /// drawn until the forecast is within its limits, and the forecast is then smoothed over three hours.
     pub fn disturb_radiations(self, seed: u64, hour: u64, radiations: &mut [f64]) {
         let mut random = stream(STREAM, seed, 2 * hour + 1);
-        let mut error = Errors::of(self.solar());
-        for radiation in radiations {
-            let [least, most] = SOLAR_SHARES.map(|share| share * *radiation);
-            *radiation = (*radiation - error.next(|| laplace(&mut random))).clamp(least, most);
+        let limits = |radiation: f64| SOLAR_SHARES.map(|share| share * radiation);
+        let is_within = |(forecast, radiation): (&f64, &f64)| {
+            let [least, most] = limits(*radiation);
+            *radiation <= SOLAR_CHECKED || (least..=most).contains(forecast)
+        };
+        let mut forecast = vec![0.0; radiations.len()];
+        for _ in 0..SOLAR_DRAWS {
+            let mut error = Errors::of(self.solar());
+            for (forecast, radiation) in forecast.iter_mut().zip(&*radiations) {
+                *forecast = radiation - error.next(|| laplace(&mut random));
+            }
+            if forecast.iter().zip(&*radiations).all(is_within) {
+                break;
+            }
+        }
+        for (radiation, forecast) in radiations.iter_mut().zip(smoothed(&forecast)) {
+            let [least, most] = limits(*radiation);
+            *radiation = forecast.clamp(least, most);
         }
     }
+}
+
+/// Returns means over three hours; the first and the last hour stay as they are.
+fn smoothed(hourly: &[f64]) -> Vec<f64> {
+    let mut means = hourly.to_vec();
+    for (mean, around) in means.iter_mut().skip(1).zip(hourly.windows(3)) {
+        *mean = around.iter().sum::<f64>() / 3.0;
+    }
+    means
 }
 
 /// The errors of one forecast, in the order of time.
@@ -137,6 +165,27 @@ mod tests {
         assert!(radiations[1..4].iter().zip([100.0, 500.0, 800.0]).all(|(value, actual)| {
             (SOLAR_SHARES[0] * actual..=SOLAR_SHARES[1] * actual).contains(value)
         }));
+    }
+
+    /// The RMS error and the mean change from hour to hour of forecasts of eight hours at 600 W/m².
+    fn solar_errors(level: Uncertainty) -> [f64; 2] {
+        let days = (0..500).map(|hour| {
+            let mut radiations = [600.0; 8];
+            level.disturb_radiations(7, hour, &mut radiations);
+            let square = radiations.iter().map(|value| (value - 600.0).powi(2)).sum::<f64>() / 8.0;
+            let change = radiations.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f64>() / 7.0;
+            [square, change]
+        });
+        let [squares, changes] = days.fold([0.0; 2], |[a, b], [square, change]| [a + square, b + change]);
+        [(squares / 500.0).sqrt(), changes / 500.0]
+    }
+
+    #[test]
+    fn forecasts_of_radiation_are_smooth_and_their_errors_grow_with_the_level() {
+        let [low, medium] = [Uncertainty::Low, Uncertainty::Medium].map(solar_errors);
+        assert!(low[0] > 60.0 && medium[0] > 1.3 * low[0], "{low:?} {medium:?}");
+        assert!(low[1] < 0.5 * low[0] && medium[1] < 0.5 * medium[0], "{low:?} {medium:?}");
+        assert_eq!(smoothed(&[3.0, 0.0, 6.0, 3.0]), [3.0, 3.0, 3.0, 3.0]);
     }
 
     #[test]
