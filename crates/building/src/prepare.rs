@@ -102,11 +102,22 @@ pub struct Zone {
     pub name: String,
     /// Floor area with multiplier, m².
     pub floor_area: f64,
+    /// Number of identical zones.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub multiplier: f64,
     /// Heating and cooling capability of its controlled equipment.
     pub conditioning: Conditioning,
     /// Whether uncontrolled equipment conditions it, by the thermostat and schedules of the model. Such a zone is
     /// observed but does not count in the reward.
     pub own_controls: bool,
+}
+
+const fn one() -> f64 {
+    1.0
+}
+
+fn is_one(multiplier: &f64) -> bool {
+    *multiplier == one()
 }
 
 /// The heating and cooling capability of the controlled equipment of a zone.
@@ -259,10 +270,12 @@ impl PreparedBuilding {
         })
     }
 
-    /// Sets the years of its zones, with a warning if zones of a user's model lack a comfort band.
+    /// Sets the years of its zones, with warnings for a user's model if zones lack a comfort band or water heaters heat
+    /// rooms.
     fn of_years(mut self, years: Vec<ZoneYear>) -> Self {
         if self.calendar.is_some() {
             self.notes.warnings.extend(without_band(&self.zones, &years));
+            self.notes.warnings.extend(hvac_energy::heating_tanks(&self.model));
         }
         Self { years, ..self }
     }
@@ -410,6 +423,7 @@ fn prepared_zones(
             conditioning,
             own_controls,
             floor_area: zone.floor_area * zone.multiplier,
+            multiplier: zone.multiplier,
             name: zone.name,
         })
     };
@@ -472,7 +486,7 @@ mod tests {
     fn energy_is_not_divided_by_a_floor_area_of_zero() {
         let zone = |floor_area, own_controls| {
             let (name, conditioning) = ("Hall".to_owned(), Conditioning::None);
-            Zone { name, floor_area, conditioning, own_controls }
+            Zone { name, floor_area, multiplier: 1.0, conditioning, own_controls }
         };
         let area = |zones: &[Zone]| conditioned_floor_area("office", zones);
         assert_eq!(area(&[zone(20.0, true), zone(30.0, false)]).unwrap(), 20.0);

@@ -111,7 +111,7 @@ impl Subject {
 
 /// Incremented when a change to import, conversion or sizing changes the episodes of users' models, so that older
 /// results and baselines are not reused.
-const IMPORT_REVISION: u32 = 8;
+const IMPORT_REVISION: u32 = 9;
 
 /// Returns the SHA-256 of a model; if it names other files, a digest of all of them.
 fn hash_of_model(path: &Path) -> Result<String> {

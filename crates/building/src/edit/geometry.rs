@@ -33,15 +33,34 @@ const WITHOUT_CORNERS: [&str; 17] = [
 /// Classes of exterior walls other than `BuildingSurface:Detailed`.
 pub(super) const OTHER_WALLS: [&str; 2] = ["Wall:Exterior", "Wall:Detailed"];
 
-/// Sets the orientation: degrees from true north to the building's y axis. Returns the number of changed objects.
+/// Angles that the engine counts from true north instead of the building's axes, 0 by default, and their periods.
+const FROM_TRUE_NORTH: [(&str, &str, f64); 2] = [
+    ("ZoneVentilation:WindandStackOpenArea", "effective_angle", 360.0),
+    ("AirflowNetwork:SimulationControl", "azimuth_angle_of_long_axis_of_building", 180.0),
+];
+
+/// Sets the orientation: degrees from true north to the building's y axis. Openings to the wind turn with the building.
+/// Returns the number of changed objects.
 pub fn turn(model: &mut Model, north_axis: f64) -> usize {
     let names = model.names("Building");
+    let mut count = names.len();
+    let mut by = 0.0;
     for name in &names {
         if let Some(building) = model.get_mut("Building", name) {
+            by = north_axis - number(building, "north_axis").unwrap_or(0.0);
             building.insert("north_axis".into(), json!(north_axis));
         }
     }
-    names.len()
+    for (class, field, period) in FROM_TRUE_NORTH.into_iter().filter(|_| by != 0.0) {
+        for name in model.names(class) {
+            if let Some(fields) = model.get_mut(class, &name) {
+                let angle = number(fields, field).unwrap_or(0.0) + by;
+                fields.insert(field.into(), json!(angle.rem_euclid(period)));
+                count += 1;
+            }
+        }
+    }
+    count
 }
 
 /// Checks that the north axis takes effect in EnergyPlus.
@@ -275,5 +294,15 @@ mod tests {
         let mut model = model();
         assert_eq!(turn(&mut model, 30.0), 1);
         assert_eq!(number(model.require("Building", "B").unwrap(), "north_axis"), Some(30.0));
+    }
+
+    #[test]
+    fn openings_to_the_wind_turn_with_the_building() {
+        let mut model = model();
+        turn(&mut model, 30.0);
+        let class = "ZoneVentilation:WindandStackOpenArea";
+        model.insert(class, "Door", json!({"effective_angle": 300}));
+        assert_eq!(turn(&mut model, 120.0), 2);
+        assert_eq!(number(model.require(class, "Door").unwrap(), "effective_angle"), Some(30.0));
     }
 }

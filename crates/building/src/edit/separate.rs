@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::copies::{copy, layered, spelled, users_of};
 use super::envelope::roof::roof_surfaces;
 use super::geometry::{OTHER_WALLS, require_corners};
-use crate::zone::surfaces;
+use crate::zone::{Surface, SurfaceKind, surfaces};
 use crate::{Model, Result};
 
 const SURFACE: &str = "BuildingSurface:Detailed";
@@ -30,7 +30,13 @@ pub(super) fn roofs(model: &mut Model) -> Result<()> {
     require_corners(model, &["Roof", "RoofCeiling:Detailed"])?;
     let all = surfaces(model)?;
     let roofs = roof_surfaces(model, &all)?;
-    let roofs: Vec<_> = roofs.iter().map(|s| (s.name.clone(), s.construction.clone())).collect();
+    // The floor of an attic has the layers of the ceiling under it in reverse.
+    let (floors, roofs): (Vec<_>, Vec<_>) = roofs.into_iter().partition(|s| s.kind == SurfaceKind::Floor);
+    let named = |surfaces: Vec<&Surface>| -> Vec<_> {
+        surfaces.iter().map(|s| (s.name.clone(), s.construction.clone())).collect()
+    };
+    let (floors, roofs) = (named(floors), named(roofs));
+    separate(model, &floors, "attic floor")?;
     separate(model, &roofs, "roof")
 }
 

@@ -8,7 +8,7 @@
 use b2b_base::carrier::Carrier;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, text};
+use crate::model::{Model, items, text};
 
 /// A meter of the engine that counts toward HVAC energy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -167,6 +167,46 @@ pub(crate) fn hvac_meters(model: &Model) -> Vec<HvacMeter> {
         .collect()
 }
 
+/// Beginnings of the classes that heat rooms or their air with hot water.
+const HEATERS: [&str; 3] = ["Coil:", "ZoneHVAC:", "AirLoopHVAC:"];
+
+/// Returns a warning that names the water heaters whose loops heat rooms: their fuel is service hot water for the engine's
+/// meters, so that it is not in [`hvac_meters`].
+pub(crate) fn heating_tanks(model: &Model) -> Option<String> {
+    let mut tanks = Vec::new();
+    for (_, plant) in model.objects("PlantLoop") {
+        let of_side = |side: &str| of_branch_list(model, text(plant, side).unwrap_or_default());
+        let heats = |(class, _): &(&str, &str)| HEATERS.iter().any(|begin| begins_with(class, begin));
+        if of_side("demand_side_branch_list_name").iter().any(heats) {
+            let supply = of_side("plant_side_branch_list_name");
+            let own = supply.into_iter().filter(|(class, _)| begins_with(class, "WaterHeater:"));
+            tanks.extend(own.map(|(_, name)| format!("`{name}`")));
+        }
+    }
+    (!tanks.is_empty()).then(|| {
+        format!(
+            "the water heaters {} heat rooms, but their energy is service hot water, which HVAC energy and costs leave out; \
+             replace them by boilers to count it",
+            tanks.join(", ")
+        )
+    })
+}
+
+/// Returns whether a class, spelled in any case, begins with a text.
+fn begins_with(class: &str, begin: &str) -> bool {
+    class.get(..begin.len()).is_some_and(|start| start.eq_ignore_ascii_case(begin))
+}
+
+/// Returns classes and names of the components of a branch list; none of what the model lacks.
+fn of_branch_list<'a>(model: &'a Model, list: &str) -> Vec<(&'a str, &'a str)> {
+    let branches = model.get("BranchList", list).into_iter().flat_map(|list| items(list, "branches"));
+    let branches = branches.filter_map(|item| model.get("Branch", text(item, "branch_name")?));
+    let components = branches.flat_map(|branch| items(branch, "components"));
+    components
+        .filter_map(|item| Some((text(item, "component_object_type")?, text(item, "component_name")?)))
+        .collect()
+}
+
 /// Ideal loads take district heating by hot water and district cooling unless they name other fuels.
 const IDEAL_LOADS: &str = "ZoneHVAC:IdealLoadsAirSystem";
 
@@ -227,6 +267,22 @@ mod tests {
         let end_uses = hvac_meters(&model)[1].end_uses();
         assert_eq!(end_uses[0], (EndUse::Heating, "Heating:NaturalGas".to_owned()));
         assert!(end_uses.iter().all(|(end_use, _)| *end_use != EndUse::Pumps), "the circulator is not HVAC");
+    }
+
+    #[test]
+    fn water_heaters_that_heat_rooms_are_named() {
+        let mut model = Model::default();
+        let plant =
+            json!({"plant_side_branch_list_name": "Supply", "demand_side_branch_list_name": "Demand"});
+        model.insert("PlantLoop", "Hot Water", plant);
+        model.insert("BranchList", "Supply", json!({"branches": [{"branch_name": "Tank Branch"}]}));
+        model.insert("BranchList", "Demand", json!({"branches": [{"branch_name": "Use Branch"}]}));
+        let branch = |class: &str, name: &str| json!({"components": [{"component_object_type": class, "component_name": name}]});
+        model.insert("Branch", "Tank Branch", branch("WaterHeater:Mixed", "Tank"));
+        model.insert("Branch", "Use Branch", branch("WaterUse:Connections", "Sinks"));
+        assert_eq!(heating_tanks(&model), None);
+        model.insert("Branch", "Use Branch", branch("Coil:Heating:Water", "Coil"));
+        assert!(heating_tanks(&model).unwrap().contains("water heaters `Tank` heat rooms"));
     }
 
     #[test]

@@ -2,17 +2,22 @@
 
 use std::path::Path;
 
+use b2b_base::calendar::Calendar;
+use b2b_climate::Site;
 use b2b_energyplus::Library;
 use rusqlite::Connection;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::calibration::Fuel;
-use crate::model::{Fields, number};
+use crate::model::{Fields, number, text};
 use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
-use crate::{Error, Model, Result, RunPeriod};
+use crate::{Error, Model, Result, RunPeriod, import};
 
+/// What the first run period of a model takes from the weather file: holidays and daylight saving time.
+const OF_WEATHER: [&str; 2] =
+    ["use_weather_file_holidays_and_special_days", "use_weather_file_daylight_saving_period"];
 /// J in one kWh.
 const JOULES: f64 = 3.6e6;
 
@@ -27,14 +32,16 @@ pub struct MonthlyEnergy {
 
 impl MonthlyEnergy {
     /// Simulates a model over a year, with its own controls and sizing. Uses the model's run period if it is one whole
-    /// year, otherwise [`RunPeriod::FULL_YEAR`].
+    /// year that gives its days of the week, otherwise a year in the calendar of the model and the weather file
+    /// ([`import::calendar`]).
     ///
     /// # Errors
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Climate`] when the weather file
     /// cannot be read; [`Error::EnergyTable`] when the engine's output cannot be read; [`Error::Io`] when temporary
     /// files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let database = OutputDatabase::of(metered_year(model), weather, library, "b2b-year-")?;
+        let year = metered_year(model, import::calendar::of(model, &Site::read(weather)?));
+        let database = OutputDatabase::of(year, weather, library, "b2b-year-")?;
         let read = |database: &Connection| {
             let [electricity, gas] =
                 [Fuel::Electricity, Fuel::Gas].map(|fuel| read_meter(database, fuel.meter()));
@@ -53,7 +60,7 @@ impl MonthlyEnergy {
 }
 
 /// The model with a run period of a year and monthly meters as its only output.
-fn metered_year(model: &Model) -> Model {
+fn metered_year(model: &Model, calendar: Calendar) -> Model {
     let mut year = model.clone();
     OutputDatabase::request(&mut year);
     for fuel in Fuel::ALL {
@@ -63,11 +70,22 @@ fn metered_year(model: &Model) -> Model {
     let control = simulation_control(&mut year);
     control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
-    if !matches!(&year.objects("RunPeriod")[..], [(_, period)] if is_whole_year(period)) {
+    if !matches!(&year.objects("RunPeriod")[..], [(_, period)] if is_whole_year(period) && has_weekdays(period))
+    {
         year.remove_class("RunPeriod");
-        year.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson(model));
+        let mut period = RunPeriod::FULL_YEAR.in_calendar(calendar).to_epjson(model);
+        for (_, own) in model.objects("RunPeriod").into_iter().take(1) {
+            for field in OF_WEATHER {
+                period[field] = text(own, field).unwrap_or("Yes").into();
+            }
+        }
+        year.insert("RunPeriod", "Year", period);
     }
     year
+}
+
+fn has_weekdays(period: &Fields) -> bool {
+    ["begin_year", "day_of_week_for_start_day"].into_iter().any(|field| period.contains_key(field))
 }
 
 fn is_whole_year(period: &Fields) -> bool {
@@ -100,7 +118,18 @@ fn read_meter(database: &Connection, meter: &str) -> rusqlite::Result<[f64; 12]>
 
 #[cfg(test)]
 mod tests {
+    use b2b_base::calendar::is_leap_year;
+
     use super::*;
+
+    #[test]
+    fn a_year_without_its_own_days_has_those_of_the_calendar() {
+        // 2024 begins on a Monday and has a 29 February.
+        let year = metered_year(&Model::default(), Calendar::new(0, true));
+        let period = year.get("RunPeriod", "Year").unwrap();
+        let begins = number(period, "begin_year").unwrap() as u32;
+        assert!(is_leap_year(begins) && period["day_of_week_for_start_day"] == "Monday", "{period:?}");
+    }
 
     #[test]
     fn the_run_period_of_a_model_is_kept_if_it_is_a_year() {
@@ -113,9 +142,14 @@ mod tests {
             for (number, period) in periods.iter().enumerate() {
                 model.insert("RunPeriod", &format!("Own {number}"), period.clone());
             }
-            metered_year(&model).names("RunPeriod")
+            metered_year(&model, Calendar::default()).names("RunPeriod")
         };
         assert_eq!(name(&[period(12, 2019)]), ["Own 0"]);
+        let mut without_days = period(12, 2019);
+        for field in ["begin_year", "end_year"] {
+            without_days.as_object_mut().unwrap().remove(field);
+        }
+        assert_eq!(name(&[without_days]), ["Year"]);
         for others in
             [vec![], vec![period(1, 2019)], vec![period(12, 2020)], vec![period(12, 2019), period(1, 2019)]]
         {

@@ -165,6 +165,7 @@ mod tests {
         let zone = |name: &str, conditioning| Zone {
             name: name.into(),
             floor_area: 1.0,
+            multiplier: 1.0,
             conditioning,
             own_controls: false,
         };

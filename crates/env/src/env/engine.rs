@@ -45,6 +45,8 @@ pub(super) struct Engine {
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
+    /// Number of identical zones that each of them stands for.
+    multipliers: Vec<f64>,
     /// Least number of people with which each of them is occupied.
     least_people: Vec<f64>,
     /// The building's meters that the engine has.
@@ -188,6 +190,7 @@ impl Engine {
             outdoor: [of(OUTDOOR[0], SITE)?, of(OUTDOOR[1], SITE)?],
             // The engine has this variable only for zones with people.
             people: points.controlled().map(|name| of(PEOPLE, name).ok()).collect(),
+            multipliers: building.controlled_zones().map(|zone| zone.multiplier).collect(),
             least_people: zones.iter().map(|zone| zone.least_people).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             end_uses: building.meters.iter().flat_map(|meter| end_use_meters(&simulation, meter)).collect(),
@@ -255,7 +258,8 @@ impl Engine {
     }
 
     fn flow_and_people(&self, system: &Ventilated) -> [f64; 2] {
-        let people = system.zones.iter().map(|&zone| self.people(zone)).sum();
+        // The engine counts the people of one zone, and the air of all identical ones.
+        let people = system.zones.iter().map(|&zone| self.people(zone) * self.multipliers[zone]).sum();
         [self.simulation.read(system.outdoor_air), people]
     }
 

@@ -10,7 +10,7 @@ use crate::edit::copies::{copy, other_class, spelled, unused_name};
 use crate::edit::geometry::OTHER_WALLS;
 use crate::model::{Fields, items, number, text};
 use crate::opening::{FENESTRATION, is_glass, parent};
-use crate::zone::{self, Surface, SurfaceKind};
+use crate::zone::{self, Surface};
 use crate::{Error, Model, Result};
 
 /// Ratio of visible transmittance to solar heat gain coefficient: the minimum of the code (ASHRAE 90.1, 5.5.4.6), as in
@@ -30,10 +30,10 @@ struct Glass {
     is_in_wall: bool,
 }
 
-/// Sets the U-factor (W/m²K) and the solar heat gain coefficient, if given, of every window and glass door in walls.
-/// Returns the number of windows and glass doors.
+/// Sets the U-factor (W/m²K) and the solar heat gain coefficient, if given, of every window and glass door in exterior
+/// walls. Returns the number of windows and glass doors.
 ///
-/// Skylights have separate requirements and are not changed: glazing that they share is copied. A construction that is
+/// Skylights and interior windows are not changed: glazing that they share is copied. A construction that is
 /// given layer by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must
 /// be given.
 ///
@@ -119,10 +119,13 @@ fn glass(model: &Model) -> Result<Vec<Glass>> {
 
 fn is_in_wall(model: &Model, surfaces: &[Surface], fields: &Fields) -> Option<bool> {
     if let Some(surface) = parent(surfaces, fields) {
-        return Some(surface.kind == SurfaceKind::Wall);
+        return Some(surface.is_exterior_wall());
     }
     let name = text(fields, "building_surface_name")?;
-    OTHER_WALLS.iter().any(|class| model.contains(class, name)).then_some(true)
+    let wall = OTHER_WALLS.iter().find_map(|class| model.get(class, name))?;
+    // `Wall:Exterior` has no boundary.
+    let boundary = text(wall, "outside_boundary_condition");
+    Some(boundary.is_none_or(|boundary| boundary.eq_ignore_ascii_case("Outdoors")))
 }
 
 /// Returns the glazing of a construction, in lower case; `None` if it is given layer by layer.
@@ -205,7 +208,7 @@ mod tests {
         let corner =
             |x, y, z| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z});
         let surface = |kind| {
-            json!({"surface_type": kind,
+            json!({"surface_type": kind, "outside_boundary_condition": "Outdoors",
             "vertices": [corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1)]})
         };
         let glass = |wall, construction| json!({"surface_type": "Window", "building_surface_name": wall, "construction_name": construction});
@@ -249,6 +252,19 @@ mod tests {
             assert_eq!(glazing_of(model, "W")["u_factor"], 1.5);
             assert_eq!(glazing_of(model, "S")["u_factor"], 2.0);
         }
+    }
+
+    #[test]
+    fn windows_between_rooms_keep_their_glazing() {
+        let mut model = model("Dome");
+        let mut between = model.get("BuildingSurface:Detailed", "Wall").unwrap().clone();
+        between.insert("outside_boundary_condition".into(), json!("Surface"));
+        model.insert("BuildingSurface:Detailed", "Partition", between.into());
+        let inner = json!({"surface_type": "Window", "building_surface_name": "Partition", "construction_name": "Window"});
+        model.insert(FENESTRATION, "I", inner);
+        assert_eq!(glaze_to(&mut model, 1.5, 0.4).unwrap(), 1);
+        assert_eq!(glazing_of(&model, "W")["u_factor"], 1.5);
+        assert_eq!(glazing_of(&model, "I")["u_factor"], 2.0);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::construction::{INSULATION, LAYERS, ROOF_FILMS, WALL_FILMS, insulation
 use crate::edit::Amount;
 use crate::edit::copies::{copy, layered, spelled, unused_name, users_of};
 use crate::model::{Fields, number};
-use crate::zone::{self, Surface};
+use crate::zone::{self, Surface, SurfaceKind};
 use crate::{Error, Model, Result};
 
 /// Minimum resistance that the engine accepts, m²K/W.
@@ -44,13 +44,16 @@ struct Requirement {
     construction: String,
     lever: Lever,
     resistance: f64,
+    /// Whether the outdoors or an attic are behind the last layer, as on the floor of an attic.
+    is_reversed: bool,
 }
 
 /// Sets the assembly U-factor of every exterior wall and roof, if given, W/m²K with the code's air films, through the
 /// resistance of its insulation.
 ///
 /// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A
-/// construction without insulation that needs more resistance gets a layer of it outside. Insulation that other
+/// construction without insulation that needs more resistance gets a layer of it outside, or on top of the floor of an
+/// attic. Insulation that other
 /// constructions use with another resistance is copied. Other surfaces with the same construction change, too.
 ///
 /// Under an attic, the ceiling counts as the roof, because the deck has no insulation and the attic is vented.
@@ -63,15 +66,17 @@ pub fn insulate(model: &mut Model, walls: Option<Amount>, roofs: Option<Amount>)
         Some(_) => constructions(surfaces.iter().filter(|s| s.is_exterior_wall())),
         None => BTreeSet::new(),
     };
-    let of_roofs: BTreeSet<_> = match roofs {
-        Some(_) => constructions(roof_surfaces(model, &surfaces)?.into_iter()),
-        None => BTreeSet::new(),
-    };
+    let tops = if roofs.is_some() { roof_surfaces(model, &surfaces)? } else { Vec::new() };
+    let (floors, others): (Vec<_>, Vec<_>) = tops.iter().partition(|s| s.kind == SurfaceKind::Floor);
+    let (floors, others) = (constructions(floors.into_iter()), constructions(others.into_iter()));
+    let of_roofs = &floors | &others;
     let mut requirements = Vec::new();
     for (names, amount, films) in [(&of_walls, walls, WALL_FILMS), (&of_roofs, roofs, ROOF_FILMS)] {
         let Some(amount) = amount else { continue };
         for construction in names {
-            requirements.push(requirement(model, construction, amount, films)?);
+            let mut found = requirement(model, construction, amount, films)?;
+            found.is_reversed = floors.contains(construction) && !others.contains(construction);
+            requirements.push(found);
         }
     }
     reject_conflicts(&requirements)?;
@@ -117,7 +122,7 @@ fn requirement(model: &Model, construction: &str, amount: Amount, films: f64) ->
     let too_low =
         "its other layers alone have a lower U-factor than requested; request a lower one, or remove layers";
     let (lever, resistance) = lever.ok_or_else(|| unsupported(construction, too_low))?;
-    Ok(Requirement { construction: construction.to_owned(), lever, resistance })
+    Ok(Requirement { construction: construction.to_owned(), lever, resistance, is_reversed: false })
 }
 
 /// Returns the resistance of each layer of a material for which all layers sum to `total`; `None` if it is too low.
@@ -218,14 +223,15 @@ fn copy_for(model: &mut Model, class: &str, material: &str, group: &[&Requiremen
     Ok(copied)
 }
 
-/// Adds a layer of insulation outside, with the surface of the layer that was outside.
+/// Adds a layer of insulation on the cold side, with the surface of the layer that was there.
 fn add_layer(model: &mut Model, requirement: &Requirement) -> Result<()> {
     let construction = model.require("Construction", &requirement.construction)?;
     let old: Vec<String> = layers(construction).map(str::to_owned).collect();
     let wanted = format!("Insulation of {}", spelled(model, "Construction", &requirement.construction));
     let name = unused_name(model, "Material", &wanted);
     let mut fields = json!({"roughness": "MediumSmooth", "thermal_resistance": requirement.resistance});
-    if let Some(outside) = old.first().and_then(|layer| model.get("Material", layer)) {
+    let cold = if requirement.is_reversed { old.last() } else { old.first() };
+    if let Some(outside) = cold.and_then(|layer| model.get("Material", layer)) {
         for field in ["roughness", "thermal_absorptance", "solar_absorptance", "visible_absorptance"] {
             if let Some(value) = outside.get(field) {
                 fields[field] = value.clone();
@@ -234,7 +240,9 @@ fn add_layer(model: &mut Model, requirement: &Requirement) -> Result<()> {
     }
     model.insert(INSULATION, &name, fields);
     let construction = model.require_mut("Construction", &requirement.construction)?;
-    for (field, layer) in LAYERS.into_iter().zip(std::iter::once(name).chain(old)) {
+    let mut all = old;
+    all.insert(if requirement.is_reversed { all.len() } else { 0 }, name);
+    for (field, layer) in LAYERS.into_iter().zip(all) {
         construction.insert(field.into(), layer.into());
     }
     Ok(())
@@ -344,6 +352,22 @@ mod tests {
         }
         assert_eq!(model.get("Material", "Wool").unwrap()["thickness"], 0.1);
         assert_eq!(model.get("Construction", "Wall Con").unwrap()["layer_2"], "wool");
+    }
+
+    #[test]
+    fn a_bare_ceiling_under_an_attic_gets_its_layer_on_the_attic_s_side() {
+        let mut model = model();
+        let slab = json!({"thickness": 0.2, "conductivity": 0.5});
+        model.insert("Material", "Slab", slab);
+        for construction in ["Roof Con", "Roof Floor Con"] {
+            model.insert("Construction", construction, json!({"outside_layer": "Slab"}));
+        }
+        insulate(&mut model, None, Some(Amount::Value(0.3))).unwrap();
+        let layers = |name: &str| -> Vec<String> {
+            layers(model.get("Construction", name).unwrap()).map(str::to_owned).collect()
+        };
+        assert_eq!(layers("Roof Con"), ["Insulation of Roof Con", "Slab"]);
+        assert_eq!(layers("Roof Floor Con"), ["Slab", "Insulation of Roof Floor Con"]);
     }
 
     #[test]
