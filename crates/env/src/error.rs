@@ -171,6 +171,14 @@ pub enum Error {
         /// The part.
         part: &'static str,
     },
+    /// A field of a task that another one replaces.
+    #[error("the task's `{by}` replaces its `{field}`; remove one of them")]
+    Replaced {
+        /// The field.
+        field: &'static str,
+        /// The field that replaces it.
+        by: &'static str,
+    },
     /// Own faults of every building, in a task without faults.
     #[error("`own-faults` has no faults to draw; add one, such as +bias0.5+own-faults, or remove it")]
     OwnFaults,

@@ -118,6 +118,12 @@ impl Impairment {
         }
     }
 
+    /// Returns whether an actuator is stuck.
+    pub(crate) fn is_stuck(&self, actuator: usize) -> bool {
+        let [low, high] = self.bounds[actuator];
+        low == high
+    }
+
     /// Adds the errors of the sensors to the zone temperatures at the end of a step.
     pub(crate) fn disturb(&self, step: usize, temperatures: &mut [f64]) {
         self.add(step, temperatures, 1.0);

@@ -242,10 +242,12 @@ impl Env {
     /// Advances the engine by a step under the action, and returns the reward of the step.
     fn advance(&mut self, engine: &mut Engine) -> Result<Reward> {
         self.metrics.ventilation_overrides += usize::from(self.ventilate(engine));
-        if let Some(impairment) = &self.impairment {
+        let impairment = self.impairment.as_ref();
+        if let Some(impairment) = impairment {
             impairment.limit(&mut self.action);
         }
-        self.setpoints_apart.apply(&mut self.action);
+        let is_stuck = |index: usize| impairment.is_some_and(|faults| faults.is_stuck(index));
+        self.setpoints_apart.apply(&mut self.action, is_stuck);
         engine.act(&self.action);
         if let Some(attendance) = &mut self.attendance {
             engine.admit(attendance);

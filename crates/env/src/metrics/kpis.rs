@@ -35,7 +35,7 @@ struct AirQuality {
     concentrations: Vec<f64>,
 }
 
-/// The largest mean demand over a quarter of an hour, or over the fewest steps that are as long.
+/// The largest mean demand over a quarter of an hour. The energy of a step is spread evenly over its quarters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Demand {
     /// Wh/m² since the quarter began.
@@ -104,11 +104,17 @@ impl AirQuality {
 
 impl Demand {
     fn add(&mut self, energy: f64, hours: f64) {
-        self.energy += energy;
-        self.hours += hours;
-        if self.hours >= DEMAND_HOURS - EPSILON {
-            self.peak = self.peak.max(self.energy / self.hours);
-            (self.energy, self.hours) = (0.0, 0.0);
+        let mut left = hours;
+        while left > EPSILON {
+            let room = DEMAND_HOURS - self.hours;
+            let part = if left <= room + EPSILON { left } else { room };
+            self.energy += if part == hours { energy } else { energy * part / hours };
+            self.hours += part;
+            left -= part;
+            if self.hours >= DEMAND_HOURS - EPSILON {
+                self.peak = self.peak.max(self.energy / self.hours);
+                (self.energy, self.hours) = (0.0, 0.0);
+            }
         }
     }
 }
@@ -153,5 +159,14 @@ mod tests {
         // The second quarter has 6.5 Wh/m², the first 6.
         assert!((kpis.peak(0).unwrap() - 6.5 / 0.25 / 1000.0).abs() < 1e-12);
         assert_eq!(kpis.peak(1), None);
+        // Half of the second step of 10 min is in the first quarter.
+        let mut kpis = Kpis::begin(Vec::new());
+        for energy in [6.0, 12.0, 0.0] {
+            kpis.add(&[], [energy, 0.0, 0.0], 1.0 / 6.0);
+        }
+        assert!((kpis.peak(0).unwrap() - (6.0 + 6.0) / 0.25 / 1000.0).abs() < 1e-12);
+        let mut kpis = Kpis::begin(Vec::new());
+        kpis.add(&[], [20.0, 0.0, 0.0], 1.0);
+        assert_eq!(kpis.peak(0), Some(0.02));
     }
 }

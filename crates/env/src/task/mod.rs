@@ -163,8 +163,7 @@ impl Task {
     /// [`Error::Io`]; [`Error::TaskFile`] with the reason; the errors of [`Task::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let task: Self =
-            user_file::parse_object(&text).map_err(|why| Error::TaskFile { path: path.to_owned(), why })?;
+        let task = Self::parse(&text).map_err(|why| Error::TaskFile { path: path.to_owned(), why })?;
         task.complete()
     }
 
@@ -175,8 +174,7 @@ impl Task {
     /// [`Task::read`].
     pub fn from_text(text: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
-            let task: Self = user_file::parse_object(text).map_err(|why| Error::InvalidTask { why })?;
-            return task.complete();
+            return Self::parse(text).map_err(|why| Error::InvalidTask { why })?.complete();
         }
         match Path::new(text).extension() {
             Some(extension) if extension == "json" => Self::read(Path::new(text)),
@@ -184,8 +182,28 @@ impl Task {
         }
     }
 
+    /// Parses a JSON object. With bands, fields that it omits are those of [`Task::operate`].
+    fn parse(text: &str) -> std::result::Result<Self, String> {
+        let task: Self = user_file::parse_object(text)?;
+        if !task.is_operation() {
+            return Ok(task);
+        }
+        let json = |error: serde_json::Error| error.to_string();
+        let mut all: serde_json::Map<String, serde_json::Value> =
+            serde_json::to_value(Self::operate(Band::Own)).and_then(serde_json::from_value).map_err(json)?;
+        all.extend(user_file::parse_object::<serde_json::Map<_, _>>(text)?);
+        serde_json::from_value(all.into()).map_err(json)
+    }
+
     /// Adds the text of the files that the task names, and checks the task.
     fn complete(mut self) -> Result<Self> {
+        let replaced = [
+            ("prices", "tariff", self.tariff.is_some() && self.prices != PRICES),
+            ("emissions", "emission_profile", self.emission_profile.is_some() && self.emissions != EMISSIONS),
+        ];
+        if let Some((field, by, _)) = replaced.into_iter().find(|(.., given)| *given) {
+            return Err(Error::Replaced { field, by });
+        }
         self.tariff = self.tariff.map(DataFile::with_text).transpose()?;
         self.emission_profile = self.emission_profile.map(DataFile::with_text).transpose()?;
         self.check()?;
@@ -317,6 +335,16 @@ mod tests {
     }
 
     #[test]
+    fn an_object_with_bands_omits_what_operate_has() {
+        let of = |text: &str| Task::from_text(text).unwrap();
+        assert_eq!(of(r#"{"setpoints": {"mode": "band"}}"#), task("operate"));
+        assert_eq!(of(r#"{"setpoints": {"mode": "band"}, "tariff": "tou"}"#), task("operate+tou"));
+        let own = of(r#"{"setpoints": {"mode": "band"}, "energy_weight": 0.0, "comfort": "squared"}"#);
+        assert_eq!((own.energy_weight, own.comfort), (0.0, Comfort::Squared));
+        assert_eq!(of("{}"), Task::default());
+    }
+
+    #[test]
     fn a_file_may_omit_fields_but_not_misspell_them() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("task.json");
@@ -337,6 +365,9 @@ mod tests {
             task.setpoints,
             Setpoints::Occupancy { occupied: 21.0, winter: 18.0, summer: 27.0, otherwise: 21.0 }
         );
+        let said =
+            read(r#"{"tariff": "tou", "prices": {"electricity": 1, "gas": 1}}"#).unwrap_err().to_string();
+        assert!(said.contains("`prices`") && said.contains("`tariff`"), "{said}");
         let said = read(r#"{"energy_wieght": 1}"#).unwrap_err().to_string();
         assert!(said.contains("energy_wieght") && said.contains("energy_weight"), "{said}");
         let said = read(r#"{"comfort_band": -1}"#).unwrap_err().to_string();
