@@ -8,11 +8,13 @@ use anyhow::{Context as _, Result, bail};
 use b2b_agent::{Agent, ObservationForm, ObservationOptions};
 use b2b_building::{BuildingType, PreparedBuilding};
 use b2b_climate::Place;
-use b2b_dataset::{Catalog, Placement};
+use b2b_dataset::{Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Spaces};
 use b2b_learn::Error;
-use b2b_learn::offline::{CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata, clone_policy};
+use b2b_learn::offline::{
+    CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata, ModelReading, clone_policy,
+};
 use serde_json::json;
 
 use crate::program;
@@ -138,8 +140,8 @@ fn create(folder: &Path) -> Result<()> {
     std::fs::create_dir(folder).with_context(cannot)
 }
 
-/// Building, place and weather file.
-type Key = (String, Option<String>, Option<PathBuf>);
+/// Building with its interface, place, weather file, and how a model file was read.
+type Key = (String, Option<String>, Option<PathBuf>, ModelReading);
 
 /// The buildings of a dataset, each of which is prepared once.
 struct Buildings<'a> {
@@ -150,13 +152,17 @@ struct Buildings<'a> {
 
 impl Buildings<'_> {
     fn spaces(&mut self, episode: &EpisodeMetadata) -> b2b_learn::Result<Arc<Spaces>> {
-        let EpisodeMetadata { building, place, weather, .. } = episode;
+        let EpisodeMetadata { building, place, weather, reading, .. } = episode;
         let invalid = |error: &dyn std::fmt::Display| Error::Invalid(error.to_string());
-        let key = (building.clone(), place.clone(), weather.clone());
+        let key = (building.clone(), place.clone(), weather.clone(), reading.clone());
         if !self.prepared.contains_key(&key) {
             let place = place.as_deref().map(Place::find).transpose().map_err(|error| invalid(&error))?;
-            let placement = Placement { place, weather: weather.clone(), ..Placement::default() };
-            let found = self.catalog.find(&building.parse()?, &placement, &mut Quiet)?;
+            let (name, control) = Control::split_name(building);
+            let ModelReading { keep_design_days, transition } = reading.clone();
+            let weather = weather.clone();
+            let placement =
+                Placement { place, weather, control, keep_design_days, transition, ..Placement::default() };
+            let found = self.catalog.find(&name.parse()?, &placement, &mut Quiet)?;
             let weather = found.weather.clone();
             let prepared = found.prepare(self.catalog.library()).map_err(|error| invalid(&error))?;
             self.prepared.insert(key.clone(), (Arc::new(prepared), weather));

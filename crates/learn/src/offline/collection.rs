@@ -9,7 +9,7 @@ use b2b_env::{Spaces, unscale};
 use b2b_evaluate::{EpisodePlan, Evaluation, Policy, Progress, Recorded};
 use serde_json::{Value, json};
 
-use super::dataset::{Contents, Dataset, EpisodeMetadata, NewDataset};
+use super::dataset::{Contents, Dataset, EpisodeMetadata, ModelReading, NewDataset};
 use super::episodes::EpisodeFile;
 use crate::{Error, Result};
 
@@ -107,11 +107,15 @@ impl Collection<'_> {
             total_steps: file.rewards.len(),
             seed: episode.seed,
             building: match model_path(episode) {
-                Some(path) => path.display().to_string(),
+                Some(path) => placement.control.name_of(&BuildingName::Model(path)),
                 None => episode.subject.label(),
             },
             place: placement.place.map(|place| place.name.to_owned()),
             weather: placement.weather.clone(),
+            reading: ModelReading {
+                keep_design_days: placement.keep_design_days,
+                transition: placement.transition.clone(),
+            },
             policy: self.policies[part].name(),
             episode_return: file.rewards.iter().sum(),
             corpus: None,

@@ -58,6 +58,9 @@ pub struct EpisodeMetadata {
     /// Weather file, instead of a place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weather: Option<PathBuf>,
+    /// How its model file was read.
+    #[serde(default, skip_serializing_if = "ModelReading::is_default")]
+    pub reading: ModelReading,
     /// Policy.
     pub policy: String,
     /// Return.
@@ -65,6 +68,23 @@ pub struct EpisodeMetadata {
     /// Further metadata of an episode in a corpus.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub corpus: Option<CorpusEpisode>,
+}
+
+/// How a model file is read, as [`Placement`](b2b_dataset::Placement) says.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ModelReading {
+    /// Whether it keeps its design days instead of the weather file's.
+    pub keep_design_days: bool,
+    /// Folder of EnergyPlus's Transition programs that convert it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transition: Option<PathBuf>,
+}
+
+impl ModelReading {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Metadata of an episode in a corpus.
@@ -321,6 +341,7 @@ mod tests {
             building: "OfficeSmall-0042".into(),
             place: None,
             weather: None,
+            reading: ModelReading::default(),
             policy: "reactive".into(),
             episode_return: -1.75,
             corpus: None,

@@ -12,5 +12,5 @@ mod episodes;
 pub use cloning::{CloneConfig, Cloned, clone_policy};
 pub use collection::{Collection, collect};
 pub use corpus::{Behavior, Collected, CorpusPart, Definition, History, collect_corpus, train_agents};
-pub use dataset::{Contents, CorpusEpisode, Dataset, EpisodeMetadata};
+pub use dataset::{Contents, CorpusEpisode, Dataset, EpisodeMetadata, ModelReading};
 pub use episodes::EpisodeFile;

@@ -26,7 +26,7 @@ pub use history::History;
 use writer::Writer;
 
 use super::collection::{file_of, record_each, unscaled};
-use super::dataset::{CorpusEpisode, EpisodeMetadata};
+use super::dataset::{CorpusEpisode, EpisodeMetadata, ModelReading};
 use crate::Result;
 
 /// A part of a corpus to collect.
@@ -145,6 +145,7 @@ fn write(planned: &Planned<'_>, recorded: &Recorded<'_>, writer: &Writer<'_>) ->
         building: episode.subject.label(),
         place: None,
         weather: None,
+        reading: ModelReading::default(),
         policy: planned.policy.to_string(),
         episode_return: file.rewards.iter().sum(),
         corpus: Some(CorpusEpisode {
