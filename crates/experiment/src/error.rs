@@ -62,6 +62,19 @@ pub enum Error {
         /// Key of the job.
         job: String,
     },
+    /// A result that another version of the program made.
+    #[error(
+        "{path} has a result of the job {job} from another version: {differences}; choose another folder, or remove that \
+         result"
+    )]
+    OtherVersion {
+        /// The folder.
+        path: PathBuf,
+        /// Key of the job.
+        job: String,
+        /// What differs.
+        differences: String,
+    },
     /// A folder without results.
     #[error("{path} has no results of an experiment; `b2b experiment run` writes them")]
     NoResults {

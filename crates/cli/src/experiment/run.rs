@@ -91,8 +91,10 @@ pub fn failures(arguments: &Arguments) -> Result<Vec<String>> {
     Ok(failures)
 }
 
-/// Takes over the results of other folders, and creates the folder unless this is a dry run.
+/// Takes over the results of other folders, and creates the folder unless this is a dry run. Errors if its results are
+/// another version's.
 fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jobs: &[Job]) -> Result<()> {
+    folder.check_versions(jobs)?;
     for other in &arguments.reuse {
         let count = folder.reuse(jobs, experiment.report, other)?;
         if !arguments.json {

@@ -114,6 +114,7 @@ mod tests {
             ("learning_rate", "lerning_rate", "learning_rate"),
             ("name = \"residual\"", "name = \"paper\"", "two agents are named"),
             ("small_test", "smal_test", "smal_test"),
+            ("options = { ", "options = { steps = 3, ", "`options.steps` is set by the experiment"),
         ] {
             let broken = text.replacen(old, new, 1);
             if old == "learning_rate" && broken == text {

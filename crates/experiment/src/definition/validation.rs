@@ -136,7 +136,13 @@ fn agents(experiment: &Experiment) -> Result<(), String> {
     Ok(())
 }
 
+/// Options of training that an experiment sets itself.
+const SET: [&str; 7] = ["steps", "seed", "task", "period", "buildings", "building_type", "problem"];
+
 fn options(agent: &Agent) -> Result<(), String> {
+    if let Some(option) = SET.into_iter().find(|option| agent.options.contains_key(*option)) {
+        return Err(format!("`options.{option}` is set by the experiment; remove it"));
+    }
     let text = toml::to_string(&agent.options).map_err(|error| error.to_string())?;
     TrainConfig::default().with_changes(&text).map(drop)
 }

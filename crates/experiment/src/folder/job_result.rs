@@ -5,6 +5,7 @@ use std::path::Path;
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
+use b2b_control::Versions;
 use b2b_evaluate::statistics::Sample;
 use b2b_evaluate::{Deviations, EpisodeResult, read_kept};
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,9 @@ pub struct JobResult {
     /// Fingerprint of the machine of the evaluation ([`b2b_base::machine`]): machines with the same one give the same
     /// bits. Empty without an evaluation.
     pub machine: String,
+    /// Versions that the episodes depend on; `None` in an entry, which states its own, and in older results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub versions: Option<Versions>,
     /// Evaluated episodes of the agent: of the last agent if the job evaluates two.
     pub rows: Vec<EpisodeResult>,
     /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
@@ -93,8 +97,8 @@ impl JobResult {
                 let evaluated = Evaluated::read(&path.join(EVALUATION), report)?;
                 self.best = Some(Evaluated { agent_sha256, ..evaluated });
             }
-            Action::Evaluate(_) => self.set(Evaluated::read(&path.join(EVALUATION), report)?),
-            Action::EvaluateLast(_) => self.set(Evaluated::read(&path.join(EVALUATION_LAST), report)?),
+            Action::Evaluate(_) => self.set(&path.join(EVALUATION), report)?,
+            Action::EvaluateLast(_) => self.set(&path.join(EVALUATION_LAST), report)?,
             Action::Enter(_) => {
                 let (entry, stages) = read_result(&path.join(ENTRY))?;
                 self.rows = test_rows(&stages);
@@ -109,8 +113,22 @@ impl JobResult {
         Ok(())
     }
 
-    fn set(&mut self, Evaluated { machine, rows, deviations, .. }: Evaluated) {
+    fn set(&mut self, folder: &Path, report: ReportKind) -> Result<()> {
+        let Evaluated { machine, rows, deviations, .. } = Evaluated::read(folder, report)?;
         (self.machine, self.rows, self.deviations) = (machine, rows, deviations);
+        self.versions = Some(Definition::read(folder)?.versions);
+        Ok(())
+    }
+
+    /// Describes how the versions that the episodes depend on differ from this program's, if they are known.
+    /// `guideline36` is the baseline of operation alone.
+    pub(super) fn outdated(&self) -> Option<String> {
+        let theirs = self.versions.as_ref().or(self.entry.as_ref().map(|(entry, _)| &entry.versions))?;
+        let mut here = Versions { package: theirs.package.clone(), ..Versions::current() };
+        if !self.rows.iter().any(|row| row.info.task.starts_with("operate")) {
+            here.guideline36 = theirs.guideline36;
+        }
+        theirs.differences(&here)
     }
 
     /// Returns whether it has the data that a report needs.
@@ -136,7 +154,7 @@ impl JobResult {
 
 impl Evaluated {
     fn read(folder: &Path, report: ReportKind) -> Result<Self> {
-        let (rows, machine) = (read_rows(folder)?, read_machine(folder)?);
+        let (rows, machine) = (read_rows(folder)?, Definition::read(folder)?.machine);
         let mut deviations = Vec::new();
         if report == ReportKind::Weights {
             deviations.extend((0..rows.len()).map(|number| Some(read_kept(folder, number)?.deviations)));
@@ -156,16 +174,19 @@ pub fn read_rows(folder: &Path) -> Result<Vec<EpisodeResult>> {
     b2b_evaluate::read_rows(folder).map_err(|error| at(folder)(std::io::Error::other(error)))
 }
 
-/// Returns the machine that an evaluation ran on.
-fn read_machine(folder: &Path) -> Result<String> {
-    #[derive(Deserialize)]
-    struct Definition {
-        machine: String,
+/// The machine that an evaluation ran on, and the versions.
+#[derive(Deserialize)]
+struct Definition {
+    machine: String,
+    versions: Versions,
+}
+
+impl Definition {
+    fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join("evaluation.json");
+        let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+        serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))
     }
-    let path = folder.join("evaluation.json");
-    let text = std::fs::read_to_string(&path).map_err(at(&path))?;
-    let definition: Definition = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
-    Ok(definition.machine)
 }
 
 #[cfg(test)]
@@ -201,6 +222,25 @@ mod tests {
             let measures = Measures::of(stages, entry.problem.protocol.consecutive());
             assert!(measures.as_ref() == Some(&entry.measures), "{name}");
         }
+    }
+
+    #[test]
+    fn results_of_other_versions_are_told_apart() {
+        let of = |name: &str, change: &dyn Fn(&mut Versions)| {
+            let results: Vec<JobResult> = serde_json::from_str(&shipped(name)).unwrap();
+            let mut versions = Versions::current();
+            change(&mut versions);
+            JobResult { versions: Some(versions), ..results[0].clone() }.outdated()
+        };
+        let older = |versions: &mut Versions| versions.guideline36 -= 1;
+        assert!(of("operation", &older).unwrap().starts_with("guideline36 revision"));
+        // The baseline of the tracking tasks is the reactive controllers.
+        assert_eq!(of("ppo", &older), None);
+        assert_eq!(of("ppo", &|versions| versions.package.push('1')), None);
+        assert_eq!(
+            of("ppo", &|versions| versions.engine = "25.1.0".into()).unwrap().split(' ').next(),
+            Some("EnergyPlus")
+        );
     }
 
     #[test]

@@ -129,6 +129,21 @@ impl Folder {
         }
     }
 
+    /// Checks that kept results of jobs have this program's versions.
+    ///
+    /// # Errors
+    /// [`Error::OtherVersion`].
+    pub fn check_versions(&self, jobs: &[Job]) -> Result<()> {
+        let mut kept = jobs.iter().filter(|job| self.is_done(job)).filter_map(|job| self.kept(job));
+        kept.try_for_each(|result| self.check_version(result))
+    }
+
+    fn check_version(&self, result: &JobResult) -> Result<()> {
+        result.outdated().map_or(Ok(()), |differences| {
+            Err(Error::OtherVersion { path: self.path.clone(), job: result.key.clone(), differences })
+        })
+    }
+
     /// Returns how many of a job's leading actions have results in its folder; 0 after a failure.
     pub(crate) fn actions_done(&self, job: &Job) -> usize {
         let ended = self.job(job).state().filter(|state| state.error.is_none());
@@ -185,7 +200,8 @@ impl Folder {
     /// result has what this experiment's report shows.
     ///
     /// # Errors
-    /// [`Error::NoResults`] if `other` has no experiment; [`Error::Io`] and errors from the benchmark's reader.
+    /// [`Error::NoResults`] if `other` has no experiment; [`Error::OtherVersion`]; [`Error::Io`] and errors from the
+    /// benchmark's reader.
     pub fn reuse(&mut self, jobs: &[Job], report: ReportKind, other: &Path) -> Result<usize> {
         let (other, experiment, budget) = Self::open(other)?;
         let theirs = experiment.jobs(&budget);
@@ -196,6 +212,7 @@ impl Folder {
             }
             let result = other.result(job, report)?;
             if let Some(result) = result.filter(|result| result.serves(report)) {
+                other.check_version(&result)?;
                 Arc::make_mut(&mut self.kept).insert(job.key.clone(), result);
                 count += 1;
             }
