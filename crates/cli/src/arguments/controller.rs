@@ -126,6 +126,9 @@ impl Chosen<'_> {
     ) -> Result<Box<dyn Controller>> {
         let kind = match &self.choice {
             Choice::Kind(kind) => *kind,
+            Choice::Agent(folder) if *self.parameters != Parameters::Tuned => {
+                bail!("--parameters is for controllers, and {} is an agent; remove it", folder.display());
+            }
             Choice::Agent(folder) => return Ok(Box::new(agent(folder, spaces)?)),
         };
         let values = self.parameters.of(kind, spaces)?;

@@ -1,15 +1,18 @@
 //! The policy of an evaluation.
 
-use b2b_evaluate::{ActionScale, Policy};
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use b2b_evaluate::{ActionScale, Policy, is_onnx};
 
 /// A policy and the meaning of its actions.
 #[derive(clap::Args)]
 pub struct PolicyArguments {
     #[arg(long, value_name = "POLICY", required = true, help = policy_help())]
     policy: Option<String>,
-    /// Scale of the actions of an ONNX policy
-    #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
-    actions: Actions,
+    /// Scale of the actions of an ONNX policy [default: rescaled]
+    #[arg(long, value_enum)]
+    actions: Option<Actions>,
 }
 
 /// The scale of the actions of an ONNX policy.
@@ -27,12 +30,17 @@ fn policy_help() -> String {
 }
 
 impl PolicyArguments {
-    /// Returns the scale of the actions.
-    pub fn scale(&self) -> ActionScale {
-        match self.actions {
+    /// Returns the scale of the actions of these policies. Errors if it is given and none of them is an ONNX file.
+    pub fn scale<'a>(&self, mut policies: impl Iterator<Item = &'a str>) -> Result<ActionScale> {
+        let Some(actions) = self.actions else { return Ok(ActionScale::Rescaled) };
+        let without_noise = |text: &'a str| text.rsplit_once("+noise").map_or(text, |(policy, _)| policy);
+        if !policies.any(|text| is_onnx(Path::new(without_noise(text)))) {
+            bail!("--actions is for ONNX policies, and {} is none; remove it", self.text());
+        }
+        Ok(match actions {
             Actions::Rescaled => ActionScale::Rescaled,
             Actions::Physical => ActionScale::Physical,
-        }
+        })
     }
 
     /// Returns the policy as given; empty only if a subcommand makes the option unnecessary.
@@ -41,7 +49,7 @@ impl PolicyArguments {
     }
 
     /// Returns the policy. Errors if it is unknown or cannot be read.
-    pub fn load(&self) -> b2b_evaluate::Result<Box<dyn Policy>> {
-        <dyn Policy>::named(self.text(), self.scale())
+    pub fn load(&self) -> Result<Box<dyn Policy>> {
+        Ok(<dyn Policy>::named(self.text(), self.scale([self.text()].into_iter())?)?)
     }
 }

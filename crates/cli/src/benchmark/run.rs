@@ -134,7 +134,10 @@ impl Arguments {
     fn entry_policy(&self, problem: &Problem, text: &str, stage: Stage) -> Result<EntryPolicy> {
         let seeds = &problem.protocol.seeds;
         let episodes = problem.episodes(stage, &seeds[..1]);
-        let policy = EntryPolicy::read(text, self.policy.scale(), seeds, &episodes);
+        let others = [&self.train_policy, &self.upper_bound].into_iter().flatten();
+        let all = others.chain(self.adapted.iter().map(|(_, policy)| policy)).map(String::as_str);
+        let scale = self.policy.scale(all.chain([self.policy.text()]))?;
+        let policy = EntryPolicy::read(text, scale, seeds, &episodes);
         policy.with_context(|| format!("no policy for stage {stage}"))
     }
 }

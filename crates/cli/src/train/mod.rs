@@ -171,19 +171,20 @@ impl Arguments {
             config.training_set.allow_external = self.location.placement().allow_external;
             return Ok(config);
         }
-        let base = self.with_algorithm(TrainConfig::preset(&self.preset()?)?)?;
-        let base = match &self.problem {
-            Some(problem) => base.with_problem(problem)?,
-            None => base,
-        };
-        let mut config = match &self.config {
-            // Arguments take precedence over the file.
-            Some(path) if self.algorithm.is_some() => {
-                self.with_algorithm(base.with_file(path, &["preset", "algorithm"])?)?
-            }
-            Some(path) => base.with_file(path, &["preset"])?,
-            None => base,
-        };
+        let mut config = TrainConfig::preset(&self.preset()?)?;
+        // Arguments take precedence over the file.
+        let mut ignored = vec!["preset"];
+        if let Some(algorithm) = &self.algorithm {
+            config = config.with_algorithm(algorithm)?;
+            ignored.push("algorithm");
+        }
+        if let Some(problem) = &self.problem {
+            config = config.with_problem(problem)?;
+            ignored.push("problem");
+        }
+        if let Some(path) = &self.config {
+            config = config.with_file(path, &ignored)?;
+        }
         self.change(&mut config);
         Ok(config)
     }
@@ -200,13 +201,6 @@ impl Arguments {
             problem: self.problem.clone().unwrap_or_default(),
         };
         Ok(choice.name(self.config.as_deref())?)
-    }
-
-    fn with_algorithm(&self, config: TrainConfig) -> Result<TrainConfig> {
-        Ok(match &self.algorithm {
-            Some(algorithm) => config.with_algorithm(algorithm)?,
-            None => config,
-        })
     }
 
     fn change(&self, config: &mut TrainConfig) {

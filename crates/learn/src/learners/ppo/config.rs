@@ -169,6 +169,10 @@ impl PpoConfig {
         if self.minimum_log_std > *LOG_STD.end() {
             return Err(Error::config("minimum_log_std", self.minimum_log_std, "it must be at most 2"));
         }
+        if !(self.minimum_log_std..=*LOG_STD.end()).contains(&self.initial_log_std) {
+            let remedy = "it must be from `minimum_log_std` to 2";
+            return Err(Error::config("initial_log_std", self.initial_log_std, remedy));
+        }
         Ok(())
     }
 }
@@ -193,6 +197,8 @@ mod tests {
         assert!(error(PpoConfig { learning_rate: f64::NAN, ..valid() }).contains("`learning_rate` is NaN"));
         assert!(error(PpoConfig { minimum_log_std: 3.0, ..valid() }).contains("at most 2"));
         assert!(error(PpoConfig { minimum_log_std: f32::NAN, ..valid() }).contains("finite"));
+        let below = PpoConfig { initial_log_std: -9.0, ..valid() };
+        assert_eq!(error(below), "`initial_log_std` is -9; it must be from `minimum_log_std` to 2");
         assert!(error(PpoConfig { critic_hidden: vec![64, 0], ..valid() }).contains("`critic_hidden` is 0"));
         assert!(error(PpoConfig { value_coefficient: f32::NAN, ..valid() }).contains("value_coefficient"));
         assert!(PpoConfig { max_grad_norm: f32::INFINITY, ..valid() }.check().is_ok());

@@ -95,8 +95,13 @@ impl TrainConfig {
         // What is invalid is reported by `with_json`.
         let mut given: PresetChoice = serde_json::from_str(options).unwrap_or_default();
         given.preset = preset.map(str::to_owned).or(given.preset);
-        let base = Self::preset(&given.name(file)?)?;
-        let base = file.map_or_else(|| Ok(base.clone()), |file| base.with_file(file, &["preset"]))?;
+        let (mut base, mut ignored) = (Self::preset(&given.name(file)?)?, vec!["preset"]);
+        let options_table: Table = serde_json::from_str(options).unwrap_or_default();
+        if let Some(name) = options_table.get(ALGORITHM).and_then(Value::as_str) {
+            base = base.with_algorithm(name)?;
+            ignored.push(ALGORITHM);
+        }
+        let base = file.map_or_else(|| Ok(base.clone()), |file| base.with_file(file, &ignored))?;
         base.with_json(options)
     }
 
@@ -159,12 +164,18 @@ impl TrainConfig {
             }
             base = base.with_problem(problem).map_err(said)?;
         }
-        if let Some(name) = changes.get(ALGORITHM).and_then(Value::as_str) {
+        let algorithm = changes.get(ALGORITHM).and_then(Value::as_str);
+        if let Some(name) = algorithm.filter(|name| *name != base.learner.name()) {
             base = base.with_algorithm(name).map_err(said)?;
         }
         let mut all: Table = toml::from_str(&base.to_toml()).map_err(|error| error.to_string())?;
+        let width = changed_width(&all, &changes);
         merge(&mut all, changes);
         let mut config = Self::from_table(all)?;
+        if let Some(width) = width.filter(|_| config.agent.policy.is_graph()) {
+            let remedy = "graph networks have `policy.embedding` and `policy.feed_forward`";
+            return Err(format!("`ppo.{width}` is for other networks; {remedy}"));
+        }
         config.training_set.allow_external = self.training_set.allow_external;
         Ok(config)
     }
@@ -201,13 +212,15 @@ impl Options {
         let all = Table::try_from(P::default()).expect("plain data always serializes");
         let own: Table = all.keys().filter_map(|key| Some((key.clone(), self.table.remove(key)?))).collect();
         self.known.extend(all.into_iter().map(|(key, _)| key));
-        own.clone().try_into().map_err(|error| {
+        let part: P = own.clone().try_into().map_err(|error| {
             let is_wrong = |(key, value): &(&String, &Value)| {
                 Table::from_iter([((*key).clone(), (*value).clone())]).try_into::<P>().is_err()
             };
             let wrong = own.iter().find(is_wrong).map_or("", |(key, _)| key);
             explained(wrong, &error)
-        })
+        })?;
+        check_kinds(&own, &Table::try_from(&part).expect("plain data always serializes"))?;
+        Ok(part)
     }
 
     /// Takes a table of options; an absent one is empty.
@@ -244,6 +257,26 @@ impl Options {
         let known = self.known.join("`, `");
         Err(with_suggestion(&format!("unknown field `{unknown}`, expected one of `{known}`")))
     }
+}
+
+/// Returns the option of the hidden layers of PPO that changes set to another value than a table has.
+fn changed_width(base: &Table, changes: &Table) -> Option<&'static str> {
+    let of = |table: &Table, name: &str| table.get("ppo")?.get(name).cloned();
+    ["actor_hidden", "critic_hidden"]
+        .into_iter()
+        .find(|name| of(changes, name).is_some_and(|value| of(base, name) != Some(value)))
+}
+
+/// Checks that a table whose `kind` has no options has none, which the readers of such kinds accept.
+fn check_kinds(given: &Table, read: &Table) -> Read<()> {
+    for (key, value) in given {
+        let (Value::Table(given), Some(Value::Table(read))) = (value, read.get(key)) else { continue };
+        let Some(kind) = read.get("kind").filter(|_| read.len() == 1) else { continue };
+        if let Some(unknown) = given.keys().find(|name| *name != "kind") {
+            return Err(format!("`{key}`: unknown field `{unknown}`; {kind} has no options"));
+        }
+    }
+    Ok(())
 }
 
 /// Returns why an option is invalid.

@@ -136,6 +136,12 @@ fn a_wrong_key_or_value_is_an_error_that_names_it() {
         ("evaluation = 3", &["`evaluation` is 3; expected a table"]),
         ("algorithm = 'pop'", &["unknown algorithm `pop`; expected ppo or sac"]),
         ("algorithm = 3", &["`algorithm` is 3; expected a name"]),
+        (
+            "policy = { kind = 'graph' }\n[ppo]\nactor_hidden = [8]",
+            &["`ppo.actor_hidden` is for other networks", "`policy.embedding`"],
+        ),
+        ("acting = { kind = 'direct', every = 60 }", &["`acting`: unknown field `every`; \"direct\" has no"]),
+        ("policy = { kind = 'flat', width = 64 }", &["`policy`: unknown field `width`; \"flat\" has no"]),
     ] {
         let error = base.with_changes(changes).unwrap_err();
         assert!(said.iter().all(|part| error.contains(part)), "{changes}: {error}");
@@ -143,6 +149,20 @@ fn a_wrong_key_or_value_is_an_error_that_names_it() {
     let changed = changed(&base, "preset = \"paper\"\nseed = 7\n[ppo]\ngamma = 0.9");
     let ppo: &PpoConfig = changed.learner.options().unwrap();
     assert_eq!((changed.budget.seed, ppo.gamma, ppo.epochs), (7, 0.9, 5));
+}
+
+#[test]
+fn what_a_file_asks_for_is_not_turned_off_by_the_caller_s_algorithm() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, format!("{NAMED}\nmirrored_noise = true")).unwrap();
+    let of = |options| TrainConfig::of_json(options, None, Some(&path)).unwrap();
+    assert!(of("{}").check().is_ok());
+    let said = of(r#"{"algorithm": "sac"}"#).check().unwrap_err().to_string();
+    assert!(said.contains("`mirrored_noise` is for ppo"), "{said}");
+    std::fs::write(&path, format!("{NAMED}\nalgorithm = 'ppo'")).unwrap();
+    let sac = of(r#"{"algorithm": "sac"}"#);
+    assert!(sac.check().is_ok() && sac.learner.name() == "sac");
 }
 
 #[test]
@@ -188,6 +208,10 @@ fn values_that_do_not_go_together_are_errors() {
         ),
         ("algorithm = 'sac'\ncredit_by_zone = true", "`credit_by_zone` is for ppo"),
         ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
+        ("ppo = { credit = [[1.0]] }", "`ppo.credit` follows from `credit_by_zone`"),
+        ("window_starts = 0", "`window_starts` is 0"),
+        ("building_episodes = 7", "`building_episodes` is 7, for a drawn `building_type`"),
+        ("final_noise = 0.0001", "-9.21, is below `ppo.minimum_log_std`, -5"),
         ("policy = { kind = 'graph', heads = 3 }", "`policy.heads` is 3"),
         (
             "policy = { kind = 'graph', memory_episodes = 2 }",

@@ -124,15 +124,31 @@ impl TrainConfig {
             let able = able(|abilities| abilities.mirrored_noise);
             format!("`mirrored_noise` is for {able}; with {name} it must be false")
         })?;
-        let balance = self.learner.options::<PpoConfig>().is_some_and(|ppo| ppo.balance_buildings);
-        require(!balance || self.agent.policy.is_graph(), || {
-            "`ppo.balance_buildings` is for graph networks, which know the building of each step; expected false"
-                .into()
-        })?;
+        if let Some(ppo) = self.learner.options::<PpoConfig>() {
+            self.check_ppo(ppo)?;
+        }
         let Err(why) = noise else { return Ok(()) };
         let NoiseConfig { noise_cost, final_noise, .. } = self.noise;
         require(noise_cost == 0.0, || format!("`noise_cost` is {noise_cost}; {why}; expected 0"))?;
         require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
+    }
+
+    /// Checks the options of PPO that depend on other parts.
+    fn check_ppo(&self, ppo: &PpoConfig) -> Result<()> {
+        require(!ppo.balance_buildings || self.agent.policy.is_graph(), || {
+            "`ppo.balance_buildings` is for graph networks, which know the building of each step; expected false"
+                .into()
+        })?;
+        require(ppo.credit.is_none(), || "`ppo.credit` follows from `credit_by_zone`; remove it".into())?;
+        let NoiseConfig { noise_cost, final_noise, .. } = self.noise;
+        let last = f64::from(ppo.initial_log_std) + final_noise.ln();
+        let least = ppo.minimum_log_std;
+        require(noise_cost > 0.0 || final_noise == 1.0 || last >= f64::from(least), || {
+            format!(
+                "`final_noise` is {final_noise}, whose logarithm of the standard deviation, {last:.2}, is below \
+                 `ppo.minimum_log_std`, {least}; change one of them"
+            )
+        })
     }
 
     /// Checks how the agent acts, that a supervisor has operation tasks and a flat one a reward in one part, and

@@ -206,7 +206,15 @@ impl TrainingSet {
                 self.window_days
             )
         })?;
+        require(self.window_starts > 0, || "`window_starts` is 0; expected at least 1".into())?;
         require(self.building_episodes > 0, || "`building_episodes` is 0; expected at least 1".into())?;
+        let draws = !self.building_type.is_empty() || self.fault_seeds > 0;
+        require(draws || self.building_episodes == 1, || {
+            format!(
+                "`building_episodes` is {}, for a drawn `building_type` or `fault_seeds`; remove it",
+                self.building_episodes
+            )
+        })?;
         require(
             self.fault_seeds == 0 || self.task.as_slice().iter().all(|task| !task.faults.is_none()),
             || {
