@@ -93,7 +93,8 @@ class Result:
     #: Name of the problem.
     problem: str
     #: One dictionary per test environment: building, task, period, return, baseline_return, score, resolved_score,
-    #: relative_energy, and the episode's metrics.
+    #: relative_energy, energies of the policy and the baseline (energy, baseline_energy; Wh/m²), and the episode's
+    #: metrics.
     episodes: list[dict[str, Any]] = field(repr=False)
     #: Measures of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and
     #: share below 1, each with its 95 % confidence interval, minimum, maximum, and the number below 1.
@@ -116,8 +117,9 @@ class Result:
 
     @property
     def relative_energy(self) -> float:
-        """HVAC energy divided by the reactive controllers' energy, mean over episodes."""
-        return sum(each["relative_energy"] for each in self.episodes) / len(self.episodes)
+        """HVAC energy of all episodes divided by the baseline's; NaN if that is 0."""
+        own, baseline = (sum(each[name] for each in self.episodes) for name in ("energy", "baseline_energy"))
+        return own / baseline if baseline > 0 else math.nan
 
     @property
     def scores(self) -> dict[tuple[str, ...], float]:
@@ -406,13 +408,15 @@ class _AgentWithMemory:
 
 def _scores(trajectory: Trajectory, baseline: _core.Baseline) -> dict[str, Any]:
     """Returns the columns of an episode that compare it to its baseline."""
-    score, resolved_score, relative_energy = baseline.compare(record_of(trajectory)[0])
+    score, resolved_score, energy = baseline.compare(record_of(trajectory)[0])
     return {
         "return": trajectory.episode_return,
         "baseline_return": baseline.episode_return,
         "score": score,
         "resolved_score": resolved_score,
-        "relative_energy": math.nan if relative_energy is None else relative_energy,
+        "energy": energy,
+        "baseline_energy": baseline.energy,
+        "relative_energy": energy / baseline.energy if baseline.energy > 0 else math.nan,
     }
 
 

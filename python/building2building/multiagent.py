@@ -11,7 +11,7 @@ from gymnasium.spaces import Box
 from . import _core
 from .env import unwrap
 from .env.layout import Layout
-from .errors import need
+from .errors import SettingError, need
 
 _pettingzoo = need("pettingzoo", "pettingzoo")
 
@@ -19,15 +19,19 @@ _pettingzoo = need("pettingzoo", "pettingzoo")
 class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
     """Agents are the zones with actuators and the air handlers of central air loops.
 
-    Every agent observes the whole observation and controls its own actuators. The reward of a zone is minus its squared
-    deviation from target (only below target for a zone without cooling) and an equal share of the energy term; the
-    reward of an air handler is an equal share of the building's reward.
+    Every agent observes the whole observation and controls its own actuators. The reward of a zone is minus its own
+    comfort penalty, of which the task has the mean over the zones, and an equal share of the energy term; the reward of
+    an air handler is an equal share of the building's reward. Tasks whose comfort is a vote (``+pmv``) and rewards of
+    one's own are errors.
     """
 
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}
 
     def __init__(self, env: gymnasium.Env[Any, Any]):
         self.env = unwrap(env)
+        if self.env._reward is not None:
+            raise SettingError("the reward of an environment is one number, and zones have their own; omit reward")
+        _penalty(self.env.metadata["task"], 0.0)
         self.render_mode = self.env.render_mode
         layout = self.env.layout
         self._actuators: dict[str, list[int]] = {}
@@ -60,13 +64,10 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
         for agent in self.agents:
             action[self._actuators[agent]] = actions[agent]
         observation, reward, terminated, truncated, info = self.env.step(action)
-        deviations = dict(zip(self.env.layout.controlled_zones, info["zone_deviation"]))
-        for zone in self.env.layout.zones:
-            if zone.controlled and not zone.cooling:
-                deviations[zone.name] = min(deviations[zone.name], 0.0)
+        penalties = self._penalties(dict(zip(self.env.layout.controlled_zones, info["zone_deviation"])))
         energy = info["reward_terms"]["energy"] / len(self.agents)
         rewards = {
-            agent: float(-(deviations[agent] ** 2) + energy) if agent in deviations else reward / len(self.agents)
+            agent: energy - penalties[agent] if agent in penalties else reward / len(self.agents)
             for agent in self.agents
         }
         agents = self.agents
@@ -80,11 +81,32 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
             {agent: info for agent in agents},
         )
 
+    def _penalties(self, deviations: dict[str, float]) -> dict[str, float]:
+        """Returns the comfort penalties of the zones."""
+        task = self.env.metadata["task"]
+        for zone in self.env.layout.zones:
+            if zone.controlled and not zone.cooling and task["heating_only_zones"] == "below_target":
+                deviations[zone.name] = min(deviations[zone.name], 0.0)
+        return {zone: _penalty(task, float(deviation)) for zone, deviation in deviations.items()}
+
     def render(self) -> Any:
         return self.env.render()
 
     def close(self) -> None:
         self.env.close()
+
+
+def _penalty(task: dict[str, Any], deviation: float) -> float:
+    """Returns a task's comfort penalty of a zone with a deviation, K."""
+    match task["comfort"]:
+        case "squared":
+            return deviation**2
+        case {"deadband": {"half_width": half_width}}:
+            return max(abs(deviation) - half_width, 0.0) ** 2
+        case {"band": {"weight": weight}}:
+            return weight * abs(deviation)
+        case other:
+            raise SettingError(f"zones as agents need comfort by temperature, and the task's is {other}; omit +pmv")
 
 
 def _agent(owner: _core.Owner, layout: Layout) -> str:

@@ -35,7 +35,8 @@ def collect(
 
     ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
     Buildings that are given by their names are found as by :func:`find_building`. Every building runs ``episodes``
-    episodes of at most ``steps`` steps. ``arguments`` go to :func:`make_env`.
+    episodes of at most ``steps`` steps. ``arguments`` go to :func:`make_env`; without ``task``, it is ``constant``, as
+    for ``b2b collect``.
     Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")

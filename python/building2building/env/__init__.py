@@ -27,7 +27,7 @@ from .open_envs import close_at_exit
 from .physical_actions import warn_of_learner, warn_of_zeros
 from .render import PowerHistory, Renderer, Scene
 from .snapshot import Position, Snapshot
-from .tasks import task_text
+from .tasks import task_text, windows
 
 
 class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
@@ -68,7 +68,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         timesteps_per_hour: int = 12,
         rescale_action: bool = False,
         window_days: int | None = None,
-        window_starts: int = 8,
+        window_starts: int | None = None,
         weather_years: Sequence[PathLike] = (),
         resample_targets: bool = False,
         reward: Callable[[dict[str, Any]], float] | None = None,
@@ -92,7 +92,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
         self.rescale_action = rescale_action
         self.render_mode = render_mode
-        self._window = None if window_days is None else (window_days, window_starts)
+        self._window = windows(window_days, window_starts)
         self._weather_years = checked_weather(weather_years)
         self._resample_targets = resample_targets
         self._reward = reward

@@ -126,6 +126,7 @@ class Request:
             raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
         if isinstance(policy, PhysicalController):
             raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
+        _check_options(policy, named, rescale_action, normalize=normalize, name=name, version=version)
         tasks = own_task(named) if tasks is None else tasks
         self.episodes = [
             (*found, text, period, seed, timesteps_per_hour)
@@ -139,7 +140,7 @@ class Request:
         self.identity = f"python {self.name} {version}, rescale_action={rescale}, normalize={normalize}"
         if named is None and folder is not None:
             self.identity += f", {identity_of(_function_of(policy), version)}"
-        self.rescale = rescale and not is_built_in(policy)
+        self.rescale = rescale
         self.policy: str | _core._ControllerMaker = (
             ControllerMaker(policy, rescale, normalize) if named is None else named
         )
@@ -339,6 +340,20 @@ def _listed(given: Any) -> Iterable[Any]:
 def is_built_in(policy: Any) -> TypeGuard[type[PhysicalController]]:
     """Returns whether a policy is a class of built-in controllers, whose actions are in physical units."""
     return isinstance(policy, type) and issubclass(policy, PhysicalController)
+
+
+def _check_options(policy: Any, named: str | None, rescale_action: bool | None, **options: Any) -> None:
+    """Raises for options that have no effect on a policy."""
+    given = [name for name, value in options.items() if value]
+    if named is not None:
+        if rescale_action is not None and ".onnx" not in named.lower():
+            given.append("rescale_action")
+        if given:
+            raise SettingError(f"{' and '.join(given)}: for policies in Python, and {named} is not one; omit it")
+    elif is_built_in(policy) and (rescale_action or options["normalize"]):
+        raise SettingError(
+            f"{policy.__name__} observes and acts in physical units; omit rescale_action and normalize"
+        )
 
 
 def _function_of(policy: Any) -> Any:

@@ -146,7 +146,7 @@ class ActingVectorEnv(VectorWrapper):
         if ended.any():
             for environments, earlier in ends:
                 _add_ends(infos, earlier, environments)
-            self._begin_with_decision(early | infos.get("_lost", False))
+            self._begin_with_decision(early)
         return self._seen, total, terminated, ended, infos
 
     def _begin_with_decision(self, environments: Array) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -29,7 +30,7 @@ from ..buildings import (
 from ..env.info import Info
 from ..env.layout import Layout, rounded_inward
 from ..env.open_envs import close_at_exit
-from ..env.tasks import task_text
+from ..env.tasks import task_text, windows
 from ..errors import EpisodeError, ProcessError, SettingError
 from ..scaling import Scale
 from .info import Row, reward_terms, step_info
@@ -86,7 +87,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         normalize: bool = False,
         by_role: bool = False,
         window_days: int | None = None,
-        window_starts: int = 8,
+        window_starts: int | None = None,
         weather_years: Sequence[PathLike] = (),
         reward: Callable[[dict[str, Any]], ArrayLike] | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
@@ -102,6 +103,11 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         count = None if resample else num_envs
         #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
         self.buildings = _candidates(building_type, buildings, selection, where, count)
+        if buildings is not None and count is not None and len(buildings) > count:
+            raise SettingError(
+                f"{len(buildings)} buildings for {count} environments, which repeat theirs; pass num_envs={len(buildings)}, "
+                "or resample=True to draw buildings"
+            )
         if resample and not rescale_action and self._shares_actions and _may_differ(self.buildings, control):
             raise SettingError(_DIFFERENT)
         tasks = [task] if isinstance(task, (str, dict)) else list(task)
@@ -123,7 +129,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             rescale_action,
             int(resample) or None,
             weights,
-            None if window_days is None else (window_days, window_starts),
+            windows(window_days, window_starts),
             problem,
             by_role,
             checked_weather(weather_years),
@@ -275,6 +281,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             info.update(step_info(rows, before, at_end, numbers, steps, self._steps_per_hour))
             self._add_final_info(info, truncated)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                if "lost" in info:
+                    observations = self._begin_after_lost(info["_lost"])
                 self._read_rows(truncated)
                 self._steps = np.where(truncated, 0, steps)
         else:
@@ -289,6 +297,16 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 rewards = np.where(reset, 0.0, rewards)
         terminated = np.zeros(self.num_envs, dtype=bool)
         return self._seen(observations), rewards, terminated, truncated.copy(), info
+
+    def _begin_after_lost(self, lost: Array) -> Array:
+        """Begins the episodes after those that were lost, and returns the observations.
+
+        The core leaves this to the next step. An episode that is lost again is reported there.
+        """
+        for environment in np.flatnonzero(lost):
+            with suppress(EpisodeError):
+                self._observations = self._open_core().reset_some([int(environment)])
+        return self._observations
 
     def _at_end(self, observations: Array, truncated: Array) -> Array:
         """Returns the observations; where the next episode has begun, the last one of the previous episode."""

@@ -235,14 +235,19 @@ impl Baseline {
         self.0.episode_return
     }
 
-    /// Returns score, resolved score and relative energy of an episode. Raises if it did not run to its end.
-    fn compare(&self, record: &Record) -> PyResult<(Option<f64>, Option<f64>, Option<f64>)> {
+    /// Its HVAC energy, Wh/m².
+    #[getter]
+    fn energy(&self) -> f64 {
+        self.0.energy
+    }
+
+    /// Returns score, resolved score and HVAC energy, Wh/m², of an episode. Raises if it did not run to its end.
+    fn compare(&self, record: &Record) -> PyResult<(Option<f64>, Option<f64>, f64)> {
         let (metrics, terms) = ended(record)?;
         let episode = &record.spaces.episode;
         let used = terms.used(episode.task.resource);
         let Scores { score, resolved } = self.0.scores(&metrics, used, episode.steps_per_hour);
-        let relative_energy = (self.0.energy > 0.0).then(|| metrics.energy() / self.0.energy);
-        Ok((score, resolved, relative_energy))
+        Ok((score, resolved, metrics.energy()))
     }
 }
 

@@ -1,6 +1,8 @@
 """The contract of a Gymnasium vector environment."""
 
 import inspect
+import os
+import signal
 import warnings
 
 import building2building as b2b
@@ -180,6 +182,29 @@ def test_a_list_of_seeds_is_one_seed_and_a_list_without_numbers_is_none(make_vec
     with pytest.raises(errors.SettingError, match="omit seed or reset_mask"):
         envs.reset(seed=1, options=some)
     envs.reset(seed=[None, None], options=some)
+
+
+def test_the_episode_after_a_lost_one_begins_in_the_same_step(make_vec):
+    envs = make_vec("SingleFamilyHouse-0042", 2, rescale_action=True, autoreset_mode="SameStep")
+    first, _ = envs.reset(seed=0)
+    actions = np.zeros(envs.action_space.shape)
+    envs.step(actions)
+    os.kill(envs._core.processes()[1], signal.SIGKILL)
+    observations, _, _, truncated, infos = envs.step(actions)
+    assert truncated.tolist() == infos["_lost"].tolist() == [False, True]
+    np.testing.assert_array_equal(observations[1], first[1])
+    infos = envs.step(actions)[4]
+    assert infos["step"].tolist() == [3, 1]
+    ends = [envs.step(actions)[3].tolist() for _ in range(23)]
+    assert ends[20] == [True, False] and ends[22] == [False, True]
+
+
+def test_more_buildings_than_environments_are_an_error(make_vec):
+    houses = ["SingleFamilyHouse-0018", "SingleFamilyHouse-0042"]
+    with pytest.raises(errors.SettingError, match="2 buildings for 1 environments.*pass num_envs=2, or resample=True"):
+        make_vec(None, 1, buildings=houses)
+    with pytest.raises(errors.SettingError, match="window_starts needs window_days"):
+        make_vec("OfficeSmall", 1, window_starts=3)
 
 
 def test_invalid_actions_raise_before_any_environment_steps(make_vec):

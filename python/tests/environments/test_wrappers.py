@@ -462,3 +462,23 @@ def test_zones_are_agents(make):
     env = ZonesParallelEnv(make("OfficeMedium", timesteps_per_hour=1))
     assert len(env.possible_agents) == 18
     parallel_api_test(env, num_cycles=30)
+
+
+@pytest.mark.parametrize("task", ["constant+deadband0.5", "operate"])
+def test_zones_have_the_task_s_comfort_penalty(make, task):
+    from building2building.multiagent import ZonesParallelEnv
+
+    env = ZonesParallelEnv(make("OfficeSmall", task=task, timesteps_per_hour=1))
+    env.reset(seed=0)
+    penalties = []
+    for _ in range(10):
+        _, rewards, _, _, infos = env.step({agent: env.action_space(agent).high for agent in env.agents})
+        zones = env.env.layout.controlled_zones
+        terms = infos[zones[0]]["reward_terms"]
+        own = [terms["energy"] / len(env.agents) - rewards[zone] for zone in zones]
+        assert np.mean(own) == pytest.approx(-terms["temperature"])
+        penalties.extend(own)
+    assert max(penalties) > 0
+    for options, words in [({"task": "operate+pmv"}, "omit .pmv"), ({"reward": lambda info: 0.0}, "omit reward")]:
+        with pytest.raises(errors.SettingError, match=words):
+            ZonesParallelEnv(make("OfficeSmall", **options))

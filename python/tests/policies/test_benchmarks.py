@@ -108,6 +108,14 @@ def test_the_reactive_controllers_score_one_and_others_do_not():
     assert list(reactive.scores) == [(each, "constant") for each in houses["test"]]
 
 
+def test_the_relative_energy_is_a_ratio_of_sums():
+    def ratio(*pairs):
+        return Result("p", [{"energy": own, "baseline_energy": other} for own, other in pairs], {}).relative_energy
+
+    assert ratio((1.0, 0.1), (100.0, 100.0)) == pytest.approx(101.0 / 100.1)
+    assert ratio((1.0, 0.0), (3.0, 2.0)) == 2.0 and np.isnan(ratio((1.0, 0.0)))
+
+
 def test_scores_name_the_run_period_if_there_are_several():
     def result(*periods):
         rows = [

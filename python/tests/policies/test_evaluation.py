@@ -270,3 +270,11 @@ def test_invalid_policies_and_buildings_raise():
         b2b.evaluate("reactive", b2b.generate("SingleFamilyHouse")[0], **day)
     with pytest.raises(errors.SettingError, match="list of episodes is empty"):
         b2b.evaluate("reactive", [], **day)
+    for options, words in [
+        ({"normalize": True, "version": "2"}, "normalize and version: .* reactive is not one"),
+        ({"rescale_action": True}, "rescale_action: .* omit it"),
+    ]:
+        with pytest.raises(errors.SettingError, match=words):
+            b2b.evaluate("reactive", HOUSES[0], **day, **options)
+    with pytest.raises(errors.SettingError, match="ReactiveController .* physical units"):
+        b2b.evaluate(b2b.ReactiveController, HOUSES[0], **day, rescale_action=True)
