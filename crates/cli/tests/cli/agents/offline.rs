@@ -70,6 +70,10 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
         assert_rejected(path, &format!("collect {arguments} {day}"), words);
     }
     assert_rejected(path, "clone nowhere --out x", &["nowhere/data/metadata.json"]);
+    let collect = "collect set-v0 Warehouse-0001 --control setpoints --period 01-08..01-08 --out sets";
+    assert!(b2b(path, collect).status.success());
+    let output = b2b(path, "clone sets/set-v0 --updates 20 --out clone-set");
+    assert!(output.status.success(), "{}", stderr(&output));
     let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
     let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let model = models.join("RefBldgWarehouseNew2004_Chicago.idf");

@@ -230,8 +230,10 @@ fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
     let path = folder.path();
     let own = |line: &&str| !line.starts_with("task") && !line.starts_with("period");
     let config: Vec<&str> = SMALL.lines().filter(own).collect();
-    std::fs::write(path.join("small.toml"), config.join("\n") + "\nobservation = { forecast = 3 }").unwrap();
+    let text = config.join("\n") + "\nobservation = { forecast = 3 }\nproblem = \"dynamics-house\"";
+    std::fs::write(path.join("small.toml"), text).unwrap();
     std::fs::write(path.join("mine.json"), PROBLEM).unwrap();
+    // The argument takes precedence over the file's problem.
     let train = "train --problem mine.json --config small.toml --out run";
     let summary = json(path, &format!("{train} --steps 768"));
     let scores = summary["by_building"].as_array().unwrap();
@@ -248,6 +250,13 @@ fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(path.join("entered/result.json").is_file());
     assert_rejected(path, &format!("{train} --steps 5000"), &["5000", "house-random", "at most 4000"]);
+    let house = "SingleFamilyHouse-0001 --task random --period 01-10..01-10 --out other";
+    for (command, words) in [
+        ("run --controller run --parameters default", ["--parameters is for controllers", "agent"]),
+        ("evaluate --policy run --actions physical", ["--actions is for ONNX policies", "remove it"]),
+    ] {
+        assert_rejected(path, &format!("{command} {house}"), &words);
+    }
 }
 
 #[test]
