@@ -351,9 +351,7 @@ def _check_options(policy: Any, named: str | None, rescale_action: bool | None, 
         if given:
             raise SettingError(f"{' and '.join(given)}: for policies in Python, and {named} is not one; omit it")
     elif is_built_in(policy) and (rescale_action or options["normalize"]):
-        raise SettingError(
-            f"{policy.__name__} observes and acts in physical units; omit rescale_action and normalize"
-        )
+        raise SettingError(f"{policy.__name__} observes and acts in physical units; omit rescale_action and normalize")
 
 
 def _function_of(policy: Any) -> Any:

@@ -104,10 +104,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         #: Buildings that environments repeat; with ``resample``, the buildings to draw from.
         self.buildings = _candidates(building_type, buildings, selection, where, count)
         if buildings is not None and count is not None and len(buildings) > count:
-            raise SettingError(
-                f"{len(buildings)} buildings for {count} environments, which repeat theirs; pass num_envs={len(buildings)}, "
-                "or resample=True to draw buildings"
-            )
+            remedy = f"pass num_envs={len(buildings)}, or resample=True to draw buildings"
+            raise SettingError(f"{len(buildings)} buildings for {count} environments, which repeat theirs; {remedy}")
         if resample and not rescale_action and self._shares_actions and _may_differ(self.buildings, control):
             raise SettingError(_DIFFERENT)
         tasks = [task] if isinstance(task, (str, dict)) else list(task)
