@@ -10,6 +10,7 @@ from gymnasium.spaces import Box
 
 from . import _core
 from .env import unwrap
+from .env.layers import is_plain
 from .env.layout import Layout
 from .errors import SettingError, need
 
@@ -28,6 +29,11 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}
 
     def __init__(self, env: gymnasium.Env[Any, Any]):
+        if not is_plain(env):
+            raise SettingError(
+                "zones observe and control the building itself; pass the environment without wrappers, with "
+                "rescale_action=True for actions in [-1, 1]"
+            )
         self.env = unwrap(env)
         if self.env._reward is not None:
             raise SettingError("the reward of an environment is one number, and zones have their own; omit reward")

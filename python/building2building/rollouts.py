@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .buildings.signatures import renamed
 from .env import unwrap
+from .env.layers import is_plain
 from .env.layout import Layout, index_of
 from .errors import SettingError, need
 from .process.temporary import replacing
@@ -52,6 +53,8 @@ class PhysicalController:
         core: Any = env.unwrapped
         self._layout: Layout = core.layout
         self._rescale: bool = core.rescale_action
+        #: Whether it was made for an environment whose observations and actions are the building's.
+        self._is_plain = not isinstance(env, gymnasium.Env) or is_plain(env)
 
     def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
         """Returns the action for an observation in f64 and physical units."""
@@ -61,7 +64,15 @@ class PhysicalController:
         """Takes the reward of the last action. :func:`rollout` calls it."""
 
     def __call__(self, observation: Array) -> NDArray[np.float64]:
-        """Returns the action for an observation, in the environment's action space."""
+        """Returns the action for an observation, in the environment's action space.
+
+        Raises if wrappers have changed the observations or the actions; :func:`rollout` runs the controller there.
+        """
+        if not self._is_plain:
+            raise SettingError(
+                f"{type(self).__name__} was made for wrappers that change observations or actions; use rollout, or "
+                "make it for env.unwrapped and step that"
+            )
         action = self.physical(observation)
         return self._layout.rescaled(action) if self._rescale else action
 
@@ -105,6 +116,8 @@ class BuiltInController(PhysicalController):
         other.__dict__.update(self.__dict__)
         other._core = self._core.copy()
         return other
+
+    __copy__ = copy
 
     def __deepcopy__(self, memo: dict[int, Any]) -> BuiltInController:
         return self.copy()

@@ -353,6 +353,8 @@ def check_control(building: Building, control: str) -> None:
 
 def checked_weather(files: Sequence[PathLike]) -> list[str]:
     """Returns the paths of weather files; raises :class:`BuildingError` for one that is damaged or incomplete."""
+    if isinstance(files, (str, os.PathLike)):
+        raise SettingError(f"weather_years is {os.fspath(files)!r}; expected a list of files")
     paths = [os.path.abspath(file) for file in files]
     for path in paths:
         _core.check_weather(path)

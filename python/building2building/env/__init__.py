@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..buildings import Building, PathLike, checked_weather, find_building, select_building
 from ..errors import EpisodeError, ProcessError, SettingError
-from .info import Info, StepInfo
+from .info import StepInfo
 from .layout import Layout
 from .morphology import Metadata, Morphology
 from .open_envs import close_at_exit
@@ -176,10 +176,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._penalties = math.nan, math.nan
         if self.render_mode is not None:
             self._power.add(0, self.observation)
-        building = self.building
-        info = Info(
-            lambda: {"building": building.name, "weather": str(setting.weather), "first_day": setting.first_day}
-        )
+        info = {"building": self.building.name, "weather": str(setting.weather), "first_day": setting.first_day}
         if self.render_mode == "human":
             self.render()
         return single, info
@@ -227,6 +224,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._steps += 1
         self._truncated = truncated
         info = StepInfo()
+        info["step"] = self._steps
         info.record = self.layout, before, after, numbers, self._steps
         if truncated:
             info["metrics"] = core.metrics()
@@ -341,7 +339,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self.layout, self.setting, self.observation = position.layout, position.setting, position.observation
         self._steps, self._penalties, self._truncated = position.steps, position.penalties, position.truncated
         self._power = copy(position.power)
-        return self.observation.astype(np.float32), Info(lambda: {"building": self.building.name})
+        return self.observation.astype(np.float32), {"building": self.building.name}
 
     def branch(self, count: int) -> list[BuildingEnv]:
         """Returns ``count`` environments that continue independently from the current point of the episode, each in its

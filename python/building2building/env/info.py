@@ -16,7 +16,8 @@ from .layout import Layout
 class Info(dict[str, Any]):
     """A dictionary that is computed when it is first read, so that a step whose info is not read pays nothing.
 
-    An entry that was written before is read without computing the others.
+    An entry that was written before is read without computing the others. The encoder of ``json`` writes a dictionary
+    without any as an empty one, so environments write one.
     """
 
     __slots__ = ("_compute",)
@@ -76,6 +77,9 @@ class Info(dict[str, Any]):
     def values(self) -> ValuesView[Any]:  # type: ignore[override]
         return dict.values(self._filled())
 
+    def __delitem__(self, key: str) -> None:
+        dict.__delitem__(self._filled(), key)
+
     def items(self) -> ItemsView[str, Any]:  # type: ignore[override]
         return dict.items(self._filled())
 
@@ -131,6 +135,8 @@ def _step_info(
     numbers: Sequence[float],
     step: int,
 ) -> dict[str, Any]:
+    # The environment keeps the observation; what an info has is the reader's.
+    after = after.copy()
     temperature_penalty, energy_penalty, *terms = numbers
     electricity, gas = float(after[layout.electricity]), float(after[layout.gas])
     hour = (step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour

@@ -128,7 +128,7 @@ class ActingVectorEnv(VectorWrapper):
         for index in np.flatnonzero((options or {}).get("reset_mask", np.ones(self.num_envs))):
             self._pilots[index] = self._pilot(int(index))
             self._seen[index] = self._pilots[index].observe(observations[index])
-        return self._seen, info
+        return self._seen.copy(), info
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         rows, total, ended = np.asarray(actions), np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
@@ -147,7 +147,7 @@ class ActingVectorEnv(VectorWrapper):
             for environments, earlier in ends:
                 _add_ends(infos, earlier, environments)
             self._begin_with_decision(early)
-        return self._seen, total, terminated, ended, infos
+        return self._seen.copy(), total, terminated, ended, infos
 
     def _begin_with_decision(self, environments: Array) -> None:
         """Begins the episodes after those that were lost, so that these, too, are whole days and end with a decision.

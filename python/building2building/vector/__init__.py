@@ -237,7 +237,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             ]
 
     def _seen(self, observations: Array) -> Array:
-        return self.scale(observations) if self.normalize else observations
+        """Returns observations for the user, who may change them."""
+        return self.scale(observations) if self.normalize else observations.copy()
 
     def _seed_number(self, seed: int | Sequence[int | None] | None) -> int | None:
         """Returns the seed as one number; ``None`` without."""
@@ -285,6 +286,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 self._steps = np.where(truncated, 0, steps)
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
+            info["step"] = steps.copy()
             if self._reward is not None:
                 # Most rewards read only these.
                 info["reward_terms"] = reward_terms(numbers)

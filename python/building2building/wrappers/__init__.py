@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..buildings import Building, list_buildings
 from ..buildings.signatures import renamed
 from ..env import unwrap
+from ..env.layers import is_own
 from ..env.layout import index_of
 from ..errors import ActionError, SettingError
 from ..rollouts import BuiltInController, ReactiveController
 from ..scaling import Scale
 from .graph import GraphObservation
 from .hours_ahead import PriceSignal, WeatherForecast
-from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
+from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of
 from .previous_step import PreviousStepObservation, PreviousStepVectorObservation
 
 __all__ = [

@@ -6,9 +6,10 @@ import numpy as np
 from gymnasium.spaces import Box, Graph, GraphInstance
 from numpy.typing import NDArray
 
+from ..env.layers import is_own
 from ..env.morphology import Morphology
 from ..errors import SettingError
-from .observation_wrapper import Array, Env, ObservationWrapper, is_own
+from .observation_wrapper import Array, Env, ObservationWrapper
 
 Floats = NDArray[np.float32]
 

@@ -148,10 +148,15 @@ class PriceSignal(ObservationWrapper):
         return self._series[hours % len(self._series)]
 
     def step(self, action: Any) -> Stepped:
-        price = self._prices()[0]
+        price, steps = self._prices()[0], self._core.steps
         observation, reward, terminated, truncated, info = self.env.step(action)
         if self._weight:
             core = self._core
+            if core.steps != steps + 1:
+                raise SettingError(
+                    f"a weight prices single steps, and the wrapped environment made {core.steps - steps}; take a "
+                    "tariff, such as task='operate+tou'"
+                )
             electricity = float(core.observation[core.layout.electricity]) / 1000
             cost = self._weight * price * electricity
             info = _with_term(info, self._name, -cost)

@@ -77,16 +77,10 @@ class VectorWrapper(gymnasium.vector.VectorWrapper):
 
 
 def box_of(env: Env) -> Box:
-    if not isinstance(env.observation_space, Box):
-        raise SettingError(f"expected observations in a Box; got {env.observation_space}")
-    return env.observation_space
-
-
-def is_own(env: Env) -> bool:
-    """Returns whether no wrapper has changed the slots of the observation. Zeros may follow them."""
-    while isinstance(env, gymnasium.Wrapper):
-        appends_zeros = isinstance(env, ObservationWrapper) and env.appends_zeros
-        if not appends_zeros and env.metadata is not env.env.metadata:
-            break
-        env = env.env
-    return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])
+    box, names = env.observation_space, env.metadata["observation_names"]
+    if not isinstance(box, Box) or box.shape != (len(names),):
+        raise SettingError(
+            f"expected observations in a Box with {len(names)} numbers; got {box}: wrap the environment before "
+            "FrameStackObservation and others that change the shape"
+        )
+    return box

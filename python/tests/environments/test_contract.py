@@ -188,6 +188,13 @@ def test_info_behaves_as_a_dictionary(make):
     written = info()
     written["mine"] = 1
     assert written["mine"] == 1 and "energy" in written and dict(written)["mine"] == 1
+    assert "energy" in json.loads(json.dumps(info(), default=lambda array: array.tolist()))
+    shown = info()
+    shown["observation"] *= 0.0
+    shown["zone_temperature"] *= 0.0
+    assert env.observation.any() and env.observation[env.layout.temperatures].all()
+    del (less := info())["observation"]
+    assert "observation" not in less and "energy" in less
 
 
 def test_a_run_period_of_two_weeks_is_the_weather_s(make):

@@ -207,6 +207,23 @@ def test_more_buildings_than_environments_are_an_error(make_vec):
         make_vec("OfficeSmall", 1, window_starts=3)
 
 
+def test_observations_and_infos_are_the_user_s(make_vec):
+    def rewards(changes):
+        envs = make_vec("OfficeSmall", 2, reward=lambda info: -np.abs(info["zone_deviation"]).mean(axis=-1))
+        observations, _ = envs.reset(seed=0)
+        found = []
+        for _ in range(4):
+            if changes:
+                observations *= 0.0
+            observations, reward, *_, infos = envs.step(envs.action_space.high)
+            found.append(reward.tolist())
+            if changes:
+                infos["step"] += 7
+        return found
+
+    assert rewards(True) == rewards(False)
+
+
 def test_invalid_actions_raise_before_any_environment_steps(make_vec):
     envs = make_vec("OfficeSmall", 2)
     envs.reset(seed=0)

@@ -455,6 +455,47 @@ def test_wrap_env_for_rl_bounds_both_spaces(make):
     stepped(env)
 
 
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        b2b.wrap_env_for_rl,
+        wrappers.NormalizeObservation,
+        gymnasium.wrappers.NormalizeObservation,
+        lambda env: gymnasium.wrappers.RescaleAction(env, -1.0, 1.0),
+    ],
+)
+def test_a_controller_does_not_act_through_wrappers_that_change_its_spaces(make, wrap):
+    env = wrap(make(task="occupancy", timesteps_per_hour=1))
+    controller = b2b.ReactiveController(env)
+    observation, _ = env.reset(seed=0)
+    with pytest.raises(errors.SettingError, match="ReactiveController was made for wrappers.*use rollout"):
+        controller(observation)
+    plain = b2b.rollout(env.unwrapped, b2b.ReactiveController(env.unwrapped)).episode_return
+    assert b2b.rollout(env, controller).metrics["return"] == plain
+
+
+def test_wrappers_notice_changed_observations(make):
+    house = make("SingleFamilyHouse", timesteps_per_hour=1)
+    for changed in [
+        wrappers.NormalizeObservation(house),
+        gymnasium.wrappers.NormalizeObservation(house),
+        gymnasium.wrappers.FrameStackObservation(house, 3),
+    ]:
+        for wrap in (wrappers.RoleObservation, wrappers.GraphObservation):
+            with pytest.raises(errors.SettingError):
+                wrap(changed)
+    with pytest.raises(errors.SettingError, match="before FrameStackObservation"):
+        wrappers.NormalizeObservation(gymnasium.wrappers.FrameStackObservation(house, 3))
+
+
+def test_a_price_with_a_weight_is_for_single_steps(make):
+    env = make(acting="supervisory:60", task="operate")
+    priced = wrappers.PriceSignal(env, weight=1.0)
+    priced.reset(seed=0)
+    with pytest.raises(errors.SettingError, match="made 12; take a tariff"):
+        priced.step(np.zeros(priced.action_space.shape))
+
+
 def test_zones_are_agents(make):
     from building2building.multiagent import ZonesParallelEnv
     from pettingzoo.test import parallel_api_test
@@ -482,3 +523,5 @@ def test_zones_have_the_task_s_comfort_penalty(make, task):
     for options, words in [({"task": "operate+pmv"}, "omit .pmv"), ({"reward": lambda info: 0.0}, "omit reward")]:
         with pytest.raises(errors.SettingError, match=words):
             ZonesParallelEnv(make("OfficeSmall", **options))
+    with pytest.raises(errors.SettingError, match="without wrappers"):
+        ZonesParallelEnv(wrappers.NormalizeObservation(make("OfficeSmall")))
