@@ -101,6 +101,8 @@ pub struct Abilities {
     pub credit: bool,
     /// Pairs of environments with opposite exploration noise.
     pub mirrored_noise: bool,
+    /// Rewards whose weights change between updates: earlier steps are not learned from again.
+    pub new_weights: bool,
     /// Initial logarithm of the standard deviation of actions, if a run may set it ([`Learner::set_log_std`]), or why
     /// it may not.
     pub noise: std::result::Result<f32, &'static str>,
@@ -110,7 +112,14 @@ impl Default for Abilities {
     /// Returns no abilities.
     fn default() -> Self {
         let noise = Err("the learner sets the exploration noise itself");
-        Self { graphs: false, recurrent: false, credit: false, mirrored_noise: false, noise }
+        Self {
+            graphs: false,
+            recurrent: false,
+            credit: false,
+            mirrored_noise: false,
+            new_weights: false,
+            noise,
+        }
     }
 }
 

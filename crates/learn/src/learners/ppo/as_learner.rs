@@ -111,7 +111,14 @@ impl LearnerOptions for PpoConfig {
             LogStd::Free => Ok(self.initial_log_std),
             LogStd::OfState => Err("with `ppo.log_std` = of_state, the agent sets the noise"),
         };
-        Abilities { graphs: true, recurrent: true, credit: true, mirrored_noise: true, noise }
+        Abilities {
+            graphs: true,
+            recurrent: true,
+            credit: true,
+            mirrored_noise: true,
+            new_weights: true,
+            noise,
+        }
     }
 
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {

@@ -79,13 +79,18 @@ impl Samples {
     }
 
     /// Normalizes the advantages of each kind of group in each building to mean 0 and deviation 1, but divides none by
-    /// less than [`SMALLEST`] times the kind's deviation in all buildings.
+    /// less than [`SMALLEST`] times the kind's deviation in all buildings. The only advantage of a kind in a building has
+    /// the mean and the deviation of all buildings.
     pub fn balance_advantages(&mut self, groups: usize, credits: &[Arc<Credit>]) {
         let of_all = Moments::of(self, groups, credits, |_, kind| kind);
         let kinds = of_all.0.len();
         let of_each = Moments::of(self, groups, credits, |building, kind| building * kinds + kind);
         self.each_advantage(groups, credits, |building, kind, value| {
-            of_each.normalize(building * kinds + kind, SMALLEST * of_all.0[kind].deviation, value);
+            let set = building * kinds + kind;
+            match of_each.0[set].count {
+                1 => of_all.normalize(kind, 0.0, value),
+                _ => of_each.normalize(set, SMALLEST * of_all.0[kind].deviation, value),
+            }
         });
     }
 
@@ -190,6 +195,15 @@ mod tests {
         samples.balance_advantages(1, &credits);
         let half = 0.5f32.sqrt();
         assert_near(&samples.advantages, &[-half, half, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_only_advantage_of_a_building_is_normalized_with_all() {
+        let (mut samples, credits) = samples(&[0, 0, 1], &[-10.0, 10.0, 30.0]);
+        samples.balance_advantages(1, &credits);
+        let half = 0.5f32.sqrt();
+        // Mean and deviation of all are 10 and 20.
+        assert_near(&samples.advantages, &[-half, half, 1.0]);
     }
 
     #[test]

@@ -207,6 +207,12 @@ fn values_that_do_not_go_together_are_errors() {
             "`mirrored_noise` is for ppo; with sac it must be false",
         ),
         ("algorithm = 'sac'\ncredit_by_zone = true", "`credit_by_zone` is for ppo"),
+        (
+            "algorithm = 'sac'\ntravel_cost_growth = 10",
+            "`travel_cost_growth` is for ppo: sac learns from rewards",
+        ),
+        ("algorithm = 'sac'\ntask = 'operate'\ncomfort_rate = 1", "`comfort_rate` is for ppo: sac learns"),
+        ("ppo = { desired_kl = 0.01, epochs = 1, batch_size = 100000 }", "need two minibatches in an update"),
         ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
         ("ppo = { credit = [[1.0]] }", "`ppo.credit` follows from `credit_by_zone`"),
         ("window_starts = 0", "`window_starts` is 0"),

@@ -57,9 +57,14 @@ impl TrainConfig {
         if self.learner.name() != kind.name {
             self.learner = kind.into();
         }
-        let Abilities { credit, mirrored_noise, noise, .. } = self.learner.abilities();
+        let Abilities { credit, mirrored_noise, new_weights, noise, .. } = self.learner.abilities();
         self.rewards.credit_by_zone &= credit;
         self.noise.mirrored_noise &= mirrored_noise;
+        if !new_weights {
+            let RewardConfig { comfort_rate, comfort_weight, travel_cost_growth, .. } =
+                RewardConfig::default();
+            self.rewards = RewardConfig { comfort_rate, comfort_weight, travel_cost_growth, ..self.rewards };
+        }
         if noise.is_err() {
             (self.noise.noise_cost, self.noise.final_noise) = (0.0, 1.0);
         }
@@ -104,7 +109,8 @@ impl TrainConfig {
     /// Checks that the learner supports the options of the other parts.
     fn check_abilities(&self) -> Result<()> {
         let name = self.learner.name();
-        let Abilities { graphs, recurrent, credit, mirrored_noise, noise } = self.learner.abilities();
+        let Abilities { graphs, recurrent, credit, mirrored_noise, new_weights, noise } =
+            self.learner.abilities();
         require(graphs || !self.agent.policy.is_graph(), || {
             let able = able(|abilities| abilities.graphs);
             format!("`algorithm` with graph networks: it must be {able}")
@@ -124,6 +130,17 @@ impl TrainConfig {
             let able = able(|abilities| abilities.mirrored_noise);
             format!("`mirrored_noise` is for {able}; with {name} it must be false")
         })?;
+        let RewardConfig { comfort_rate, travel_cost_growth, .. } = self.rewards;
+        for (option, value, fixed) in
+            [("comfort_rate", comfort_rate, 0.0), ("travel_cost_growth", travel_cost_growth.into(), 1.0)]
+        {
+            require(new_weights || value == fixed, || {
+                let able = able(|abilities| abilities.new_weights);
+                format!(
+                    "`{option}` is for {able}: {name} learns from rewards of earlier weights; expected {fixed}"
+                )
+            })?;
+        }
         if let Some(ppo) = self.learner.options::<PpoConfig>() {
             self.check_ppo(ppo)?;
         }
@@ -140,6 +157,13 @@ impl TrainConfig {
                 .into()
         })?;
         require(ppo.credit.is_none(), || "`ppo.credit` follows from `credit_by_zone`; remove it".into())?;
+        let rows = self.budget.environments * ppo.n_steps;
+        let minibatches = ppo.epochs * rows.div_ceil(ppo.batch_size);
+        require(minibatches > 1 || ppo.desired_kl.is_none() && ppo.target_kl.is_none(), || {
+            "`ppo.desired_kl` and `ppo.target_kl` need two minibatches in an update, before the first of which the \
+             divergence is 0; raise `ppo.epochs`, lower `ppo.batch_size`, or remove them"
+                .into()
+        })?;
         let NoiseConfig { noise_cost, final_noise, .. } = self.noise;
         let last = f64::from(ppo.initial_log_std) + final_noise.ln();
         let least = ppo.minimum_log_std;

@@ -32,13 +32,19 @@ pub(crate) fn trained(config: &TrainConfig, period: Period) -> Vec<Period> {
 
 /// Returns whether training leaves out the days of evaluations.
 pub(crate) fn are_held_out(config: &TrainConfig) -> Result<bool> {
-    let held_out = |period: Period| {
-        let Period::Days(days) = period else { return false };
-        let evaluated = window(config, days);
-        let is_apart = |part: Period| matches!(part, Period::Days(part) if !part.overlaps(evaluated));
-        trained(config, period).into_iter().all(is_apart)
+    let periods = config.training_set.periods()?;
+    let days = |period: Period| match period {
+        Period::Days(days) => Some(days),
+        Period::TwoWeeks(_) => None,
     };
-    Ok(config.training_set.periods()?.into_iter().all(held_out))
+    // Two weeks chosen from the weather may be anywhere.
+    let Some(evaluated) = periods.iter().map(|period| days(*period)).collect::<Option<Vec<_>>>() else {
+        return Ok(false);
+    };
+    // The days of one run period may be trained on in another.
+    let is_apart = |part: RunPeriod| evaluated.iter().all(|period| !part.overlaps(window(config, *period)));
+    let parts = periods.iter().flat_map(|period| trained(config, *period));
+    Ok(parts.filter_map(days).all(is_apart))
 }
 
 /// Returns the run period to which an episode belongs.
@@ -95,6 +101,10 @@ mod tests {
         assert!(!are_held_out(&config).unwrap());
         config.training_set.period = "11-15..02-15".into();
         assert!(are_held_out(&config).unwrap(), "also in a period that passes New Year");
+        config.training_set.period = "winter,summer".into();
+        assert!(are_held_out(&config).unwrap());
+        config.training_set.period = "winter,01-01..02-28".into();
+        assert!(!are_held_out(&config).unwrap(), "each trains on the days of the other");
         config.training_set.period = "winter,peak-heating".into();
         assert!(!are_held_out(&config).unwrap(), "two weeks are trained on and evaluated");
         assert_eq!(of("peak-heating", 14), ("peak-heating".into(), vec!["peak-heating".into()]));

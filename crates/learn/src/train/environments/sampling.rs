@@ -198,9 +198,10 @@ impl<'a> Environments<'a> {
             _ => Box::new(Weighted::new(samplers)?),
         };
         let (learner, day) = (&self.config.learner, 24 * self.config.training_set.steps_per_hour as usize);
-        let steps = learner.steps_per_rollout() * self.config.hold();
+        let hold = self.config.hold();
+        let steps = learner.steps_per_rollout() * hold;
         Ok(match learner.is_on_policy() && !steps.is_multiple_of(day) {
-            true => Box::new(Staggered::new(all, environments)),
+            true => Box::new(Staggered::new(all, environments, hold)),
             false => all,
         })
     }

@@ -9,13 +9,15 @@ use rand_chacha::ChaCha8Rng;
 pub(super) struct Staggered<S> {
     of: S,
     environments: usize,
+    /// Steps for which the agent holds a decision.
+    hold: usize,
     /// Which environments have drawn.
     has_drawn: Vec<bool>,
 }
 
 impl<S> Staggered<S> {
-    pub(super) fn new(of: S, environments: usize) -> Self {
-        Self { of, environments, has_drawn: vec![false; environments] }
+    pub(super) fn new(of: S, environments: usize, hold: usize) -> Self {
+        Self { of, environments, hold, has_drawn: vec![false; environments] }
     }
 }
 
@@ -25,7 +27,7 @@ impl<S: Sampler> Sampler for Staggered<S> {
         let is_first = !std::mem::replace(&mut self.has_drawn[environment], true);
         if let Some(steps) = draw.steps.as_mut().filter(|_| is_first) {
             let day = 24 * draw.setting.episode.steps_per_hour as usize;
-            *steps = first_length(*steps, day, environment, self.environments);
+            *steps = first_length(*steps, day, (environment, self.environments), self.hold);
         }
         Ok(draw)
     }
@@ -36,11 +38,11 @@ impl<S: Sampler> Sampler for Staggered<S> {
     }
 }
 
-/// Returns the steps of the first episode of an environment: whole days and a part of a day that differs between
-/// environments, but no more than the whole episode.
-fn first_length(whole: usize, day: usize, environment: usize, environments: usize) -> usize {
+/// Returns the steps of the first episode of an environment of several: whole days and a part of a day that differs
+/// between environments, in whole decisions, but no more than the whole episode.
+fn first_length(whole: usize, day: usize, (environment, environments): (usize, usize), hold: usize) -> usize {
     let days = (whole / day).saturating_sub(1) * environment / environments;
-    let part = day * (environment + 1) / environments;
+    let part = day * (environment + 1) / environments / hold * hold;
     ((1 + days) * day + part).min(whole)
 }
 
@@ -51,13 +53,15 @@ mod tests {
     #[test]
     fn first_episodes_end_on_different_days_at_different_hours() {
         let steps: Vec<usize> =
-            (0..7).map(|environment| first_length(14 * 288, 288, environment, 7)).collect();
+            (0..7).map(|environment| first_length(14 * 288, 288, (environment, 7), 1)).collect();
         let days: Vec<usize> = steps.iter().map(|steps| steps / 288).collect();
         let hours: Vec<usize> = steps.iter().map(|steps| steps % 288 / 12).collect();
         assert_eq!(days, [1, 2, 4, 6, 8, 10, 13]);
         assert_eq!(hours, [3, 6, 10, 13, 17, 20, 0]);
-        assert_eq!(first_length(4032, 288, 0, 1), 576);
+        assert_eq!(first_length(4032, 288, (0, 1), 1), 576);
+        // With a decision every hour, whole hours.
+        assert_eq!([1, 12].map(|hold| first_length(4032, 288, (0, 7), hold)), [329, 324]);
         // An episode of a day, or less, stays as it is.
-        assert_eq!([first_length(288, 288, 3, 7), first_length(12, 288, 0, 7)], [288, 12]);
+        assert_eq!([first_length(288, 288, (3, 7), 1), first_length(12, 288, (0, 7), 1)], [288, 12]);
     }
 }
