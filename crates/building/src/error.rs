@@ -110,6 +110,14 @@ pub enum Error {
         /// The reason and the remedy.
         why: &'static str,
     },
+    /// A weather file of part of a year, where a year is simulated.
+    #[error("{weather} has {span}; a year of metered energy needs weather of every day", weather = weather.display())]
+    PartOfYear {
+        /// The weather file.
+        weather: PathBuf,
+        /// The days that it has.
+        span: String,
+    },
     /// Text that is neither a run period nor a named two-week period.
     #[error(
         "invalid run period `{text}`{}; expected winter, summer, full_year, MM-DD..MM-DD from the first day to the last, which \

@@ -86,6 +86,18 @@ pub enum Error {
         /// The differences.
         differences: String,
     },
+    /// Two model files of one name, by which results tell buildings apart.
+    #[error(
+        "{first} and {second} are both named `{name}`, by which results tell buildings apart; rename one of them"
+    )]
+    SameName {
+        /// The name.
+        name: String,
+        /// A file.
+        first: String,
+        /// Another one.
+        second: String,
+    },
     /// Evaluations that cannot be compared.
     #[error("cannot compare `{name}`: {why}; evaluate all policies with the same arguments")]
     OtherEpisodes {

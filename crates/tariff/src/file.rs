@@ -103,7 +103,7 @@ pub(crate) struct EnergyFile {
 
 /// One price, or one for each block.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected `price` to be a number, or a list of numbers, one for each block")]
 pub(crate) enum Price {
     One(f64),
     Blocks(Vec<f64>),

@@ -71,7 +71,8 @@ pub fn scale(model: &mut Model, gains: &Gains, multiplier: f64) -> usize {
     count
 }
 
-/// Returns the design level of gains per floor area of all zones, W/m² or people/m²; `None` if it cannot be computed.
+/// Returns the design level of gains per floor area of the zones that are part of it, W/m² or people/m²; `None` if it
+/// cannot be computed.
 pub(super) fn intensity(model: &Model, gains: &Gains) -> Option<f64> {
     let (mut total, mut floor) = (0.0, 0.0);
     let people = people::groups(model).ok()?;
@@ -81,7 +82,10 @@ pub(super) fn intensity(model: &Model, gains: &Gains) -> Option<f64> {
             classes => power_of(model, classes, &people, &zone)?,
         };
         total += level * zone.multiplier;
-        floor += zone.floor_area * zone.multiplier;
+        let part = model.get("Zone", &zone.name).and_then(|fields| text(fields, "part_of_total_floor_area"));
+        if !part.is_some_and(|part| part.eq_ignore_ascii_case("No")) {
+            floor += zone.floor_area * zone.multiplier;
+        }
     }
     (floor > 0.0).then(|| total / floor)
 }
@@ -167,6 +171,9 @@ mod tests {
         model.insert("Lights", "3", json!({place: "B", method: "LightingLevel", "lighting_level": 200}));
         assert_eq!(intensity(&model, &PEOPLE), Some(10.0 / 200.0));
         assert_eq!(intensity(&model, &LIGHTS), Some((2.0 * 500.0 + 800.0 + 200.0) / 200.0));
+        // An attic is not part of the floor area.
+        model.insert("Zone", "C", json!({"floor_area": 900.0, "part_of_total_floor_area": "No"}));
+        assert_eq!(intensity(&model, &PEOPLE), Some(10.0 / 200.0));
         // In a space, densities apply to its floor and its people; in a list, to each space.
         for (space, floor_area) in [("West", 60.0), ("East", 40.0)] {
             model.insert("Space", space, json!({"zone_name": "B", "floor_area": floor_area}));

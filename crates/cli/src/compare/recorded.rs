@@ -117,6 +117,7 @@ impl Recorded {
         }
         let whole = || format!("{} lacks observations of its zones", file.display());
         let period: RunPeriod = described.period.parse()?;
+        let period = period.in_calendar(stored.calendar());
         let zones = described.zones.iter().map(|zone| ZoneRecord::of(zone, &described, &stored));
         let zones = zones.collect::<Option<Vec<_>>>().with_context(whole)?;
         let observed = |name: &str| stored.observed(name).with_context(whole);

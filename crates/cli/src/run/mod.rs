@@ -114,7 +114,7 @@ pub fn carry_out(arguments: &Arguments) -> Result<Summary> {
     let chosen = arguments.controller.chosen(&task);
     let (building, location, quiet) = (&arguments.building, &arguments.location, arguments.json);
     let prepared = Prepared::under(chosen.controls(), building, location, quiet)?;
-    let period = arguments.run_period(&prepared.weather)?;
+    let period = arguments.run_period(&prepared)?;
     let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, task)?);
     let folder =
         OutputFolder::claim(&arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task))?;
@@ -185,6 +185,7 @@ impl Author {
             controller: self.controller,
             weather_sha256: Inputs::of(spaces)?.weather_sha256,
             trajectory_hash: trajectory.hash(),
+            discomfort: None,
         };
         let folder = OutputFolder::claim(folder)?;
         let files = folder.destinations(&[trajectory_file::NAME]);
@@ -218,9 +219,12 @@ impl Author {
 
 impl Arguments {
     /// Returns the run period, shortened to `--hours`.
-    fn run_period(&self, weather: &Path) -> Result<RunPeriod> {
+    fn run_period(&self, prepared: &Prepared) -> Result<RunPeriod> {
+        let Prepared { building, weather, .. } = prepared;
         let period = self.period.in_weather(weather)?;
         let Some(hours) = self.hours else { return Ok(period) };
+        building.check_period(period)?;
+        let period = building.in_its_calendar(period);
         let (days, whole) = (hours / 24, period.days());
         if hours % 24 != 0 || days == 0 || days > whole {
             bail!("--hours {hours}: expected a multiple of 24, at most {} for {}", whole * 24, self.period);

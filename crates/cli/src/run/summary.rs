@@ -173,6 +173,7 @@ impl Summary {
             controller: self.info.controller.clone(),
             weather_sha256: self.inputs.weather_sha256.clone(),
             trajectory_hash: self.trajectory_hash.clone(),
+            discomfort: self.metrics.tdis_tot,
         }
     }
 

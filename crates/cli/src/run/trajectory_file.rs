@@ -11,6 +11,7 @@ use arrow_array::Array;
 use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
+use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use b2b_base::digest::sha256;
 use b2b_control::Versions;
 use b2b_env::{DecisionLog, EpisodeConfig, Spaces, Trajectory};
@@ -23,6 +24,10 @@ use parquet::file::properties::WriterProperties;
 pub const NAME: &str = "trajectory.parquet";
 /// Key of the metadata entry with the SHA-256 of the other entries.
 const DIGEST: &str = "metadata_sha256";
+/// Key of the metadata entry with the year of the first day: its days of the week and 29 February are the episode's.
+const YEAR: &str = "year";
+/// Key of the metadata entry with the discomfort of the episode.
+const DISCOMFORT: &str = "tdis_tot";
 /// Number of columns before the observations: step, month, day, hour and minute.
 const CALENDAR: usize = 5;
 /// Columns after the actions.
@@ -69,6 +74,8 @@ pub struct Identity {
     pub weather_sha256: String,
     /// SHA-256 of all values.
     pub trajectory_hash: String,
+    /// Discomfort of a whole episode with bands, K·h per zone: the integral from the start, which is not in the columns.
+    pub discomfort: Option<f64>,
 }
 
 /// A trajectory read from a file, with the file's metadata.
@@ -129,6 +136,19 @@ impl Stored {
     /// Returns an entry of the metadata.
     pub fn word(&self, key: &str) -> Result<&str> {
         Ok(self.metadata.get(key).with_context(|| format!("its metadata have no `{key}`"))?)
+    }
+
+    /// Returns the discomfort of the episode, K·h per zone; `None` in older files, of targets or of a part.
+    pub fn discomfort(&self) -> Option<f64> {
+        self.word(DISCOMFORT).ok()?.parse().ok()
+    }
+
+    /// Returns the calendar of the first day; the usual one in older files.
+    pub fn calendar(&self) -> Calendar {
+        let year = self.word(YEAR).ok().and_then(|year| year.parse().ok());
+        year.map_or_else(Calendar::default, |year| {
+            Calendar::new(weekday_of_new_year(year), is_leap_year(year))
+        })
     }
 
     /// Returns the values of an observation by its name, one at the end of each step.
@@ -201,8 +221,11 @@ impl Columns {
             ("weather_sha256", identity.weather_sha256),
             ("trajectory_hash", identity.trajectory_hash),
             ("observations", spaces.observation.len().to_string()),
+            (YEAR, period.years()[0].to_string()),
         ];
         let mut metadata = HashMap::from(metadata.map(|(key, value)| (key.to_owned(), value)));
+        metadata
+            .extend(identity.discomfort.map(|discomfort| (DISCOMFORT.to_owned(), discomfort.to_string())));
         let digest = digest(&metadata);
         metadata.insert(DIGEST.to_owned(), digest);
         let schema = Arc::new(Schema::new_with_metadata(self.fields, metadata));

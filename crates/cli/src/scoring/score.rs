@@ -58,6 +58,8 @@ struct Trajectory {
     steps: usize,
     temperature_penalty: f64,
     energy_penalty: f64,
+    /// K·h per zone, if the file states it.
+    discomfort: Option<f64>,
 }
 
 /// The object that `--json` prints.
@@ -232,18 +234,21 @@ impl Trajectory {
             steps,
             temperature_penalty,
             energy_penalty,
+            discomfort: stored.discomfort(),
         })
     }
 
-    /// Returns the metrics that scores need, and the amount of the resource of a task with its scale. Discomfort is
-    /// computed from the penalties at the ends of steps, which differs from the integral by at most half a step.
+    /// Returns the metrics that scores need, and the amount of the resource of a task with its scale. In older files,
+    /// discomfort is computed from the penalties at the ends of steps, which differ from the integral by up to half a
+    /// step where a band changes.
     fn scored(&self, task: &Task, steps_per_hour: u32) -> (EpisodeMetrics, Option<f64>) {
-        let tdis_tot = match task.comfort {
+        let at_ends = match task.comfort {
             Comfort::Band { weight } if task.is_operation() && weight > 0.0 => {
                 Some(self.temperature_penalty / weight / f64::from(steps_per_hour))
             }
             _ => None,
         };
+        let tdis_tot = self.discomfort.or(at_ends);
         let metrics = EpisodeMetrics {
             episode_return: -self.temperature_penalty - self.energy_penalty,
             steps: self.steps,

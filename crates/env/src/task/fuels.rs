@@ -31,7 +31,7 @@ pub struct Fuels {
 
 /// A constant value, or one value for each hour of the day from midnight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, or a list of 24 numbers for the hours of the day")]
 pub enum Hourly {
     /// The same all day.
     Always(f64),

@@ -1,6 +1,7 @@
 //! The folder of an evaluation: its definition, and every episode as it ends. Files are written atomically, so that an
 //! interrupted evaluation resumes.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use b2b_base::aside::{is_unfinished, write_whole, write_whole_by};
 use b2b_base::folder_lock::FolderLock;
 use b2b_control::Versions;
+use b2b_dataset::BuildingName;
 use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -47,11 +49,12 @@ impl Folder {
     ///
     /// # Errors
     /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`];
-    /// [`Error::NoEpisode`]; [`Error::Damaged`]; [`Error::Io`].
+    /// [`Error::NoEpisode`]; [`Error::SameName`]; [`Error::Damaged`]; [`Error::Io`].
     pub fn open(path: &Path, policy: &dyn Policy, episodes: &[EpisodePlan]) -> Result<Self> {
         if episodes.is_empty() {
             return Err(Error::NoEpisode);
         }
+        check_names(episodes)?;
         let definition =
             serde_json::to_value(Definition::of(policy, episodes)?).expect("plain data always serializes");
         let file = path.join(DEFINITION);
@@ -221,6 +224,20 @@ impl Definition {
     }
 }
 
+/// Errors for model files in different folders with one name.
+fn check_names(episodes: &[EpisodePlan]) -> Result<()> {
+    let mut known: BTreeMap<String, &Path> = BTreeMap::new();
+    for EpisodePlan { subject, .. } in episodes {
+        let BuildingName::Model(path) = &subject.name else { continue };
+        let first = *known.entry(subject.label()).or_insert(path);
+        if first != path {
+            let [first, second] = [first, path].map(|path| path.display().to_string());
+            return Err(Error::SameName { name: subject.label(), first, second });
+        }
+    }
+    Ok(())
+}
+
 /// Errors if the folder of a new evaluation contains anything but leftovers of an interrupted start.
 fn check_empty(path: &Path) -> Result<()> {
     let Ok(entries) = std::fs::read_dir(path) else {
@@ -302,6 +319,15 @@ mod tests {
         assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
         let said = refused(BuiltIn::random(), &houses[..1]);
         assert!(said.contains("2 episodes in the folder and 1 in this command"), "{said}");
+    }
+
+    #[test]
+    fn two_models_of_one_name_are_refused() {
+        let root = tempfile::tempdir().unwrap();
+        let plans = episodes(&["a/off.idf", "b/off.idf"]);
+        let refused = Folder::open(&root.path().join("results"), &BuiltIn::random(), &plans);
+        let said = refused.unwrap_err().to_string();
+        assert!(said.contains("a/off.idf and b/off.idf are both named `off`"), "{said}");
     }
 
     #[test]

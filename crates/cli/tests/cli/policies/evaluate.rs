@@ -121,6 +121,12 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     assert_eq!(json(folder.path(), "score random"), scored, "by the folder of the run");
     assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
 
+    // The discomfort is the run's, an integral from its start.
+    let run = "run SingleFamilyHouse-0014 --period 01-10..01-10 --controller own --out own";
+    let own = json(folder.path(), run);
+    assert!(own["tdis_tot"].as_f64().unwrap() > 0.0);
+    assert_eq!(score("own")["discomfort_k_h"], own["tdis_tot"]);
+
     // With a weather file, the baseline has the same weather.
     let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
     let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
