@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Sources of the preparation, relative to this crate. A published package lacks them and uses the versions of the
 /// crates instead.
-const SOURCES: [&str; 4] = ["src/preparation", "../building/src", "../climate/src", "../energyplus/src"];
+const SOURCES: [&str; 5] = ["src", "../base/src", "../building/src", "../climate/src", "../energyplus/src"];
 
 fn main() {
     let mut digest = DefaultHasher::new();

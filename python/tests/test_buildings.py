@@ -169,6 +169,18 @@ def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
     assert not (tmp_path / "other.epJSON").exists()
 
 
+def test_a_weather_file_that_was_replaced_is_read_again(tmp_path):
+    def sized(text):
+        weather.write_text(text)
+        with b2b.make_env("Warehouse", weather=weather, run_period="01-01..01-01") as env:
+            return env.action_space.high.tolist()
+
+    weather = tmp_path / "w.epw"
+    first, second = (b2b.find_building("Warehouse", place=place).weather.read_text() for place in ("Denver", "Miami"))
+    sizes = sized(first)
+    assert sized(second) != sizes and sized(first) == sizes
+
+
 def test_a_model_that_runs_code_is_refused_unless_it_is_allowed(tmp_path):
     weather = b2b.find_building("OfficeSmall").weather
     model = tmp_path / "hostile.epJSON"

@@ -51,7 +51,8 @@ pub struct Catalog {
     engine: Engine,
     cache: Cache,
     prototypes: Mutex<HashMap<BuildingType, Arc<Model>>>,
-    sites: Mutex<HashMap<PathBuf, Arc<Site>>>,
+    /// By weather file and its content.
+    sites: Mutex<HashMap<(PathBuf, String), Arc<Site>>>,
 }
 
 /// A building of the catalog: its model before sizing, and its weather.
@@ -86,8 +87,10 @@ impl Catalog {
     /// [`Error::Install`] and [`Error::Engine`].
     pub fn open(progress: &mut dyn Progress) -> Result<Self> {
         let engine = Engine::ensure(progress)?;
+        let library = Library::load(&engine.library)?;
+        library.check_version()?;
         Ok(Self {
-            library: Library::load(&engine.library)?,
+            library,
             engine,
             cache: Cache::from_env()?,
             prototypes: Mutex::default(),
@@ -222,8 +225,9 @@ impl Catalog {
         })
     }
 
-    fn site(&self, weather: &PathBuf) -> Result<Arc<Site>> {
-        remembered(&self.sites, weather, || Ok(Site::read(weather)?))
+    fn site(&self, weather: &Path) -> Result<Arc<Site>> {
+        let content = EpwFile::open(weather)?.sha256().to_owned();
+        remembered(&self.sites, &(weather.to_owned(), content), || Ok(Site::read(weather)?))
     }
 }
 

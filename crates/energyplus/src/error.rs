@@ -18,6 +18,24 @@ pub enum Error {
         /// Error of the loader.
         why: String,
     },
+    /// An environment variable by which EnergyPlus simulates something else than its model says.
+    #[error("the environment variable {name} changes what EnergyPlus simulates; unset it")]
+    EnvironmentVariable {
+        /// Its name.
+        name: &'static str,
+    },
+    /// Another version of EnergyPlus than results state.
+    #[error(
+        "{path} is EnergyPlus {version}; this program is for {expected}: point B2B_ENERGYPLUS to that version, or unset it"
+    )]
+    OtherVersion {
+        /// The library.
+        path: PathBuf,
+        /// Its version.
+        version: String,
+        /// The version that this program is for.
+        expected: &'static str,
+    },
     /// An input file of a run that does not exist.
     #[error("{what} not found: {path}")]
     MissingFile {

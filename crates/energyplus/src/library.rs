@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::api::Api;
+use crate::install::ENGINE_VERSION;
 use crate::{Error, Host, Result};
 
 /// The shared library of EnergyPlus, loaded for the rest of the process. Clones are cheap.
@@ -20,6 +21,25 @@ pub struct Library {
     pub(crate) host: Option<Arc<dyn Host>>,
 }
 
+/// Environment variables by which EnergyPlus simulates something else than its model says: other days, other radiation, or
+/// other shading.
+const CHANGE_RESULTS: [&str; 14] = [
+    "CIFORCETIMESTEP",
+    "CreateMinimalSurfaceVariables",
+    "DDONLY",
+    "DISABLEGLHECACHING",
+    "FULLANNUALRUN",
+    "IgnoreBeamRadiation",
+    "IgnoreDiffuseRadiation",
+    "IgnoreSolarRadiation",
+    "MINREPORTFREQUENCY",
+    "MinimalShadowing",
+    "REVERSEDD",
+    "ReportDuringWarmup",
+    "SlaterBarsky",
+    "SutherlandHodgman",
+];
+
 impl std::fmt::Debug for Library {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Library({})", self.path.display())
@@ -30,8 +50,13 @@ impl Library {
     /// Loads `libenergyplusapi` from a file.
     ///
     /// # Errors
-    /// [`Error::Library`] if the file is missing, is not a library, or lacks a function of the C API.
+    /// [`Error::Library`] if the file is missing, is not a library, or lacks a function of the C API;
+    /// [`Error::EnvironmentVariable`].
     pub fn load(path: &Path) -> Result<Self> {
+        let is_set = |name: &&str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+        if let Some(name) = CHANGE_RESULTS.into_iter().find(is_set) {
+            return Err(Error::EnvironmentVariable { name });
+        }
         let api =
             Api::load(path).map_err(|e| Error::Library { path: path.to_owned(), why: e.to_string() })?;
         Ok(Self { api: Arc::new(api), path: path.to_owned(), host: None })
@@ -52,6 +77,18 @@ impl Library {
     /// Returns the path of the library file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Checks that the library is of [`ENGINE_VERSION`], which results state.
+    ///
+    /// # Errors
+    /// [`Error::OtherVersion`].
+    pub fn check_version(&self) -> Result<()> {
+        let version = self.version();
+        match version.starts_with(ENGINE_VERSION) {
+            true => Ok(()),
+            false => Err(Error::OtherVersion { path: self.path.clone(), version, expected: ENGINE_VERSION }),
+        }
     }
 
     /// Returns the version of EnergyPlus, for example `25.2.0-cf7368216c`.

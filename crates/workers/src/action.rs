@@ -49,7 +49,7 @@ impl ActionProcess {
         let folder = temporary_folder("b2b-action-").map_err(io::Error::other)?;
         let path = folder.path().join("order.json");
         let order = ActionOrder { action: action.to_owned(), order: to_raw_value(order)? };
-        std::fs::write(&path, Order::Action(order).to_json())?;
+        std::fs::write(&path, Order::Action(order).to_json()?)?;
         let mut command = launcher.command(&path, folder.path());
         set_up(&mut command);
         Ok(Self { process: Process::new(command.spawn()?), order: path, _folder: folder })

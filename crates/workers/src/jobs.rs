@@ -54,7 +54,7 @@ impl Jobs {
     fn run<T: DeserializeOwned>(&self, doing: &str, order: &Order, output: Option<&Path>) -> Result<T> {
         let folder = temporary_folder("b2b-job-")?;
         let [path, log] = ["order.json", "worker.log"].map(|name| folder.path().join(name));
-        std::fs::write(&path, order.to_json()).map_err(at(&path))?;
+        order.to_json().and_then(|text| std::fs::write(&path, text)).map_err(at(&path))?;
         let words = File::create(&log).map_err(at(&log))?;
         let WorkerOptions { launcher, .. } = &self.0;
         let child = launcher.start(Stdio::null(), &path, folder.path(), words);

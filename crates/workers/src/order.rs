@@ -121,8 +121,11 @@ impl Order {
     }
 
     /// Returns the order as JSON.
-    pub(super) fn to_json(&self) -> Vec<u8> {
-        serde_json::to_vec(self).expect("an order is plain data")
+    ///
+    /// # Errors
+    /// For a path that is not UTF-8, which EnergyPlus cannot read either.
+    pub(super) fn to_json(&self) -> std::io::Result<Vec<u8>> {
+        serde_json::to_vec(self).map_err(std::io::Error::other)
     }
 }
 
@@ -178,6 +181,8 @@ pub(super) fn reply_file(order: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use std::os::unix::ffi::OsStringExt as _;
+
     use super::*;
 
     #[test]
@@ -191,11 +196,15 @@ mod tests {
             Order::Action(ActionOrder { action: "experiment".into(), order: raw }),
         ];
         for order in orders {
-            let text = order.to_json();
+            let text = order.to_json().unwrap();
             let tag = format!(r#"{{"order":"{}","of":{{"#, order.name());
             assert!(text.starts_with(tag.as_bytes()), "{}", String::from_utf8_lossy(&text));
-            assert_eq!(Order::parse(&text).unwrap().to_json(), text);
+            assert_eq!(Order::parse(&text).unwrap().to_json().unwrap(), text);
         }
+        let odd = PathBuf::from(std::ffi::OsString::from_vec(b"caf\xe9.idf".to_vec()));
+        let said =
+            Order::Convert(Convert { library: odd.clone(), idf: odd }).to_json().unwrap_err().to_string();
+        assert!(said.contains("UTF-8"), "{said}");
     }
 
     #[test]

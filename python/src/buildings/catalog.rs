@@ -362,8 +362,8 @@ pub fn read_control(control: Option<&str>) -> PyResult<Control> {
     Ok(control.map(str::parse).transpose().map_err(of_building)?.unwrap_or_default())
 }
 
-/// Finds a building by its name: a type, a dataset id or a model file. Except for model files, recent results with the
-/// same name and placement share their data.
+/// Finds a building by its name: a type, a dataset id or a model file. Except for files of models and weather, which may
+/// change, recent results with the same name and placement share their data.
 #[pyfunction]
 #[pyo3(signature = (name, place=None, weather=None, allow_external=false, control=None, keep_design_days=false))]
 pub fn find_building(
@@ -382,7 +382,7 @@ pub fn find_building(
     let place = place.map(Place::find).transpose().map_err(of_building)?;
     let control = read_control(control)?;
     let placement = Placement { place, weather, allow_external, control, keep_design_days, transition: None };
-    let is_file = matches!(name, BuildingName::Model(_));
+    let is_file = matches!(name, BuildingName::Model(_)) || placement.weather.is_some();
     let known = locked(&KNOWN)
         .iter()
         .find(|(known, at, _)| !is_file && (known, at) == (&name, &placement))

@@ -14,6 +14,7 @@ use crate::env::record::Record;
 use crate::env::{Observations, Stepped};
 use crate::interpreter::arrays;
 use crate::interpreter::error::{Exception, of_building, of_env};
+use crate::interpreter::process::OwnerProcess;
 use crate::spaces::Spaces;
 
 /// An environment in this process. The engine's stack belongs to this thread, so it cannot move to another thread.
@@ -23,6 +24,7 @@ pub struct LocalEnv {
     setting: Setting,
     spaces: Arc<EnvSpaces>,
     applied_action: Vec<f64>,
+    owner: OwnerProcess,
 }
 
 #[pymethods]
@@ -45,6 +47,7 @@ impl LocalEnv {
             env: Some(env),
             setting: setting.clone(),
             spaces: Arc::new(spaces),
+            owner: OwnerProcess::this(),
         })
     }
 
@@ -110,7 +113,17 @@ impl LocalEnv {
 
     /// Ends the episode and the engine.
     fn close(&mut self) {
-        self.env = None;
+        let env = self.env.take();
+        if !self.owner.is_current() {
+            // In a fork, the engine's files are the parent's.
+            std::mem::forget(env);
+        }
+    }
+}
+
+impl Drop for LocalEnv {
+    fn drop(&mut self) {
+        self.close();
     }
 }
 

@@ -100,6 +100,18 @@ def test_a_fork_does_not_touch_the_environments_of_its_parent(make):
     env.step(env.action_space.low)
 
 
+def test_a_fork_does_not_end_an_environment_in_the_process_of_its_parent(make):
+    env = make(in_process=True)
+    env.reset()
+    child = os.fork()
+    if child == 0:
+        env.close()
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    env.step(env.action_space.low)
+    env.reset()
+
+
 @pytest.mark.parametrize("options", [{}, {"resample": True, "split": "test_small"}])
 def test_a_forked_vector_environment_works_after_its_next_reset(options):
     envs = b2b.make_vec("SingleFamilyHouse", 2, rescale_action=True, timesteps_per_hour=1, **DAY, **options)

@@ -6,6 +6,8 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Id of the process that started this one, if this is an action that ends with it.
@@ -24,15 +26,29 @@ static PATIENT: AtomicBool = AtomicBool::new(false);
 pub fn listen() -> Result<()> {
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::clone(&TOO_LARGE))
         .context("cannot install the handler of file sizes")?;
-    ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::Relaxed) {
-            end();
-        }
-        if !PATIENT.load(Ordering::Relaxed) {
-            std::thread::spawn(end_after_grace);
-        }
-    })
-    .context("cannot install the Ctrl-C handler")
+    let handled =
+        [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| *signal != SIGHUP || !ignores_hangups());
+    let mut signals = Signals::new(handled).context("cannot install the Ctrl-C handler")?;
+    std::thread::spawn(move || signals.forever().for_each(|_| request()));
+    Ok(())
+}
+
+/// Returns whether the process was started with `nohup`: hangups are ignored, and stay so.
+fn ignores_hangups() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 1)
+}
+
+/// Requests the end of the command; the second time, ends it.
+fn request() {
+    if REQUESTED.swap(true, Ordering::Relaxed) {
+        end();
+    }
+    if !PATIENT.load(Ordering::Relaxed) {
+        std::thread::spawn(end_after_grace);
+    }
 }
 
 /// Installs the handlers in a process that stops when the one that started it has ended.

@@ -206,6 +206,10 @@ fn a_missing_engine_is_reported_with_a_remedy() {
     let mut command = sandbox.command(B2B, SHORT);
     command.env_remove("B2B_ENERGYPLUS").env("B2B_CACHE", empty.path()).env("B2B_OFFLINE", "1");
     sandbox.assert_refused(&mut command, &["B2B_OFFLINE", "b2b setup"]);
+    // With this variable, EnergyPlus would simulate January for July, and the sizes would be kept.
+    let mut command = sandbox.command(B2B, SHORT);
+    command.env("FULLANNUALRUN", "Yes");
+    sandbox.assert_refused(&mut command, &["FULLANNUALRUN", "unset it"]);
 }
 
 #[test]
@@ -268,6 +272,19 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
         assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new());
         assert_eq!(workers_of(process), Vec::<u32>::new(), "processes of the run that are still there");
     }
+}
+
+#[test]
+fn a_run_under_nohup_survives_a_hangup() {
+    let sandbox = Sandbox::new();
+    let mut command =
+        sandbox.command("nohup", &format!("{B2B} run RestaurantFastFood --period 01-01..01-21"));
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let process = child.id();
+    wait_until(|| runs_an_episode(process));
+    kill_process(Pid::from_child(&child), Signal::HUP).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
 }
 
 #[test]

@@ -163,6 +163,7 @@ impl Episode {
         let slot = self.slot()?;
         let order = to_raw_value(order).expect("an order is plain data");
         let order = Order::Fragment(FragmentOrder { runner: runner.to_owned(), order }).to_json();
+        let order = order.map_err(|source| Error::Io { path: runner.into(), source })?;
         let command = if Region::has_room_for(&order) {
             self.workers.region().write_report(slot, &order);
             Command::Fragment

@@ -223,7 +223,8 @@ impl Pool {
     /// Starts a process for a slot. If that fails, the caller keeps the slot.
     fn start_process_in(&mut self, slot: u32, order: &Order) -> Result<TemplateProcess> {
         let (path, log) = (self.slots.file(slot, "order"), self.slots.file(slot, "log"));
-        std::fs::write(&path, order.to_json()).map_err(|source| Error::Io { path: path.clone(), source })?;
+        let written = order.to_json().and_then(|text| std::fs::write(&path, text));
+        written.map_err(|source| Error::Io { path: path.clone(), source })?;
         let log = File::create(&log).map_err(|source| Error::Io { path: log, source })?;
         let memory = self.region.share().map_err(unavailable("a descriptor of the shared memory"))?;
         let launcher = &self.options.launcher;

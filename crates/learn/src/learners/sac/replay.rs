@@ -103,6 +103,7 @@ impl ReplayBuffer {
     pub fn add(&mut self, rollout: &Rollout) {
         assert_eq!(rollout.environments, self.environments, "environments of a replay buffer");
         for environment in 0..self.environments {
+            self.end_unless_continued(rollout, environment);
             for step in 0..rollout.steps {
                 self.add_step(rollout, environment, step);
             }
@@ -116,6 +117,19 @@ impl ReplayBuffer {
             }
         }
         self.added += rollout.steps;
+    }
+
+    /// Ends the newest step of an environment if a rollout begins with another observation than the one after it: the
+    /// steps in between were lost with their process.
+    fn end_unless_continued(&mut self, rollout: &Rollout, environment: usize) {
+        if self.is_empty() || rollout.steps == 0 {
+            return;
+        }
+        let (newest, width) = (self.place(environment, self.added - 1), self.widths.observation);
+        let first = row(&rollout.observations, environment * rollout.steps, width);
+        if row(&self.next, newest, width) != first {
+            self.ends[newest] = 1.0;
+        }
     }
 
     /// Marks that the next steps do not continue the newest ones.
@@ -311,6 +325,19 @@ mod tests {
             }
         }
         unreachable!("a return has at least one step")
+    }
+
+    #[test]
+    fn returns_do_not_continue_over_lost_steps() {
+        let mut known = [vec![], vec![]];
+        let mut replay = ReplayBuffer::new(WIDTHS, 2, 2 * 17);
+        replay.add(&rollout(0, 2, &mut known));
+        let mut second = rollout(2, 2, &mut known);
+        // The second environment begins elsewhere.
+        second.observations[2] = 77.0;
+        replay.add(&second);
+        let last = |environment: usize| replay.look_ahead(environment, 1, 3, GAMMA).last;
+        assert_eq!([last(0), last(1)], [replay.place(0, 3), replay.place(1, 1)]);
     }
 
     #[test]
