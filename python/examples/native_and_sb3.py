@@ -83,7 +83,7 @@ def sb3(folder, seed, config):
         task=TASK,
         run_period=arguments.period,
         window_days=config["window_days"] or None,
-        window_starts=config["window_starts"],
+        window_starts=config["window_starts"] if config["window_days"] else None,
     )
     ppo = config["ppo"]
     model = PPO(

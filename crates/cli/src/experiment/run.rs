@@ -94,7 +94,7 @@ pub fn failures(arguments: &Arguments) -> Result<Vec<String>> {
 /// Takes over the results of other folders, and creates the folder unless this is a dry run. Errors if its results are
 /// another version's.
 fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jobs: &[Job]) -> Result<()> {
-    folder.check_versions(jobs)?;
+    folder.check_versions(jobs, experiment.report)?;
     for other in &arguments.reuse {
         let count = folder.reuse(jobs, experiment.report, other)?;
         if !arguments.json {

@@ -226,10 +226,11 @@ impl Definition {
 
 /// Errors for model files in different folders with one name.
 fn check_names(episodes: &[EpisodePlan]) -> Result<()> {
-    let mut known: BTreeMap<String, &Path> = BTreeMap::new();
+    let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
     for EpisodePlan { subject, .. } in episodes {
         let BuildingName::Model(path) = &subject.name else { continue };
-        let first = *known.entry(subject.label()).or_insert(path);
+        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+        let first = known.entry(subject.label()).or_insert_with(|| path.clone()).clone();
         if first != path {
             let [first, second] = [first, path].map(|path| path.display().to_string());
             return Err(Error::SameName { name: subject.label(), first, second });

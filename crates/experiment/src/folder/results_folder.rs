@@ -129,13 +129,15 @@ impl Folder {
         }
     }
 
-    /// Checks that kept results of jobs have this program's versions.
+    /// Checks that the results of jobs that are done have this program's versions.
     ///
     /// # Errors
-    /// [`Error::OtherVersion`].
-    pub fn check_versions(&self, jobs: &[Job]) -> Result<()> {
-        let mut kept = jobs.iter().filter(|job| self.is_done(job)).filter_map(|job| self.kept(job));
-        kept.try_for_each(|result| self.check_version(result))
+    /// [`Error::OtherVersion`]; errors of [`Folder::result`].
+    pub fn check_versions(&self, jobs: &[Job], report: ReportKind) -> Result<()> {
+        for job in jobs.iter().filter(|job| self.is_done(job)) {
+            self.result(job, report)?.map_or(Ok(()), |result| self.check_version(&result))?;
+        }
+        Ok(())
     }
 
     fn check_version(&self, result: &JobResult) -> Result<()> {

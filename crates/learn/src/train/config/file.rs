@@ -153,6 +153,11 @@ impl TrainConfig {
                 (Self::preset(&name).map_err(said)?, self.training_set.problem.clone())
             }
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),
+            // What the file of a run leaves out is `None`, and not this configuration's.
+            None if is_whole(&changes) => {
+                let default = Self::default().with_algorithm(self.learner.name()).map_err(said)?;
+                (default, self.training_set.problem.clone())
+            }
             None => (self.clone(), String::new()),
         };
         let problem = changes.get("problem").and_then(Value::as_str).unwrap_or(&problem);
@@ -259,8 +264,21 @@ impl Options {
     }
 }
 
-/// Returns the option of the hidden layers of PPO that changes set to another value than a table has.
+/// Returns whether a table is the file of a run, which has every option but those that are `None`. What the caller gives
+/// was taken out of it.
+fn is_whole(changes: &Table) -> bool {
+    let all: Table = toml::from_str(&TrainConfig::default().to_toml()).expect("what is written can be read");
+    let given = [ALGORITHM, "problem", LearnerChoice::default().name()];
+    all.keys().all(|key| given.contains(&key.as_str()) || changes.contains_key(key))
+}
+
+/// Returns the option of the hidden layers of PPO that changes set to another value than a table has; none for the file of
+/// a run, which has every option.
 fn changed_width(base: &Table, changes: &Table) -> Option<&'static str> {
+    let count = |table: &Table| table.get("ppo").and_then(Value::as_table).map_or(0, Table::len);
+    if count(changes) >= count(base) {
+        return None;
+    }
     let of = |table: &Table, name: &str| table.get("ppo")?.get(name).cloned();
     ["actor_hidden", "critic_hidden"]
         .into_iter()

@@ -114,9 +114,10 @@ impl<'de> Visitor<'de> for TasksVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Tasks, A::Error> {
-        let task = Task::deserialize(MapAccessDeserializer::new(map))?;
-        task.check().map_err(A::Error::custom)?;
-        Ok(task.into())
+        // As in a JSON file: what is omitted depends on the task.
+        let given = serde_json::Map::deserialize(MapAccessDeserializer::new(map))?;
+        let task = Task::from_text(&serde_json::Value::from(given).to_string());
+        Ok(task.map_err(A::Error::custom)?.into())
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Tasks, A::Error> {

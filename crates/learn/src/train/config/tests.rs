@@ -152,6 +152,22 @@ fn a_wrong_key_or_value_is_an_error_that_names_it() {
 }
 
 #[test]
+fn a_task_in_a_table_is_the_one_in_a_text() {
+    let of = |text: &str| changed(&TrainConfig::default(), text).training_set.task;
+    assert_eq!(of("task = { setpoints = { mode = 'band' }, tariff = 'tou' }"), of("task = 'operate+tou'"));
+    let both = "task = { tariff = 'tou', prices = { electricity = 1, gas = 1 } }";
+    assert!(
+        TrainConfig::default().with_changes(both).unwrap_err().contains("`tariff` replaces its `prices`")
+    );
+}
+
+#[test]
+fn the_file_of_a_graph_run_can_be_given_with_another_preset() {
+    let graph = changed(&TrainConfig::preset("paper").unwrap(), "policy = { kind = 'graph' }");
+    assert_eq!(changed(&TrainConfig::preset("residual").unwrap(), &graph.to_toml()), graph);
+}
+
+#[test]
 fn what_a_file_asks_for_is_not_turned_off_by_the_caller_s_algorithm() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
