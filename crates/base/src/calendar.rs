@@ -29,6 +29,11 @@ impl Default for Calendar {
 }
 
 impl Calendar {
+    /// Returns the calendar of a year of the Gregorian calendar.
+    pub const fn of_year(year: u32) -> Self {
+        Self::new(weekday_of_new_year(year), is_leap_year(year))
+    }
+
     /// Returns the calendar of a year that begins on a day of the week, 0 (Monday) to 6 (Sunday), with or without 29
     /// February.
     pub const fn new(new_year: u32, leap: bool) -> Self {

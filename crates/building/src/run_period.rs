@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
+use b2b_base::calendar::{Calendar, is_leap_year};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -223,7 +223,7 @@ impl RunPeriod {
         let in_second = self.calendar.is_leap() && !in_first;
         let weekday = self.calendar.weekday(self.first.in_calendar(self.calendar));
         let has_days = |year: &u32| {
-            let calendar = Calendar::new(weekday_of_new_year(*year), is_leap_year(*year));
+            let calendar = Calendar::of_year(*year);
             let begins = calendar.day(first).is_some_and(|day| calendar.weekday(day) == weekday);
             begins && is_leap_year(*year) == in_first && (!passes || is_leap_year(year + 1) == in_second)
         };
@@ -327,7 +327,7 @@ mod tests {
         let years =
             ["01-01..01-01", "02-15..01-09", "12-27..01-09", "12-01..03-15"].map(|text| of(text).years());
         for ([year, next], first) in years.into_iter().zip([[1, 1], [2, 15], [12, 27], [12, 1]]) {
-            let calendar = Calendar::new(weekday_of_new_year(year), is_leap_year(year));
+            let calendar = Calendar::of_year(year);
             let day = leap.day(first).unwrap();
             assert_eq!(calendar.weekday(calendar.day(first).unwrap()), leap.weekday(day), "{year}");
             assert!(is_leap_year(year) != (is_leap_year(next) && next > year), "{year} {next}");

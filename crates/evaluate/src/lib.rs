@@ -43,7 +43,7 @@ pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{
     Ablation, ActionScale, BuiltIn, EpisodeContext, HouseForm, OnnxPolicy, Policy, PolicyForm,
-    PolicyInterface, is_agent, is_onnx,
+    PolicyInterface, is_agent, is_onnx, without_noise,
 };
 pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;

@@ -8,6 +8,8 @@
 use b2b_base::carrier::Carrier;
 use serde::{Deserialize, Serialize};
 
+use crate::hvac::air_loop_graph::components;
+use crate::hvac::references::Reference;
 use crate::model::{Model, items, text};
 
 /// A meter of the engine that counts toward HVAC energy.
@@ -176,11 +178,11 @@ pub(crate) fn heating_tanks(model: &Model) -> Option<String> {
     let mut tanks = Vec::new();
     for (_, plant) in model.objects("PlantLoop") {
         let of_side = |side: &str| of_branch_list(model, text(plant, side).unwrap_or_default());
-        let heats = |(class, _): &(&str, &str)| HEATERS.iter().any(|begin| begins_with(class, begin));
+        let heats = |of: &Reference| HEATERS.iter().any(|begin| begins_with(&of.class, begin));
         if of_side("demand_side_branch_list_name").iter().any(heats) {
             let supply = of_side("plant_side_branch_list_name");
-            let own = supply.into_iter().filter(|(class, _)| begins_with(class, "WaterHeater:"));
-            tanks.extend(own.map(|(_, name)| format!("`{name}`")));
+            let own = supply.into_iter().filter(|of| begins_with(&of.class, "WaterHeater:"));
+            tanks.extend(own.map(|of| format!("`{}`", of.name)));
         }
     }
     (!tanks.is_empty()).then(|| {
@@ -197,14 +199,11 @@ fn begins_with(class: &str, begin: &str) -> bool {
     class.get(..begin.len()).is_some_and(|start| start.eq_ignore_ascii_case(begin))
 }
 
-/// Returns classes and names of the components of a branch list; none of what the model lacks.
-fn of_branch_list<'a>(model: &'a Model, list: &str) -> Vec<(&'a str, &'a str)> {
+/// Returns the components of a branch list; none of what the model lacks.
+fn of_branch_list(model: &Model, list: &str) -> Vec<Reference> {
     let branches = model.get("BranchList", list).into_iter().flat_map(|list| items(list, "branches"));
-    let branches = branches.filter_map(|item| model.get("Branch", text(item, "branch_name")?));
-    let components = branches.flat_map(|branch| items(branch, "components"));
-    components
-        .filter_map(|item| Some((text(item, "component_object_type")?, text(item, "component_name")?)))
-        .collect()
+    let names = branches.filter_map(|item| text(item, "branch_name"));
+    names.flat_map(|name| components(model, name).unwrap_or_default()).map(|found| found.object).collect()
 }
 
 /// Ideal loads take district heating by hot water and district cooling unless they name other fuels.

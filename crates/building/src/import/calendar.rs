@@ -1,6 +1,6 @@
 //! The calendar of a user's model: the days of the week of its run period or of a measured year, and 29 February.
 
-use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
+use b2b_base::calendar::{Calendar, weekday_of_new_year};
 use b2b_climate::Site;
 
 use crate::model::{Fields, Model, number, text};
@@ -58,7 +58,7 @@ fn new_year(fields: &Fields, leap: bool) -> Option<u32> {
     let first = [whole("begin_month").unwrap_or(1), whole("begin_day_of_month").unwrap_or(1)];
     let weekday = match (whole("begin_year"), named) {
         (Some(year), _) => {
-            let calendar = Calendar::new(weekday_of_new_year(year), is_leap_year(year));
+            let calendar = Calendar::of_year(year);
             calendar.weekday(calendar.day(first)?)
         }
         (None, named) => named? as u32,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use b2b_evaluate::{ActionScale, Policy, is_onnx};
+use b2b_evaluate::{ActionScale, Policy, is_onnx, without_noise};
 
 /// A policy and the meaning of its actions.
 #[derive(clap::Args)]
@@ -33,7 +33,6 @@ impl PolicyArguments {
     /// Returns the scale of the actions of these policies. Errors if it is given and none of them is an ONNX file.
     pub fn scale<'a>(&self, mut policies: impl Iterator<Item = &'a str>) -> Result<ActionScale> {
         let Some(actions) = self.actions else { return Ok(ActionScale::Rescaled) };
-        let without_noise = |text: &'a str| text.rsplit_once("+noise").map_or(text, |(policy, _)| policy);
         if !policies.any(|text| is_onnx(Path::new(without_noise(text)))) {
             bail!("--actions is for ONNX policies, and {} is none; remove it", self.text());
         }

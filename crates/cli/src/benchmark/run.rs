@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, EpisodePoint, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_evaluate::statistics::{Aggregate, score_text};
-use b2b_evaluate::{Baselines, EpisodeResult};
+use b2b_evaluate::{ActionScale, Baselines, EpisodeResult};
 
 use super::selection::Selection;
 use crate::arguments::jobs::Jobs;
@@ -131,13 +131,17 @@ impl Arguments {
         })
     }
 
+    /// Returns the scale of the actions of all policies.
+    fn scale(&self) -> Result<ActionScale> {
+        let others = [&self.train_policy, &self.upper_bound].into_iter().flatten();
+        let all = others.chain(self.adapted.iter().map(|(_, policy)| policy)).map(String::as_str);
+        self.policy.scale(all.chain([self.policy.text()]))
+    }
+
     fn entry_policy(&self, problem: &Problem, text: &str, stage: Stage) -> Result<EntryPolicy> {
         let seeds = &problem.protocol.seeds;
         let episodes = problem.episodes(stage, &seeds[..1]);
-        let others = [&self.train_policy, &self.upper_bound].into_iter().flatten();
-        let all = others.chain(self.adapted.iter().map(|(_, policy)| policy)).map(String::as_str);
-        let scale = self.policy.scale(all.chain([self.policy.text()]))?;
-        let policy = EntryPolicy::read(text, scale, seeds, &episodes);
+        let policy = EntryPolicy::read(text, self.scale()?, seeds, &episodes);
         policy.with_context(|| format!("no policy for stage {stage}"))
     }
 }

@@ -11,7 +11,7 @@ use arrow_array::Array;
 use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
-use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
+use b2b_base::calendar::Calendar;
 use b2b_base::digest::sha256;
 use b2b_control::Versions;
 use b2b_env::{DecisionLog, EpisodeConfig, Spaces, Trajectory};
@@ -146,9 +146,7 @@ impl Stored {
     /// Returns the calendar of the first day; the usual one in older files.
     pub fn calendar(&self) -> Calendar {
         let year = self.word(YEAR).ok().and_then(|year| year.parse().ok());
-        year.map_or_else(Calendar::default, |year| {
-            Calendar::new(weekday_of_new_year(year), is_leap_year(year))
-        })
+        year.map_or_else(Calendar::default, Calendar::of_year)
     }
 
     /// Returns the values of an observation by its name, one at the end of each step.

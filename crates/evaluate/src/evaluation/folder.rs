@@ -230,9 +230,9 @@ fn check_names(episodes: &[EpisodePlan]) -> Result<()> {
     for EpisodePlan { subject, .. } in episodes {
         let BuildingName::Model(path) = &subject.name else { continue };
         let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-        let first = known.entry(subject.label()).or_insert_with(|| path.clone()).clone();
-        if first != path {
-            let [first, second] = [first, path].map(|path| path.display().to_string());
+        let first = known.entry(subject.label()).or_insert_with(|| path.clone());
+        if *first != path {
+            let [first, second] = [&*first, &path].map(|path| path.display().to_string());
             return Err(Error::SameName { name: subject.label(), first, second });
         }
     }

@@ -20,4 +20,5 @@ pub(crate) use form::controller;
 pub use form::{HouseForm, PolicyForm};
 pub use interface::{EpisodeContext, Policy, PolicyInterface};
 pub use named::{is_agent, is_onnx};
+pub use noisy::without_noise;
 pub use onnx::OnnxPolicy;

@@ -18,6 +18,11 @@ pub struct NoisyPolicy {
     level: f64,
 }
 
+/// Returns the name of a policy without its noise.
+pub fn without_noise(name: &str) -> &str {
+    name.rsplit_once(SEPARATOR).map_or(name, |(policy, _)| policy)
+}
+
 impl NoisyPolicy {
     /// Returns the name of the policy and the level of the noise in a name such as `reactive+noise0.2`.
     ///

@@ -1,6 +1,6 @@
 //! The hourly chart of one episode.
 
-use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
+use b2b_base::calendar::Calendar;
 use b2b_building::RunPeriod;
 use serde_json::{Value, json};
 
@@ -36,9 +36,8 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Op
 
 /// Returns the start of each hour from a first day on, in milliseconds of Unix time. The chart does not show the year.
 fn times([year, month, day]: [u32; 3], hours: usize) -> Vec<i64> {
-    let of_year = |year| Calendar::new(weekday_of_new_year(year), is_leap_year(year));
-    let before: u32 = (1970..year).map(|year| of_year(year).days()).sum();
-    let first = before + of_year(year).day([month, day]).map_or(0, |day| day - 1);
+    let before: u32 = (1970..year).map(|year| Calendar::of_year(year).days()).sum();
+    let first = before + Calendar::of_year(year).day([month, day]).map_or(0, |day| day - 1);
     let start = i64::from(first) * 24 * HOUR_MS;
     (0..hours as i64).map(|hour| start + hour * HOUR_MS).collect()
 }

@@ -107,7 +107,7 @@ impl Collection<'_> {
             total_steps: file.rewards.len(),
             seed: episode.seed,
             building: match model_path(episode) {
-                Some(path) => placement.control.name_of(&BuildingName::Model(path)),
+                Some(path) => format!("{}{}", path.display(), placement.control.suffix()),
                 None => episode.subject.label(),
             },
             place: placement.place.map(|place| place.name.to_owned()),

@@ -102,18 +102,18 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     let path = out.join(CONFIG);
     if path.exists() {
         let before = TrainConfig::of_run(out)?;
-        let before_steps = before.budget.steps;
+        let (steps, before_steps) = (config.budget.steps, before.budget.steps);
         // More steps continue a run. Permissions of models are in no file.
-        let budget = Budget { steps: config.budget.steps, ..before.budget.clone() };
+        let budget = Budget { steps, ..before.budget.clone() };
         let allow_external = config.training_set.allow_external;
         let training_set = TrainingSet { allow_external, ..before.training_set.clone() };
         if (TrainConfig { budget, training_set, ..before }) != *config {
             let why = format!("its {CONFIG} differs from this run's; choose another folder");
             return Err(Error::Resume { path: out.to_owned(), why });
         }
-        let steps = config.budget.steps;
-        let done = Checkpoint::read(out)?.map_or(0, |checkpoint| checkpoint.steps);
-        if steps < before_steps && steps < done {
+        let done = |checkpoint: Checkpoint| checkpoint.steps;
+        let done = if steps < before_steps { Checkpoint::read(out)?.map_or(0, done) } else { 0 };
+        if steps < done {
             let why = format!("it has {done} steps, more than `steps`, {steps}; expected at least {done}");
             return Err(Error::Resume { path: out.to_owned(), why });
         }

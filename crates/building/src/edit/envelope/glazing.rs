@@ -33,9 +33,8 @@ struct Glass {
 /// Sets the U-factor (W/m²K) and the solar heat gain coefficient, if given, of every window and glass door in exterior
 /// walls. Returns the number of windows and glass doors.
 ///
-/// Skylights and interior windows are not changed: glazing that they share is copied. A construction that is
-/// given layer by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must
-/// be given.
+/// Skylights and interior windows are not changed: glazing that they share is copied. A construction that is given layer
+/// by layer is replaced by one with a `WindowMaterial:SimpleGlazingSystem`, for which both properties must be given.
 ///
 /// # Errors
 /// [`Error::Edit`] naming the construction that cannot be changed; [`Error::MissingObject`] for a dangling reference.

@@ -44,8 +44,6 @@ struct Requirement {
     construction: String,
     lever: Lever,
     resistance: f64,
-    /// Whether the outdoors or an attic are behind the last layer, as on the floor of an attic.
-    is_reversed: bool,
 }
 
 /// Sets the assembly U-factor of every exterior wall and roof, if given, W/m²K with the code's air films, through the
@@ -53,8 +51,8 @@ struct Requirement {
 ///
 /// The insulation is a `Material:NoMass`, or else the most resistive `Material`, whose conductivity changes. A
 /// construction without insulation that needs more resistance gets a layer of it outside, or on top of the floor of an
-/// attic. Insulation that other
-/// constructions use with another resistance is copied. Other surfaces with the same construction change, too.
+/// attic. Insulation that other constructions use with another resistance is copied. Other surfaces with the same
+/// construction change, too.
 ///
 /// Under an attic, the ceiling counts as the roof, because the deck has no insulation and the attic is vented.
 ///
@@ -74,9 +72,7 @@ pub fn insulate(model: &mut Model, walls: Option<Amount>, roofs: Option<Amount>)
     for (names, amount, films) in [(&of_walls, walls, WALL_FILMS), (&of_roofs, roofs, ROOF_FILMS)] {
         let Some(amount) = amount else { continue };
         for construction in names {
-            let mut found = requirement(model, construction, amount, films)?;
-            found.is_reversed = floors.contains(construction) && !others.contains(construction);
-            requirements.push(found);
+            requirements.push(requirement(model, construction, amount, films)?);
         }
     }
     reject_conflicts(&requirements)?;
@@ -86,7 +82,13 @@ pub fn insulate(model: &mut Model, walls: Option<Amount>, roofs: Option<Amount>)
     }
     for (lever, requirements) in of_levers {
         match lever {
-            Lever::NewLayer => requirements.iter().try_for_each(|each| add_layer(model, each))?,
+            Lever::NewLayer => {
+                for each in &requirements {
+                    let name = &each.construction;
+                    // On the floor of an attic, the attic is behind the last layer.
+                    add_layer(model, each, floors.contains(name) && !others.contains(name))?;
+                }
+            }
             Lever::Resistance(material) => set_all(model, INSULATION, &material, &requirements)?,
             Lever::Conductivity(material) => set_all(model, "Material", &material, &requirements)?,
         }
@@ -122,7 +124,7 @@ fn requirement(model: &Model, construction: &str, amount: Amount, films: f64) ->
     let too_low =
         "its other layers alone have a lower U-factor than requested; request a lower one, or remove layers";
     let (lever, resistance) = lever.ok_or_else(|| unsupported(construction, too_low))?;
-    Ok(Requirement { construction: construction.to_owned(), lever, resistance, is_reversed: false })
+    Ok(Requirement { construction: construction.to_owned(), lever, resistance })
 }
 
 /// Returns the resistance of each layer of a material for which all layers sum to `total`; `None` if it is too low.
@@ -223,15 +225,15 @@ fn copy_for(model: &mut Model, class: &str, material: &str, group: &[&Requiremen
     Ok(copied)
 }
 
-/// Adds a layer of insulation on the cold side, with the surface of the layer that was there.
-fn add_layer(model: &mut Model, requirement: &Requirement) -> Result<()> {
+/// Adds a layer of insulation outside, or behind the last layer, with the surface of the layer that was there.
+fn add_layer(model: &mut Model, requirement: &Requirement, is_last: bool) -> Result<()> {
     let construction = model.require("Construction", &requirement.construction)?;
-    let old: Vec<String> = layers(construction).map(str::to_owned).collect();
+    let mut all: Vec<String> = layers(construction).map(str::to_owned).collect();
     let wanted = format!("Insulation of {}", spelled(model, "Construction", &requirement.construction));
     let name = unused_name(model, "Material", &wanted);
     let mut fields = json!({"roughness": "MediumSmooth", "thermal_resistance": requirement.resistance});
-    let cold = if requirement.is_reversed { old.last() } else { old.first() };
-    if let Some(outside) = cold.and_then(|layer| model.get("Material", layer)) {
+    let beside = if is_last { all.last() } else { all.first() };
+    if let Some(outside) = beside.and_then(|layer| model.get("Material", layer)) {
         for field in ["roughness", "thermal_absorptance", "solar_absorptance", "visible_absorptance"] {
             if let Some(value) = outside.get(field) {
                 fields[field] = value.clone();
@@ -240,8 +242,7 @@ fn add_layer(model: &mut Model, requirement: &Requirement) -> Result<()> {
     }
     model.insert(INSULATION, &name, fields);
     let construction = model.require_mut("Construction", &requirement.construction)?;
-    let mut all = old;
-    all.insert(if requirement.is_reversed { all.len() } else { 0 }, name);
+    all.insert(if is_last { all.len() } else { 0 }, name);
     for (field, layer) in LAYERS.into_iter().zip(all) {
         construction.insert(field.into(), layer.into());
     }

@@ -81,6 +81,8 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
     let summary = json(path, &format!("collect own-v0 {model} {day}"));
     assert_eq!((&summary["steps"], &summary["contents"]["rescaled"]), (&288.into(), &false.into()));
     assert_eq!(std::fs::read_dir(path.join("datasets")).unwrap().count(), 2);
+    let output = b2b(path, "clone datasets/own-v0 --updates 20 --out clone-own");
+    assert!(output.status.success(), "{}", stderr(&output));
 }
 
 /// A corpus of two types, small enough for a test.
