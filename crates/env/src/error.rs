@@ -171,6 +171,12 @@ pub enum Error {
         /// The part.
         part: &'static str,
     },
+    /// A field of a task that has no effect with bands.
+    #[error("the task's `{field}` has no effect with comfort bands; remove it")]
+    WithoutEffect {
+        /// The field.
+        field: &'static str,
+    },
     /// A field of a task that another one replaces.
     #[error("the task's `{by}` replaces its `{field}`; remove one of them")]
     Replaced {

@@ -36,7 +36,8 @@ pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, EpisodeInfo, EpisodePlan, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
     KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, read_episodes,
-    read_kept, read_stages, relative_energy, relative_resource, sequences, write_episodes, write_stages,
+    read_kept, read_stages, relative_energy, relative_resource, resource_heading, sequences, write_episodes,
+    write_stages,
 };
 pub use output::read_rows;
 pub use panics::panic_message;

@@ -20,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::buildings::table::{self, Row};
 use crate::interpreter::arrays;
-use crate::interpreter::error::{Exception, of_building, of_env};
+use crate::interpreter::error::{Exception, of_building, of_env, of_task};
 use crate::interpreter::process::{launcher, locked};
 use crate::interpreter::signals::{Signals, interrupted, stopped};
 
@@ -354,7 +354,7 @@ pub fn check_weather(file: PathBuf) -> PyResult<()> {
 
 /// Reads a task from its short form, a JSON file or JSON text.
 pub fn read_task(text: &str) -> PyResult<Task> {
-    Task::from_text(text).map_err(of_env)
+    Task::from_text(text).map_err(of_task)
 }
 
 /// Reads what an agent sets in a building; `actuators` by default.

@@ -158,18 +158,41 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
         Error::NotReset | Error::Busy | Error::Lost { .. } | Error::OtherSnapshot { .. } => {
             Exception::Episode
         }
-        Error::Template { .. } | Error::TooWide { .. } => Exception::Building,
+        Error::Template { .. }
+        | Error::TooWide { .. }
+        | Error::SlotWithoutNode { .. }
+        | Error::Building(_) => Exception::Building,
         Error::UnknownTask { .. }
         | Error::InvalidTask { .. }
         | Error::TaskFile { .. }
-        | Error::TaskValue { .. } => Exception::Task,
-        Error::StepsPerHour(_) | Error::Window { .. } | Error::NoEnvironment => Exception::Setting,
+        | Error::TaskValue { .. }
+        | Error::NeedsBands { .. }
+        | Error::WithoutEffect { .. }
+        | Error::Replaced { .. }
+        | Error::OwnFaults
+        | Error::BandCrosses { .. }
+        | Error::Tariff(_) => Exception::Task,
+        Error::StepsPerHour(_)
+        | Error::Window { .. }
+        | Error::WeatherRows { .. }
+        | Error::WeatherDays { .. }
+        | Error::Weight(_)
+        | Error::NoBuilding
+        | Error::NoEnvironment => Exception::Setting,
         Error::Engine(_) | Error::EpisodeLength { .. } | Error::ObservationNotFinite { .. } => {
             Exception::Engine
         }
-        _ => Exception::Process,
+        Error::Pool { .. } | Error::Io { .. } => Exception::Process,
     };
     exception.new_err(error.to_string())
+}
+
+/// Converts an error of a task to an exception: also files that it names are part of it.
+pub fn of_task(error: b2b_env::Error) -> PyErr {
+    match error {
+        b2b_env::Error::Io { .. } => Exception::Task.new_err(error.to_string()),
+        error => of_env(error),
+    }
 }
 
 /// Converts an error of a controller to an exception.

@@ -345,6 +345,8 @@ def test_a_frame_has_the_power_of_the_steps_between_two_calls(make):
         ({"building_type": "OfficeSmall", "split": "test"}, errors.SettingError, "pass index=0"),
         ({"building_type": "OfficeSmall", "task": "cosy"}, errors.TaskError, "occupancy"),
         ({"building_type": "OfficeSmall", "task": "task_occ_e05"}, errors.TaskError, "called occupancy.energy0.5 here"),
+        ({"building_type": "OfficeSmall", "task": "constant+preview"}, errors.TaskError, "needs comfort bands"),
+        ({"building_type": "OfficeSmall", "task": "none/missing.json"}, errors.TaskError, "none/missing.json"),
         ({"building_type": "OfficeSmall", "run_period": "spring"}, errors.BuildingError, "MM-DD"),
         ({"building_type": "OfficeSmall", "timesteps_per_hour": 7}, errors.Error, "steps per hour 7"),
         ({"building_type": "OfficeSmall", "window_days": 100}, errors.Error, "100 days"),

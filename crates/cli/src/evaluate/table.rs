@@ -1,7 +1,7 @@
 //! The text tables of an evaluation.
 
 use b2b_evaluate::statistics::{Aggregate, score_text};
-use b2b_evaluate::{Group, OperationComfort, Window};
+use b2b_evaluate::{Group, OperationComfort, Window, resource_heading};
 
 use super::ratio;
 use crate::terminal::table::Table;
@@ -12,7 +12,7 @@ pub(super) fn window_text(policy: &str, window: &Window) -> String {
     let groups = || window.types.iter().chain(several.then_some(&window.all));
     let buildings: usize = window.types.iter().map(Group::buildings).sum();
     let (scores, table) = match window.all.comfort {
-        Some(_) => ("score at comfort (lower is better, guideline36 = 1)", operation(groups())),
+        Some(_) => ("score at comfort (lower is better, guideline36 = 1)", operation(groups(), &window.task)),
         None => (
             "resolved and normalized score: interquartile means (lower is better, reactive controllers = 1)",
             tracking(groups()),
@@ -76,14 +76,15 @@ fn percent(share: Option<f64>) -> String {
 }
 
 /// Returns the table of a task of operation: score at comfort first, and a mark where episodes are less comfortable.
-fn operation<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
+fn operation<'a>(groups: impl Iterator<Item = &'a Group>, task: &str) -> String {
+    let resource = resource_heading([task]);
     let mut table = Table::new([
         "type",
         "buildings",
         "score at comfort",
         "median",
         "below 1 (%)",
-        "cost / baseline",
+        &resource,
         "energy / baseline",
         "discomfort (K·h per zone)",
         "baseline's",

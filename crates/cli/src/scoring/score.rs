@@ -9,7 +9,7 @@ use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_env::{Comfort, EpisodeMetrics, Task};
-use b2b_evaluate::{Baseline, Baselines, EpisodePlan, SiteInfo, Subject, task_for};
+use b2b_evaluate::{Baseline, Baselines, EpisodePlan, SiteInfo, Subject, resource_heading, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
@@ -79,6 +79,9 @@ struct Score {
     /// The parts of the score at comfort in a task of operation.
     #[serde(flatten)]
     parts: Option<Parts>,
+    /// The heading of the resource relative to the baseline.
+    #[serde(skip)]
+    heading: String,
 }
 
 /// Cost (or another resource of the task) relative to the baseline, and discomfort, K·h per zone.
@@ -125,6 +128,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         score: scores.score,
         resolved_score: scores.resolved,
         parts: Parts::of(&metrics, resource, &baseline),
+        heading: resource_heading([&task.to_string()[..]]),
     };
     stdout::print_result(arguments.json, &score, || score.text())
 }
@@ -186,7 +190,7 @@ impl Score {
         let mut lines = Vec::from(returns);
         match &self.parts {
             Some(parts) => lines.extend([
-                ("cost / baseline", number(parts.relative_resource)),
+                (&self.heading[..], number(parts.relative_resource)),
                 ("discomfort", format!("{:.2} K·h per zone", parts.discomfort_k_h)),
                 ("baseline's", format!("{:.2} K·h per zone", parts.baseline_discomfort_k_h)),
                 ("score at comfort", number(self.score)),

@@ -21,7 +21,7 @@ use crate::setpoints::band::Band;
 use crate::terms::Resource;
 use crate::zones::HeatingOnlyZones;
 use crate::zones::carbon_dioxide::CarbonDioxide;
-use crate::zones::comfort::Comfort;
+use crate::zones::comfort::{Comfort, Pmv};
 use crate::zones::presence::Presence;
 use crate::zones::ventilation::Ventilation;
 use crate::{Error, Result};
@@ -213,7 +213,8 @@ impl Task {
     /// Checks that every number is finite and within its limits, and that files and combinations of parts are valid.
     ///
     /// # Errors
-    /// [`Error::TaskValue`] for the first number that is not; [`Error::NeedsBands`]; the errors of the other parts.
+    /// [`Error::TaskValue`] for the first number that is not; [`Error::NeedsBands`]; [`Error::WithoutEffect`]; the errors
+    /// of the other parts.
     pub fn check(&self) -> Result<()> {
         within("energy_weight", self.energy_weight, 0.0, LARGEST)?;
         within("energy_scale", self.energy_scale.unwrap_or(1.0), 1.0 / LARGEST, LARGEST)?;
@@ -234,13 +235,20 @@ impl Task {
         self.comfort.check()
     }
 
-    /// Checks that a task with targets has nothing that needs bands.
+    /// Checks that a task with targets has nothing that needs bands, and a task with bands nothing that needs targets.
     fn check_bands(&self) -> Result<()> {
-        let parts = [("preview", self.preview.is_some()), ("co2", self.carbon_dioxide.is_some())];
-        match parts.into_iter().find(|(_, given)| *given && !self.is_operation()) {
-            Some((part, _)) => Err(Error::NeedsBands { part }),
-            None => Ok(()),
+        if !self.is_operation() {
+            let parts = [("preview", self.preview.is_some()), ("co2", self.carbon_dioxide.is_some())];
+            let given = parts.into_iter().find(|(_, given)| *given);
+            return given.map_or(Ok(()), |(part, _)| Err(Error::NeedsBands { part }));
         }
+        let (both_sides, humidity) = match &self.comfort {
+            Comfort::Pmv(pmv) => (false, pmv.humidity != Pmv::default().humidity),
+            _ => (self.heating_only_zones == HeatingOnlyZones::BothSides, false),
+        };
+        let fields = [("heating_only_zones", both_sides), ("humidity", humidity)];
+        let given = fields.into_iter().find(|(_, given)| *given);
+        given.map_or(Ok(()), |(field, _)| Err(Error::WithoutEffect { field }))
     }
 
     /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
@@ -342,6 +350,27 @@ mod tests {
         let own = of(r#"{"setpoints": {"mode": "band"}, "energy_weight": 0.0, "comfort": "squared"}"#);
         assert_eq!((own.energy_weight, own.comfort), (0.0, Comfort::Squared));
         assert_eq!(of("{}"), Task::default());
+    }
+
+    #[test]
+    fn a_field_without_effect_on_a_task_is_refused() {
+        let with = |field: &str| Task::from_text(&format!(r#"{{"setpoints": {{"mode": "band"}}, {field}}}"#));
+        let sides = r#""heating_only_zones": "both_sides""#;
+        let humid = r#""comfort": {"pmv": {"humidity": 60}}"#;
+        for (field, name) in [(sides, "`heating_only_zones`"), (humid, "`humidity`")] {
+            let said = with(field).unwrap_err().to_string();
+            assert!(said.contains(name), "{said}");
+        }
+        assert!(with(&format!(r#"{sides}, "comfort": {{"pmv": {{}}}}"#)).is_ok(), "a vote has two sides");
+        assert!(
+            Task::from_text(&format!("{{{sides}}}")).is_ok()
+                && Task::from_text(&format!("{{{humid}}}")).is_ok()
+        );
+        assert!(task_error("constant+preview").contains("needs comfort bands"));
+    }
+
+    fn task_error(text: &str) -> String {
+        text.parse::<Task>().unwrap_err().to_string()
     }
 
     #[test]

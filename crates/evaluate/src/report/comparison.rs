@@ -8,7 +8,9 @@ use super::chart::{Chart, hover_name};
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
 use super::trade_off::trade_offs;
-use crate::evaluation::{EpisodeInfo, EpisodeResult, Scored, relative_energy, relative_resource};
+use crate::evaluation::{
+    EpisodeInfo, EpisodeResult, Scored, relative_energy, relative_resource, resource_heading,
+};
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::score_text;
 use crate::summary::OperationComfort;
@@ -104,8 +106,8 @@ fn is_operation(all: &[Compared]) -> bool {
 fn footer(all: &[Compared]) -> String {
     match is_operation(all) {
         true => format!(
-            "Means over episodes. Score at comfort: cost divided by the guideline controller's cost (the baseline), plus \
-             {DISCOMFORT_COST} days of that cost for every K·h per zone of discomfort beyond its own and {FREE_DISCOMFORT} K·h per day; \
+            "Means over episodes. Score at comfort: cost, or the task's other resource, divided by the guideline \
+             controller's (the baseline), plus {DISCOMFORT_COST} days of that for every K·h per zone of discomfort beyond its own and {FREE_DISCOMFORT} K·h per day; \
              lower is better."
         ),
         false => format!(
@@ -117,9 +119,9 @@ fn footer(all: &[Compared]) -> String {
 }
 
 fn table(all: &[Compared]) -> Value {
-    let (header, rows): (&[&str], Vec<_>) = match is_operation(all) {
-        true => (&OPERATION_COLUMNS, all.iter().map(operation_row).collect()),
-        false => (&COLUMNS, all.iter().map(tracking_row).collect()),
+    let (header, rows): (Vec<String>, Vec<_>) = match is_operation(all) {
+        true => (operation_columns(all).into(), all.iter().map(operation_row).collect()),
+        false => (COLUMNS.map(str::to_owned).into(), all.iter().map(tracking_row).collect()),
     };
     json!({"title": "means over episodes", "header": header, "rows": rows})
 }
@@ -135,19 +137,23 @@ const COLUMNS: [&str; 8] = [
     "actuator travel (strokes/day)",
 ];
 
-/// The columns of operation: score at comfort first.
-const OPERATION_COLUMNS: [&str; 10] = [
-    "policy",
-    "score at comfort",
-    "cost (per m²)",
-    "cost / baseline",
-    "discomfort (K·h per zone)",
-    "baseline's discomfort",
-    "episodes beyond the free discomfort",
-    "peak demand, 15 min (W/m²)",
-    "HVAC energy (kWh/m²)",
-    "actuator travel (strokes/day)",
-];
+/// Returns the columns of operation: score at comfort first.
+fn operation_columns(all: &[Compared]) -> [String; 10] {
+    let tasks = all.iter().flat_map(|compared| &compared.rows).map(|row| &row.info.task[..]);
+    [
+        "policy",
+        "score at comfort",
+        "cost (per m²)",
+        &resource_heading(tasks),
+        "discomfort (K·h per zone)",
+        "baseline's discomfort",
+        "episodes beyond the free discomfort",
+        "peak demand, 15 min (W/m²)",
+        "HVAC energy (kWh/m²)",
+        "actuator travel (strokes/day)",
+    ]
+    .map(str::to_owned)
+}
 
 fn tracking_row(compared: &Compared) -> Vec<String> {
     vec![
@@ -221,12 +227,16 @@ mod tests {
     #[test]
     fn policies_of_operation_are_compared_by_cost_at_comfort() {
         let mut own = compared("own", &[1]);
+        own.rows[0].info.task = "operate+carbon1".into();
         let scored = own.rows[0].outcome.as_mut().unwrap();
         scored.score = Some(1.25);
         (scored.resource, scored.baseline_resource) = (Some(3.0), Some(4.0));
         (scored.metrics.cost_tot, scored.metrics.tdis_tot) = (Some(3.0), Some(2.5));
         let table = table(&[own]);
         assert_eq!(table["rows"][0].as_array().unwrap()[..5], ["own", "1.250", "3.000", "0.75", "2.50"]);
-        assert_eq!(table["header"][1], "score at comfort");
+        assert_eq!(
+            table["header"].as_array().unwrap()[1..4],
+            ["score at comfort", "cost (per m²)", "carbon / baseline"]
+        );
     }
 }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::deviation_chart::StepDeviations;
 use super::evaluation_charts;
 use super::hourly_chart;
-use crate::evaluation::{EpisodeResult, Finished};
+use crate::evaluation::{EpisodeResult, Finished, RESOURCE, resource_heading};
 use crate::results::Results;
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
 use crate::statistics::{Aggregate, score_text};
@@ -73,9 +73,9 @@ fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Ve
 
 /// Returns pairs of a label and a value; none for several tasks or run periods, which are rows of the table.
 fn tiles(summary: &Summary) -> Value {
-    let [Window { all, .. }] = &summary.windows[..] else { return json!([]) };
+    let [Window { all, task, .. }] = &summary.windows[..] else { return json!([]) };
     if let Some(comfort) = &all.comfort {
-        return operation_tiles(all, comfort);
+        return operation_tiles(all, comfort, task);
     }
     let mut tiles = Vec::new();
     if let Some(scores) = &all.resolved_scores {
@@ -88,20 +88,20 @@ fn tiles(summary: &Summary) -> Value {
     tiles.push(json!(["RMS deviation, mean", format!("{:.2} K", all.rms_deviation_k)]));
     tiles.push(json!(["HVAC energy, mean", format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0)]));
     if let Some(ratio) = all.relative_energy {
-        tiles.push(json!(["energy / baseline", format!("{ratio:.2}")]));
+        tiles.push(json!([ENERGY, format!("{ratio:.2}")]));
     }
     tiles.into()
 }
 
-/// Returns the tiles of an operation task: cost, energy, discomfort and peak.
-fn operation_tiles(all: &Group, comfort: &OperationComfort) -> Value {
+/// Returns the tiles of an operation task: its resource, cost, energy, discomfort and peak.
+fn operation_tiles(all: &Group, comfort: &OperationComfort, task: &str) -> Value {
     let mut tiles = Vec::new();
     if let Some(scores) = &all.scores {
         tiles.push(json!(["score at comfort, interquartile mean", scores.interquartile_mean.to_string()]));
     }
-    for (label, ratio) in
-        [("cost / baseline", all.relative_resource), ("energy / baseline", all.relative_energy)]
-    {
+    let ratios =
+        [(resource_heading([task]), all.relative_resource), (ENERGY.to_owned(), all.relative_energy)];
+    for (label, ratio) in ratios {
         tiles.extend(ratio.map(|ratio| json!([label, format!("{ratio:.2}")])));
     }
     tiles.push(json!(["cost per m², mean", format!("{:.3}", comfort.cost_tot)]));
@@ -111,6 +111,9 @@ fn operation_tiles(all: &Group, comfort: &OperationComfort) -> Value {
     tiles.push(json!(["peak electric demand, 15 min, mean", peak]));
     tiles.into()
 }
+
+/// The heading of energy relative to the baseline.
+const ENERGY: &str = "energy / baseline";
 
 /// The columns of a group of episodes.
 const COLUMNS: [&str; 20] = [
@@ -126,8 +129,8 @@ const COLUMNS: [&str; 20] = [
     "RMS deviation (K)",
     "occupied hours too cold (%)",
     "occupied hours too warm (%)",
-    "energy / baseline",
-    "task's resource / baseline",
+    ENERGY,
+    RESOURCE,
     "HVAC energy (kWh/m²)",
     "heating (kWh/m²)",
     "cooling (kWh/m²)",
@@ -144,8 +147,8 @@ const OPERATION_COLUMNS: [&str; 17] = [
     "score, median",
     "below 1 (%)",
     "cost (per m²)",
-    "cost / baseline",
-    "energy / baseline",
+    RESOURCE,
+    ENERGY,
     "discomfort (K·h per zone)",
     "baseline's discomfort",
     "peak demand, 15 min (W/m²)",
@@ -166,7 +169,13 @@ fn table(windows: &[Window]) -> Value {
         _ => LOWER.to_owned(),
     };
     let operation = windows.iter().all(|window| window.all.comfort.is_some());
-    let columns = if operation { &OPERATION_COLUMNS[..] } else { &COLUMNS };
+    let resource = resource_heading(windows.iter().map(|window| &window.task[..]));
+    let named =
+        |heading: &&'static str| if *heading == RESOURCE { resource.clone() } else { (*heading).to_owned() };
+    let columns: Vec<String> = match operation {
+        true => OPERATION_COLUMNS.iter().map(named).collect(),
+        false => COLUMNS.map(str::to_owned).into(),
+    };
     let cells = |group| if operation { operation_cells(group).to_vec() } else { cells(group).to_vec() };
     let which = if several { &["task", "run period"][..] } else { &[] };
     let rows = windows.iter().flat_map(|window| {
@@ -176,7 +185,7 @@ fn table(windows: &[Window]) -> Value {
     });
     json!({
         "title": title,
-        "header": which.iter().chain(columns).collect::<Vec<_>>(),
+        "header": which.iter().map(|name| (*name).to_owned()).chain(columns).collect::<Vec<_>>(),
         "rows": rows.collect::<Vec<_>>(),
     })
 }
@@ -255,8 +264,8 @@ fn footer(summary: &Summary) -> String {
     format!(
         "Score: the return divided by the reactive controllers' return (the baseline) for the same building, task and days, as \
          in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
-         an air temperature sensor, to both. Score at comfort, in tasks of operation: cost divided by the guideline \
-         controller's cost (the baseline), plus {DISCOMFORT_COST} days of that cost for every K·h per zone of discomfort beyond its own \
+         an air temperature sensor, to both. Score at comfort, in tasks of operation: cost, or the \
+         task's other resource, divided by the guideline controller's (the baseline), plus {DISCOMFORT_COST} days of that for every K·h per zone of discomfort beyond its own \
          and {FREE_DISCOMFORT} K·h per day. In brackets: 95 % bootstrap confidence intervals over buildings within each type, and over seeds. {}.",
         summary.versions
     )

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::chart::{Chart, color, horizontal_line, make_logarithmic, range, vertical_line};
 use super::series::{Series, labels};
-use crate::evaluation::{EpisodeInfo, Scored};
+use crate::evaluation::{EpisodeInfo, RESOURCE, Scored, resource_heading};
 use crate::scores::FREE_DISCOMFORT;
 
 /// An episode in a table.
@@ -52,7 +52,7 @@ const OPERATION_RELATIVE: Form = Form {
     title: "Cost vs. comfort, relative to the baseline",
     note: "one point per episode; lower left is better; discomfort: per zone, beyond the baseline's; dashed: the \
            baseline's cost, and the discomfort that is free",
-    axes: ["cost / baseline", "excess discomfort (K·h/day)"],
+    axes: [RESOURCE, "excess discomfort (K·h/day)"],
     point: |(info, scored)| {
         let discomfort = scored.metrics.tdis_tot? - scored.baseline_discomfort?;
         Some([scored.relative_resource()?, discomfort / scored.days(info.steps_per_hour)])
@@ -100,7 +100,12 @@ fn draw(series: &[Series<'_>], form: &Form, height: u32, wide: bool) -> Chart {
 
 /// Returns the axis of one side of the points, around the baseline if it is drawn.
 fn axis(series: &[Series<'_>], form: &Form, side: usize) -> Value {
-    let mut axis = json!({"title": {"text": form.axes[side]}, "zeroline": false});
+    let tasks = series.iter().flat_map(|series| &series.episodes).map(|(info, _)| &info.task[..]);
+    let title = match form.axes[side] {
+        RESOURCE => resource_heading(tasks),
+        title => title.to_owned(),
+    };
+    let mut axis = json!({"title": {"text": title}, "zeroline": false});
     let Some((baseline, comfort)) = form.baseline else {
         axis["rangemode"] = "tozero".into();
         return axis;
@@ -191,7 +196,7 @@ mod tests {
             ..Scored::default()
         };
         let tracked = Scored { metrics: metrics(None), ..Scored::default() };
-        let info = episode();
+        let info = EpisodeInfo { task: "operate+tou".into(), ..episode() };
         let episodes = vec![(&info, &operated), (&info, &tracked)];
         let charts = trade_offs(&[Series { name: "a", episodes }], 300, true);
         assert_eq!(
@@ -204,5 +209,6 @@ mod tests {
             "3 K·h in 2 days"
         );
         assert_eq!((&charts[1].data[1]["x"], &charts[1].data[1]["y"]), (&json!([1.0]), &json!([0.0])));
+        assert_eq!(charts[1].layout["xaxis"]["title"]["text"], "cost / baseline");
     }
 }

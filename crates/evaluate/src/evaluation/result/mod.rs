@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::finished::{EpisodeRecord, Finished, Lost};
 use super::info::EpisodeInfo;
+use super::resource::is_same_resource;
 use super::step_rewards::StepRewards;
 use crate::scores::{Baseline, RESOLUTION, Scores, excess_discomfort};
 
@@ -165,9 +166,13 @@ pub fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) ->
     ratio_of_sums(rows, |scored| Some([scored.metrics.energy(), scored.baseline_energy?]))
 }
 
-/// Returns the total of the task's resource divided by the baseline's total, over the rows of one task in which both
-/// are known; `None` if the baseline's total is not above 0.
-pub fn relative_resource<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> Option<f64> {
+/// Returns the total of the tasks' resource divided by the baseline's total, over the rows in which both are known;
+/// `None` if the baseline's total is not above 0, or if the tasks have different resources.
+pub fn relative_resource<'a>(
+    rows: impl IntoIterator<Item = &'a EpisodeResult, IntoIter: Clone>,
+) -> Option<f64> {
+    let rows = rows.into_iter();
+    is_same_resource(rows.clone().map(|row| &row.info.task[..])).then_some(())?;
     ratio_of_sums(rows, |scored| Some([scored.resource?, scored.baseline_resource?]))
 }
 
