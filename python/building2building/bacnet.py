@@ -107,7 +107,7 @@ class Plant:
     @property
     def steps_left(self) -> int:
         """Number of steps that are left in the episode."""
-        return self.env.episode_steps - self.env.steps
+        return self.env.setting.episode_steps - self.env.steps
 
     def step_if_left(self) -> None:
         """Advances by one step, unless the episode has ended."""

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from .env import BuildingEnv, unwrap
+from .env.tasks import checked_jobs
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .evaluation.identity import identity_of
@@ -290,20 +291,20 @@ class Problem:
             )
         tests = self._tests()[:n]
         # Baselines are kept only for the problem's own episodes, without other arguments.
-        baselines = None if arguments else self._core.baselines(tests, len(os.sched_getaffinity(0)))
+        baselines = None if arguments else self._core.baselines(tests, checked_jobs(None))
         agent = _AgentWithMemory(policy) if isinstance(policy, Agent) and self._keeps_memory() else None
         episodes = []
         for number, (building, task, period) in enumerate(tests):
-            made = self._make("test", building, task, **{"run_period": period, **arguments})
+            env = made = self._make("test", building, task, **{"run_period": period, **arguments})
             try:
                 env = made if wrap is None else wrap(made)
                 baseline = _baseline(made) if baselines is None else baselines[number]
                 if agent is None:
-                    trajectory = rollout(env, _controller(policy, made))
+                    trajectory = rollout(env, _controller(policy, env))
                 else:
                     trajectory = run_episode(env, agent.begin(building, task, made))
             finally:
-                made.close()
+                env.close()
             row = {"building": building, "task": task, "period": period}
             episodes.append({**(trajectory.metrics or {}), **row, **_scores(trajectory, baseline)})
         return Result(self.name, episodes, _measures(episodes))
@@ -366,7 +367,7 @@ class Problem:
             ControllerMaker(policy, rescale_action, normalize=False),
             None if train_policy is None else ControllerMaker(train_policy, rescale_action, normalize=False),
             os.fspath(folder),
-            jobs or len(os.sched_getaffinity(0)),
+            checked_jobs(jobs),
             rescale_action,
             whole,
             by_seed,

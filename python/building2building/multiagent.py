@@ -37,7 +37,10 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
         self.env = unwrap(env)
         if self.env._reward is not None:
             raise SettingError("the reward of an environment is one number, and zones have their own; omit reward")
-        _penalty(self.env.metadata["task"], 0.0)
+        task = self.env.metadata["task"]
+        _penalty(task, 0.0)
+        if any(task.get("faults", {}).get(name, 0.0) for name in ("noise", "bias")):
+            raise SettingError("zones as agents have the deviations that sensors show; omit +noise and +bias")
         self.render_mode = self.env.render_mode
         layout = self.env.layout
         self._actuators: dict[str, list[int]] = {}

@@ -11,6 +11,7 @@ import numpy as np
 from .buildings import Building, Found, PathLike, as_building
 from .env import unwrap
 from .errors import SettingError, need
+from .rollouts import BuiltInController
 
 
 def collect(
@@ -46,7 +47,7 @@ def collect(
         raise SettingError("the buildings of a Minari dataset must have one type; collect one dataset per type")
     arguments.setdefault("rescale_action", len(found) > 1)
     env = gymnasium.make(f"b2b/{types.pop()}-v0", **_selection(found[0]), **arguments)
-    core, space = unwrap(env), env.action_space
+    core, space, width = unwrap(env), env.action_space, env.observation_space.shape
     if not isinstance(space, gymnasium.spaces.Box):
         raise SettingError(f"expected actions in a Box; got {space}")
     name = getattr(controller, "__name__", "controller")
@@ -59,11 +60,19 @@ def collect(
                 raise SettingError(
                     f"{building.name} has another action space than {found[0].name}; omit rescale_action"
                 )
+            if env.observation_space.shape != width:
+                raise SettingError(
+                    f"{building.name} has observations of the shape {env.observation_space.shape}, {found[0].name} of "
+                    f"{width}; collect one dataset for each"
+                )
             policy = controller(env)
             for episode in range(episodes):
-                if hasattr(policy, "reset"):
+                own_seed = seed + number * episodes + episode
+                if isinstance(controller, type) and issubclass(controller, BuiltInController):
+                    policy = controller(env, own_seed)
+                elif hasattr(policy, "reset"):
                     policy.reset()
-                observation, _ = collector.reset(seed=seed + number * episodes + episode)
+                observation, _ = collector.reset(seed=own_seed)
                 done, count = False, 0
                 while not done and (steps is None or count < steps):
                     action = np.asarray(policy(observation), dtype=space.dtype).clip(space.low, space.high)

@@ -217,7 +217,7 @@ def _evaluate_part(
 def _train(arguments: dict[str, Any]) -> Files:
     with temporary_folder("ray") as temporary:
         place = temporary / "run"
-        train_here(**arguments, out=place, jobs=1)
+        train_here(**{"jobs": 1, **arguments}, out=place)
         return _read_all(place)
 
 

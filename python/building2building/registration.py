@@ -82,7 +82,8 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``resample``: ``True`` draws a building for every episode, ``k`` for every ``k`` episodes, from ``buildings`` or
       from the type's ``split``. ``weights={type: weight}`` weights the building types.
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
-    - ``by_role``: observations of houses have a slot for every zone role, the same in every house.
+    - ``by_role``: observations of houses have a slot for every zone role, the same in every house; in tasks without
+      bands.
     - ``normalize``: observations in [-1, 1] by fixed bounds.
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` (the default with ``acting``) or
       ``Disabled``.

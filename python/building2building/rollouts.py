@@ -357,7 +357,13 @@ def run_episode(
     info: dict[str, Any] = {}
     step = _through_wrappers(env, controller) if isinstance(controller, PhysicalController) else None
     while not truncated and (steps is None or len(rewards) < steps):
+        before = core.steps
         stepped = env.step(controller(observation)) if step is None else step()
+        if core.steps > before + 1:
+            raise SettingError(
+                f"a step of this environment is {core.steps - before} steps of the building, and a trajectory has all; "
+                "roll out acting_controller(policy, acting) in an environment without acting"
+            )
         observation, reward, terminated, truncated, info = stepped
         truncated = truncated or terminated
         observations.append(core.observation)

@@ -134,7 +134,8 @@ def make_sb3_vec(
     if not isinstance(building_type, (BuildingVectorEnv, ActingVectorEnv)):
         if not acts:
             arguments.setdefault("rescale_action", True)
-        envs = make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments)
+        arguments.setdefault("autoreset_mode", "SameStep")
+        envs = make_vec(building_type, num_envs, **arguments)
     elif arguments or num_envs not in (1, building_type.num_envs):
         names = ", ".join(["num_envs", *arguments] if num_envs != 1 else arguments)
         raise SettingError(f"the environments are made already, so these arguments have no effect: {names}")

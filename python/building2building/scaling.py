@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import SettingError
 
-#: Usual ranges of slots, by the last words of their names. A space's own bounds are much wider.
+#: Usual ranges of slots, by the last words of their names; of energies, Wh/m² in steps of 5 minutes. A space's own
+#: bounds are much wider.
 USUAL = {
     "outdoor air temperature": (-40.0, 50.0),
     "air temperature": (5.0, 40.0),
@@ -18,6 +19,7 @@ USUAL = {
     "HVAC electricity": (0.0, 10.0),
     "HVAC non-electric": (0.0, 20.0),
 }
+_OF_STEP = [(name, USUAL[name]) for name in ("HVAC electricity", "HVAC non-electric")]
 
 
 class Scale:
@@ -27,6 +29,7 @@ class Scale:
     words, for example ``{"air temperature": (10, 35)}``; :data:`USUAL` replaces others. The longest words that match
     count, so that the outdoor air temperature keeps its own. Last words narrow bounds: where they are narrower, as in
     slots that are scaled already, nothing is replaced. Slots without finite bounds are only clipped.
+    ``steps_per_hour`` says how long the steps are over which energies are counted.
     """
 
     def __init__(
@@ -35,8 +38,10 @@ class Scale:
         low: ArrayLike,
         high: ArrayLike,
         bounds: Mapping[str, tuple[float, float]] | None = None,
+        steps_per_hour: int = 12,
     ):
-        known = {**USUAL, **(bounds or {})}
+        longer = {name: (least * 12 / steps_per_hour, most * 12 / steps_per_hour) for name, (least, most) in _OF_STEP}
+        known = {**USUAL, **longer, **(bounds or {})}
         lower, upper = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
         unused = set(bounds or {})
         for index, name in enumerate(names):
@@ -58,16 +63,17 @@ class Scale:
         self.span = np.where(upper > lower, upper - lower, 1.0).astype(np.float32)
 
     @classmethod
-    def of_all(cls, slots: Sequence[Sequence[tuple[str, float, float]]]) -> Scale:
+    def of_all(cls, slots: Sequence[Sequence[tuple[str, float, float]]], steps_per_hour: int) -> Scale:
         """Returns the scale of rows whose slots may hold different quantities, with bounds that cover all of them.
 
-        ``slots`` has the name and bounds of each slot, once per building. Padding remains 0.
+        ``slots`` has the name and bounds of each slot, once per building. Padding of a row is -1 where another
+        building uses the slot with a lower bound of 0.
         """
         width = len(slots[0])
         low, high = np.full(width, np.inf), np.full(width, -np.inf)
         for row in slots:
             names, lower, upper = zip(*row)
-            each = cls(names, lower, upper)
+            each = cls(names, lower, upper, None, steps_per_hour)
             used = np.array([name != "padding" for name in names])
             low = np.where(used, np.minimum(low, each.low), low)
             high = np.where(used, np.maximum(high, each.high), high)

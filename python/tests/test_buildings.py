@@ -79,12 +79,16 @@ class Minari:
     class DataCollector(gymnasium.Wrapper):
         def __init__(self, env):
             super().__init__(env)
-            self.begun = []
+            self.begun, self.actions = [], []
 
         def reset(self, **options):
             observation, info = super().reset(**options)
             self.begun.append((info["building"], self.unwrapped.building.place))
             return observation, info
+
+        def step(self, action):
+            self.actions.append(action)
+            return super().step(action)
 
         def create_dataset(self, **_):
             return self
@@ -102,6 +106,14 @@ def test_episodes_are_collected_where_the_stored_spec_says(monkeypatch):
         b2b.collect(b2b.RandomController, buildings, "b2b/x-v0", place="Miami", **day)
     made = b2b.collect(b2b.RandomController, buildings, "b2b/x-v0", control="setpoints", **day)
     assert [place for _, place in made.begun] == ["Denver", "Chicago"]
+    seeds = [
+        b2b.collect(b2b.RandomController, ["OfficeSmall"], "b2b/x-v0", seed=seed, episodes=2, **day) for seed in (0, 1)
+    ]
+    drawn = [action.tolist() for made in seeds for action in made.actions]
+    assert drawn[0] != drawn[1] and drawn[1] == drawn[2], "every episode has a seed of its own"
+    houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"]
+    with pytest.raises(errors.SettingError, match="SingleFamilyHouse-0318 has observations of the shape"):
+        b2b.collect(b2b.ReactiveController, houses, "b2b/x-v0", **day)
     with pytest.raises(errors.SettingError, match="OfficeSmall-0001 has another action space.*omit rescale_action"):
         names = ["OfficeSmall", "OfficeSmall-0001"]
         b2b.collect(b2b.RandomController, names, "b2b/x-v0", rescale_action=False, **day)

@@ -35,6 +35,25 @@ pub fn lock(folder: &Path) -> Result<FolderLock> {
     })
 }
 
+/// Files by which the output of a command is known.
+const OF_COMMANDS: [(&str, &str); 4] = [
+    ("agent.json", "b2b train"),
+    ("evaluation.json", "b2b evaluate"),
+    ("result.json", "b2b benchmark run"),
+    ("trajectory.parquet", "b2b run"),
+];
+
+/// Errors if a folder has the output of another command, whose files would be mixed up with this one's.
+pub fn refuse_others(folder: &Path, own: &str) -> Result<()> {
+    let others = OF_COMMANDS.iter().filter(|(_, command)| *command != own);
+    match others.into_iter().find(|(file, _)| folder.join(file).exists()) {
+        Some((_, command)) => {
+            bail!("{} has the output of `{command}`; choose another folder", folder.display())
+        }
+        None => Ok(()),
+    }
+}
+
 impl OutputFolder {
     /// Creates the staging folder. Errors if the destination cannot be written; changes none of its files yet.
     pub fn stage(destination: &Path) -> Result<Self> {

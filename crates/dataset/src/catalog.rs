@@ -164,7 +164,7 @@ impl Catalog {
     ) -> Result<(String, PathBuf)> {
         if let Some(path) = &placement.weather {
             check_weather(path)?;
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = model_name(path);
             return Ok((name, path.clone()));
         }
         let place = match (name, placement.place) {
@@ -343,8 +343,18 @@ impl fmt::Display for BuildingName {
         match self {
             Self::Type(building_type) => building_type.fmt(f),
             Self::Id(id) => id.fmt(f),
-            Self::Model(path) => f.write_str(&path.file_stem().unwrap_or_default().to_string_lossy()),
+            Self::Model(path) => f.write_str(&model_name(path)),
         }
+    }
+}
+
+/// Returns the name of a model: its file's without the extension, unless a building of the dataset has that name.
+fn model_name(path: &Path) -> String {
+    let of = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let stem = of(path.file_stem());
+    match Control::split_name(&stem).0.parse() {
+        Ok(BuildingName::Type(_) | BuildingName::Id(_)) => of(path.file_name()),
+        Ok(BuildingName::Model(_)) | Err(_) => stem,
     }
 }
 

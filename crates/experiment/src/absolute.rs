@@ -31,12 +31,7 @@ pub(crate) fn reactive_energy(scored: &Scored) -> Option<f64> {
 /// Returns the share of comfort in the reactive controllers' penalty. Where it is 0, an agent can only gain by saving
 /// energy.
 pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
-    let of_energy = match (scored.metrics.energy_penalty, scored.metrics.energy()) {
-        (0.0, _) => 0.0,
-        (_, 0.0) => return None,
-        (penalty, energy) => scored.baseline_energy? * penalty / energy,
-    };
-    Some(1.0 + of_energy / scored.baseline_return?)
+    Some(1.0 + scored.energy_penalty_of_baseline()? / scored.baseline_return?)
 }
 
 /// Returns the median of a figure as a cell.

@@ -3,7 +3,7 @@
 //! less (Tessler et al. 2019).
 
 use b2b_building::{BuildingType, Period};
-use b2b_dataset::BuildingName;
+use b2b_dataset::{BuildingName, Control};
 use b2b_env::EpisodeConfig;
 
 use crate::error::Result;
@@ -54,6 +54,7 @@ impl ComfortWeights {
         let those = |is_near: &dyn Fn(&str) -> bool| -> Vec<usize> {
             in_period.iter().copied().filter(|number| is_near(&self.held[*number].0)).collect()
         };
+        let (building, _) = Control::split_name(building);
         let own = those(&|held| held == building);
         if !own.is_empty() {
             return Ok(own);

@@ -27,7 +27,7 @@ from .open_envs import close_at_exit
 from .physical_actions import warn_of_learner, warn_of_zeros
 from .render import PowerHistory, Renderer, Scene
 from .snapshot import Position, Snapshot
-from .tasks import task_text, windows
+from .tasks import check_count, task_text, windows
 
 
 class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
@@ -93,6 +93,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self.rescale_action = rescale_action
         self.render_mode = render_mode
         self._window = windows(window_days, window_starts)
+        check_count("timesteps_per_hour", timesteps_per_hour)
         self._weather_years = checked_weather(weather_years)
         self._resample_targets = resample_targets
         self._reward = reward
@@ -286,11 +287,16 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._open_core()
         if not isinstance(building, Building):
             building = find_building(building, control=self.building.control)
-        self.building = building
+        before, self.building = self.building, building
+        try:
+            setting = self._setting_of(self.task)
+            self._set_setting(setting)
+        except BaseException:
+            self.building = before
+            raise
+        self._base_setting = setting
         selection = dict.fromkeys(inspect.signature(select_building).parameters)
         self._arguments |= {**selection, "building": building, "control": building.control}
-        self._base_setting = self._setting_of(self.task)
-        self._set_setting(self._base_setting)
         self._started = False
         self._read_spaces()
 

@@ -19,7 +19,7 @@ from ..buildings import Building, Found, PathLike, as_building
 from ..buildings.signatures import check_names, renamed, with_arguments_of
 from ..env.layout import Layout
 from ..env.morphology import Metadata, Morphology
-from ..env.tasks import task_text
+from ..env.tasks import checked_jobs, task_text
 from ..errors import SettingError
 from ..process.temporary import temporary_folder
 from ..rollouts import CallableController, Controller, PhysicalController
@@ -82,7 +82,8 @@ class EpisodeContext:
         self.observation_space = self.layout.observation_space()
         if normalize:
             low, high = self.layout.observation_low, self.layout.observation_high
-            self.scale = Scale(self.metadata["observation_names"], low, high)
+            names, steps_per_hour = self.metadata["observation_names"], self.layout.steps_per_hour
+            self.scale = Scale(names, low, high, steps_per_hour=steps_per_hour)
             self.observation_space = self.scale.space
         self.action_space = self.layout.action_space(rescale_action)
 
@@ -153,7 +154,7 @@ class Request:
             columns, summary, reused = _core.evaluate(
                 self,
                 os.fspath(temporary if folder is None else folder),
-                self._jobs or len(os.sched_getaffinity(0)),
+                checked_jobs(self._jobs),
                 ProgressLine() if self._progress else None,
             )
         rows = [dict(zip(columns, row)) for row in zip(*columns.values())]

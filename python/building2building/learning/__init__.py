@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..buildings import PathLike
-from ..env.tasks import Task, task_text
+from ..buildings import Building, PathLike
+from ..env.tasks import Task, checked_jobs, task_text
 from ..errors import SettingError
 from ..rollouts import BuiltInController, ControlledEnv, PhysicalController
 
@@ -77,7 +77,7 @@ class Agent:
 
 
 def train(
-    buildings: str | Sequence[str] | None = None,
+    buildings: PathLike | Sequence[PathLike] | None = None,
     *,
     out: PathLike,
     place: str | None = None,
@@ -117,7 +117,7 @@ def train(
     """
     tasks = [task] if isinstance(task, (str, dict)) else task
     named = {
-        "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
+        "buildings": _names(buildings),
         "place": place,
         # A configuration without a weather file has an empty string.
         "weather": os.path.abspath(weather) if weather else weather,
@@ -143,7 +143,7 @@ def train(
         _core.train(
             json.dumps(given, default=_plain),
             os.fspath(out),
-            jobs or len(os.sched_getaffinity(0)),
+            checked_jobs(jobs),
             resume,
             preset,
             config,
@@ -154,6 +154,21 @@ def train(
         if line is not None:
             line.end()
     return Agent.load(out)
+
+
+def _names(buildings: Any) -> list[str] | None:
+    """Returns the names and paths of buildings for a configuration."""
+    if buildings is None:
+        return None
+    given = [buildings] if isinstance(buildings, (str, os.PathLike, Building)) else list(buildings)
+    names = []
+    for each in given:
+        if isinstance(each, Building):
+            raise SettingError(
+                f"{each!r} is prepared already; pass its name or its model, with place=, weather= or control="
+            )
+        names.append(os.fspath(each))
+    return names
 
 
 class ProgressLine:

@@ -32,7 +32,7 @@ def _spaces(pilot: _core.Pilot) -> tuple[Box, Box]:
 def _named(metadata: dict[str, Any], pilot: _core.Pilot) -> dict[str, Any]:
     """Returns the metadata of a building with the names of the pilot, whose values have no unit."""
     for side, names in [("observation", pilot.observation_names()), ("action", pilot.action_names())]:
-        metadata = {**metadata, f"{side}_names": names, f"{side}_units": ["1"] * len(names)}
+        metadata = metadata | {f"{side}_names": names, f"{side}_units": ["1"] * len(names)}
     return metadata
 
 
@@ -51,6 +51,11 @@ class ActingEnv(gymnasium.Wrapper[Array, ArrayLike, Array, ArrayLike]):
         self._building = core
         self._interface = observation, acting
         self._read()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The copy begins without an episode, as that of the building.
+        observation, acting = self._interface
+        return type(self), (self.env, acting, observation)
 
     def _read(self) -> None:
         self._spaces = self._building.layout.spaces

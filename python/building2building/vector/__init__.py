@@ -30,7 +30,7 @@ from ..buildings import (
 from ..env.info import Info
 from ..env.layout import Layout, rounded_inward
 from ..env.open_envs import close_at_exit
-from ..env.tasks import task_text, windows
+from ..env.tasks import check_count, task_text, windows
 from ..errors import EpisodeError, ProcessError, SettingError
 from ..scaling import Scale
 from .info import Row, reward_terms, step_info
@@ -109,6 +109,13 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if resample and not rescale_action and self._shares_actions and _may_differ(self.buildings, control):
             raise SettingError(_DIFFERENT)
         tasks = [task] if isinstance(task, (str, dict)) else list(task)
+        if count is not None and problem is None and len(tasks) > 1 and len(self.buildings) * len(tasks) > count:
+            remedy = f"pass num_envs={len(self.buildings) * len(tasks)}, or resample=True to draw tasks"
+            raise SettingError(
+                f"{len(tasks)} tasks in {len(self.buildings)} buildings for {count} environments, which repeat theirs; "
+                f"{remedy}"
+            )
+        check_count("timesteps_per_hour", timesteps_per_hour)
         self.num_envs = num_envs
         self.render_mode = None
         self.rescale_action = rescale_action
@@ -139,6 +146,9 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._steps_per_hour = timesteps_per_hour
         self._by_role = by_role
         self._read_spaces(self._core)
+        if by_role and problem is None and all(each.spaces.roles is None for each in self.layouts):
+            raise SettingError(_NO_ROLES)
+        self._begun = False
 
     def _read_spaces(self, core: _core.VecEnv) -> None:
         """Reads the spaces of the core's buildings, and makes the arrays of a step."""
@@ -146,7 +156,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
         slots, actuators = core.slots(), core.actuators()
         #: Fixed bounds by which observations are normalized. They cover everything that a slot of the row may hold.
-        self.scale = Scale.of_all(slots)
+        self.scale = Scale.of_all(slots, self._steps_per_hour)
         self._plain = len(slots) == 1 and not self._by_role
         bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
         box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
@@ -205,6 +215,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             self._restart_after_fork(mask)
         core = self._open_core()
         if mask is not None:
+            self._check_begun()
             if number is not None:
                 raise SettingError("a seed applies to all environments; omit seed or reset_mask")
             mask = np.asarray(mask)
@@ -217,6 +228,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         else:
             observations = core.reset(self._episode_seed(number))
             self._done[:], self._steps = False, np.zeros_like(self._steps)
+            self._begun = True
         self._observations = observations
         self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
         return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
@@ -260,6 +272,13 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(seed)
         return seed % 2**64
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise ProcessError("a batch runs processes of this one; make it again in the other process")
+
+    def _check_begun(self) -> None:
+        if not self._begun:
+            raise EpisodeError("no episode is in progress; call reset of all environments first")
+
     def _open_core(self) -> _core.VecEnv:
         if self._core is None:
             raise EpisodeError("the environments are closed")
@@ -267,7 +286,9 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Runs one step of every environment."""
-        observations, rewards, numbers, truncated = self._open_core().step(actions)
+        core = self._open_core()
+        self._check_begun()
+        observations, rewards, numbers, truncated = core.step(actions)
         before, self._observations = self._observations, observations
         reset, self._done = self._done, truncated
         self._steps = np.where(reset & (self.autoreset_mode == AutoresetMode.NEXT_STEP), 0, self._steps + 1)
@@ -292,6 +313,11 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 info["reward_terms"] = reward_terms(numbers)
         if self._reward is not None:
             rewards = np.asarray(self._reward(info), dtype=np.float64)
+            if rewards.shape != (self.num_envs,):
+                raise SettingError(
+                    f"reward returned an array of the shape {rewards.shape}; expected ({self.num_envs},), a value for "
+                    "every environment, such as by .mean(axis=-1)"
+                )
             if self.autoreset_mode == AutoresetMode.NEXT_STEP:
                 # The step after an episode only resets; Gymnasium gives it no reward.
                 rewards = np.where(reset, 0.0, rewards)
@@ -427,6 +453,7 @@ def _may_differ(buildings: list[Building | Generator | str], control: str) -> bo
     return sized and (len(buildings) > 1 or isinstance(buildings[0], Generator))
 
 
+_NO_ROLES = "by_role gives slots to the zones of the generator's houses in tasks without bands; there are none here"
 _DIFFERENT = "the buildings differ in actuators or bounds; pass rescale_action=True for one action space"
 
 

@@ -162,7 +162,7 @@ class NormalizeObservation(ObservationWrapper):
 
     def _read(self) -> None:
         names, box = self.env.metadata["observation_names"], box_of(self.env)
-        self._scale = Scale(names, box.low, box.high, self._bounds)
+        self._scale = Scale(names, box.low, box.high, self._bounds, self._core.layout.steps_per_hour)
         self.observation_space = self._scale.space
         self._rename(names, ["1"] * len(names))
 
@@ -220,7 +220,7 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
     """Draws a new building for every episode.
 
     Buildings are drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a split of the
-    environment's type; ``reset(options={"building": ...})`` selects one. Ids are found by
+    environment's type, by default ``train``; ``reset(options={"building": ...})`` selects one. Ids are found by
     :meth:`BuildingEnv.set_building`: at their own places, with the environment's ``control``. Make the environment with
     ``rescale_action=True``, so that all buildings share one action space.
 
@@ -241,7 +241,7 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
         self,
         env: Env,
         buildings: Sequence[Building | str] | None = None,
-        split: str = "train",
+        split: str | None = None,
         width: int | None = None,
     ):
         if callable(env) and not isinstance(env, gymnasium.Env):
@@ -249,6 +249,8 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
                 "ResampleBuildingOnResetWrapper() takes an environment and buildings, not a factory and indices as in "
                 "the original implementation (see docs/coming_from.md)"
             )
+        if buildings is not None and split is not None:
+            raise SettingError(f"split {split!r} selects buildings, and buildings are given; omit one of them")
         super().__init__(env, buildings=buildings, split=split, width=width)
         box = box_of(env)
         self._width, self._pads = width or box.shape[0], width is not None
@@ -261,7 +263,7 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
             building_type = self._core.building.building_type
             if building_type is None:
                 raise SettingError("an imported building has no type to draw from; pass buildings")
-            buildings = list_buildings(building_type, split)
+            buildings = list_buildings(building_type, split or "train")
         self._buildings = list(buildings)
         self._update()
 
@@ -379,8 +381,8 @@ def action_of_shape(action: ArrayLike, shape: tuple[int, ...]) -> Array:
 )
 def wrap_env_for_rl(env: Env, *, width: int | None = None, parameters: bool = False) -> Env:
     """Wraps an environment for learning: observations and actions in [-1, 1], with ``parameters`` the building's
-    scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless
-    ``width`` is given."""
+    scaled attributes appended, and padded to ``width``. In tasks without bands, houses have the slots of
+    :class:`RoleObservation` unless ``width`` is given."""
     if not unwrap(env).rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
     if width is None and unwrap(env).layout.spaces.roles is not None and is_own(env):

@@ -20,7 +20,7 @@ _BEFORE_LEAP_DAY = 59
 
 
 class WeatherForecast(ObservationWrapper):
-    """Appends the outdoor weather at the next full hours, ordered by quantity, then hour, from the weather file.
+    """Appends the outdoor weather 1, 2, ... hours from now, ordered by quantity, then hour, from the weather file.
 
     The forecast is perfect, except for quantities in ``errors``, such as ``{"temperature": 0.5}``: their errors are a
     random walk over the hours ahead, whose steps have this standard deviation; a new walk is drawn every hour. The same
@@ -178,4 +178,6 @@ def _with_term(info: dict[str, Any], name: str, value: float) -> dict[str, Any]:
         every["reward_terms"] = {**every["reward_terms"], name: value}
         return every
 
-    return Info(compute)
+    changed = Info(compute)
+    changed["step"] = info["step"]
+    return changed

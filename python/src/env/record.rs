@@ -41,7 +41,7 @@ impl Record {
         penalties: &Bound<'_, PyAny>,
     ) -> PyResult<Vec<PathBuf>> {
         let trajectory = trajectory(observations, actions, penalties)?;
-        let author = Author { place: self.place.clone(), controller, seed };
+        let author = Author { place: self.place.clone(), controller, parameters: None, seed };
         let written = py.detach(|| match &self.metrics {
             Some(metrics) => {
                 let wall = Duration::try_from_secs_f64(wall).unwrap_or_default();

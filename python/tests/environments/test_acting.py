@@ -1,6 +1,7 @@
 """Environments as agents of ``b2b train`` see them."""
 
 import os
+import pickle
 import signal
 
 import building2building as b2b
@@ -29,6 +30,11 @@ def test_a_supervisor_decides_every_hour_and_zeros_are_guideline36():
         total, hours = total + reward, hours + 1
         assert not terminated and env.observation_space.contains(observation)
     assert hours == 24
+    assert env.metadata["morphology"].nodes and env.metadata["zones"]
+    copied = pickle.loads(pickle.dumps(env))
+    assert copied.reset(seed=0)[0].tolist() == env.reset(seed=0)[0].tolist()
+    with pytest.raises(SettingError, match=r"12 steps of the building.*acting_controller"):
+        b2b.rollout(env, lambda _: np.zeros(env.action_space.shape))
     plain = b2b.make_env("OfficeSmall-0042", **DAY)
     plain.reset(seed=0)
     guideline = b2b.rollout(plain, b2b.Guideline36Controller(plain))

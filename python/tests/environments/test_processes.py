@@ -331,6 +331,20 @@ def test_snapshots_branch_the_simulation(make):
         env.restore(kept)
 
 
+def test_an_interrupted_change_of_the_building_leaves_the_present_one(make, monkeypatch):
+    env = make(timesteps_per_hour=1)
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(env.unwrapped, "_set_setting", interrupt)
+        env.unwrapped.set_building("OfficeSmall-0042")
+    assert env.unwrapped.building.name == "OfficeSmall"
+    observation, info = env.reset()
+    assert info["building"] == "OfficeSmall" and env.observation_space.contains(observation)
+
+
 def test_a_temporary_folder_goes_with_an_error_and_with_the_next_process_after_a_killed_one():
     from building2building.process.temporary import temporary_folder
 

@@ -2,6 +2,7 @@
 
 import inspect
 import os
+import pickle
 import signal
 import warnings
 
@@ -145,6 +146,23 @@ def test_a_custom_reward_is_computed_for_the_batch(make_vec):
     envs.reset(seed=0)
     _, rewards, *_, info = envs.step(envs.action_space.sample())
     np.testing.assert_array_equal(rewards, -np.abs(info["zone_deviation"]).max(axis=1))
+
+
+def test_a_custom_reward_without_a_value_for_every_environment_is_an_error(make_vec):
+    envs = make_vec("SingleFamilyHouse", 2, reward=lambda info: -np.abs(info["zone_deviation"]).mean())
+    envs.reset(seed=0)
+    with pytest.raises(errors.SettingError, match=r"shape \(\); expected \(2,\).*mean\(axis=-1\)"):
+        envs.step(envs.action_space.sample())
+
+
+def test_episodes_begin_with_a_reset_of_all_and_in_this_process(make_vec):
+    envs = make_vec("SingleFamilyHouse", 2)
+    with pytest.raises(errors.EpisodeError, match="call reset"):
+        envs.step(envs.action_space.sample())
+    with pytest.raises(errors.EpisodeError, match="call reset of all"):
+        envs.reset(options={"reset_mask": np.array([True, False])})
+    with pytest.raises(errors.ProcessError, match="make it again"):
+        pickle.dumps(envs)
 
 
 def test_a_custom_reward_counts_in_every_step_that_runs(make_vec):
@@ -359,6 +377,10 @@ def test_drawn_setpoints_are_in_physical_units(make_vec):
         ({"num_envs": 0}, "num_envs is 0"),
         ({"num_envs": "2"}, "num_envs is '2'"),
         ({"reward": "energy"}, "reward is 'energy'; expected a function"),
+        ({"num_envs": 2, "task": ["constant", "occupancy", "random"]}, "3 tasks .* 2 environments.*pass num_envs=3"),
+        ({"by_role": True}, "by_role gives slots"),
+        ({"window_days": -1}, "window_days is -1; expected 1 or more"),
+        ({"timesteps_per_hour": -1}, "timesteps_per_hour is -1"),
         ({"split": "train"}, "pass index=0"),
         ({"resample": True, "place": "Miami"}, "OfficeSmall-0001 is drawn at its own place"),
         ({"resample": True, "buildings": [b2b.Generator("OfficeSmall")], "weather": "x.epw"}, "pass buildings=.Gener"),

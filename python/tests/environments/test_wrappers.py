@@ -1,6 +1,7 @@
 """Wrappers."""
 
 import copy
+import json
 import pickle
 from types import MappingProxyType
 
@@ -64,7 +65,7 @@ def test_bounds_by_last_words_leave_other_quantities_alone(make):
     zone, outdoors, electricity = "Core_ZN air temperature", "outdoor air temperature", "HVAC electricity"
     assert values[zone] == pytest.approx((plain[zone] - 10) / 12.5 - 1, abs=1e-6)
     assert values[outdoors] == pytest.approx((plain[outdoors] + 40) / 45 - 1, abs=1e-6)
-    assert values[electricity] == min(plain[electricity] / 5 - 1, 1)
+    assert values[electricity] == pytest.approx(min(plain[electricity] / 60 - 1, 1), abs=1e-6), "120 W/m² for an hour"
     actions = [value for name, value in values.items() if name.startswith("previous") and name != "previous reward"]
     assert len(actions) == 10 and actions == [1] * 10
     with pytest.raises(errors.SettingError, match="bounds of air temprature apply to no slot"):
@@ -322,6 +323,8 @@ def test_a_price_is_observed_and_charged(make):
     electricity = info["energy"]["electricity"] / 1000
     assert info["reward_terms"]["electricity price"] == pytest.approx(-1000 * 0.1 * electricity)
     assert reward == pytest.approx(sum(info["reward_terms"].values()))
+    info = env.step(env.action_space.high)[4]
+    assert "energy" in json.loads(json.dumps(info, default=np.ndarray.tolist))
     with pytest.raises(errors.SettingError, match="8760"):
         wrappers.PriceSignal(make(), [1.0])
 
@@ -520,7 +523,11 @@ def test_zones_have_the_task_s_comfort_penalty(make, task):
         assert np.mean(own) == pytest.approx(-terms["temperature"])
         penalties.extend(own)
     assert max(penalties) > 0
-    for options, words in [({"task": "operate+pmv"}, "omit .pmv"), ({"reward": lambda info: 0.0}, "omit reward")]:
+    for options, words in [
+        ({"task": "operate+pmv"}, "omit .pmv"),
+        ({"task": "operate+noise0.2"}, "omit .noise and .bias"),
+        ({"reward": lambda info: 0.0}, "omit reward"),
+    ]:
         with pytest.raises(errors.SettingError, match=words):
             ZonesParallelEnv(make("OfficeSmall", **options))
     with pytest.raises(errors.SettingError, match="without wrappers"):

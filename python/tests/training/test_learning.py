@@ -98,9 +98,12 @@ def test_invalid_options_are_errors(tmp_path):
         ({"task": {"comfort_bend": 1.0}}, "comfort_bend"),
         ({"steps": object()}, "not a valid configuration value"),
         ({"resume": True, "seed": 3}, "remove seed"),
+        ({"jobs": -1}, "jobs is -1; expected 1 or more"),
     ]:
         with pytest.raises(SettingError, match=message):
             b2b.train(None if options.get("resume") else HOUSE, out=tmp_path / "run", **options)
+    with pytest.raises(SettingError, match="is prepared already; pass its name"):
+        b2b.train(b2b.find_building("OfficeSmall"), out=tmp_path / "run")
 
 
 @pytest.mark.nightly

@@ -70,8 +70,15 @@ impl Entry {
         let policy =
             WrappedPolicy::new(self.policy_of(stage).policy(), &self.problem, self.problem.side(stage));
         let episodes = self.episodes(stage);
-        let folder = Folder::open(&folder.join(UNFINISHED).join(stage.to_string()), &policy, &episodes)?;
-        Ok(Results::of(evaluation, &folder, &episodes, &policy, baselines, progress)?.rows)
+        let unfinished = folder.join(UNFINISHED);
+        let of_stage = Folder::open(&unfinished.join(stage.to_string()), &policy, &episodes)?;
+        let results = of_stage
+            .carry_out(|folder| Results::of(evaluation, folder, &episodes, &policy, baselines, progress));
+        if results.is_err() {
+            // Removed unless episodes have ended.
+            let _ = std::fs::remove_dir(&unfinished).and_then(|()| std::fs::remove_dir(folder));
+        }
+        Ok(results?.rows)
     }
 }
 

@@ -99,6 +99,31 @@ impl Chosen<'_> {
         }
     }
 
+    /// Returns the values of its parameters, unless they are those that it has without an argument.
+    pub fn parameters(&self, spaces: &Spaces) -> Result<Option<Value>> {
+        match &self.choice {
+            Choice::Kind(kind) if *self.parameters != Parameters::Tuned => {
+                self.parameters.of(*kind, spaces).map(Some)
+            }
+            Choice::Kind(_) | Choice::Agent(_) => Ok(None),
+        }
+    }
+
+    /// Returns what tells its episodes from those of the controller without arguments, in names of folders.
+    pub fn variant(&self) -> String {
+        let parameters = match self.parameters {
+            Parameters::Tuned => String::new(),
+            Parameters::Default => "-default".to_owned(),
+            Parameters::File(path) => {
+                format!("-{}", path.file_stem().unwrap_or_default().to_string_lossy())
+            }
+        };
+        match self.seed {
+            0 => parameters,
+            seed => format!("{parameters}-seed{seed}"),
+        }
+    }
+
     /// Returns whether the controller is a trained agent, which is plotted beside the reactive controllers.
     pub fn is_agent(&self) -> bool {
         !matches!(self.choice, Choice::Kind(_))

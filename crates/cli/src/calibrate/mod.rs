@@ -12,6 +12,7 @@ use indicatif::ProgressBar;
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
+use crate::buildings::edit::check_other_file;
 use crate::program;
 use crate::terminal::progress::{Download, counter, spinner};
 use crate::terminal::{interrupt, stdout};
@@ -79,6 +80,9 @@ pub fn calibrate(arguments: &Arguments) -> Result<()> {
 impl Arguments {
     fn calibrated(&self) -> Result<Report> {
         edit::check_output(&self.out)?;
+        if let BuildingName::Model(path) = &self.model {
+            check_other_file(path, &self.out)?;
+        }
         let metered = Metered::read(&self.energy)?;
         let (name, mut download) = (self.model.to_string(), Download::new(self.json));
         let catalog = program::catalog(&mut download)?;

@@ -1,5 +1,6 @@
 //! `b2b evaluate compare`: several evaluations on one page.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -34,18 +35,46 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn compare(arguments: &Arguments) -> Result<ExitCode> {
-    let all = arguments.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>>>()?;
+    let names = names(&arguments.folders);
+    let all = arguments.folders.iter().zip(names).map(|(folder, name)| read(folder, name));
+    let all = all.collect::<Result<Vec<_>>>()?;
     OutputFolder::write_file(&arguments.out, |file| Ok(write_comparison(file, &all)?))?;
     stdout::print(&arguments.out.display().to_string())?;
     Ok(ExitCode::Success)
 }
 
-/// Reads the episodes of an evaluation, which is named after its folder.
-fn read(folder: &Path) -> Result<Compared> {
+/// Returns the names of evaluations: the shortest ends of their paths that differ.
+fn names(folders: &[PathBuf]) -> Vec<String> {
+    let whole = |folder: &PathBuf| folder.canonicalize().unwrap_or_else(|_| folder.clone());
+    let paths: Vec<Vec<String>> = folders
+        .iter()
+        .map(|folder| whole(folder).iter().map(|part| part.to_string_lossy().into_owned()).collect())
+        .collect();
+    let end = |path: &[String], length: usize| path[path.len().saturating_sub(length)..].join("/");
+    let longest = paths.iter().map(Vec::len).max().unwrap_or(1);
+    let ends = |length: usize| paths.iter().map(|path| end(path, length)).collect::<Vec<_>>();
+    let differ = |names: &[String]| names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    (1..longest).map(ends).find(|names| differ(names)).unwrap_or_else(|| ends(longest))
+}
+
+/// Reads the episodes of an evaluation.
+fn read(folder: &Path, name: String) -> Result<Compared> {
     if !folder.join("episodes.parquet").is_file() {
         bail!("{} is not the folder of a finished `b2b evaluate`", folder.display());
     }
     let rows = read_rows(folder).with_context(|| format!("cannot read {}", folder.display()))?;
-    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(Compared { name, rows })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evaluations_have_names_that_differ() {
+        let names = |folders: &[&str]| names(&folders.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(names(&["none/reactive", "none/ppo"]), ["reactive", "ppo"]);
+        assert_eq!(names(&["none/a/evaluation", "none/b/evaluation"]), ["a/evaluation", "b/evaluation"]);
+        assert_eq!(names(&["none/a", "none/a"]), ["none/a", "none/a"], "twice the same");
+    }
 }

@@ -163,6 +163,9 @@ impl Arguments {
     /// Reads the weather files, and reports what is derived from their hourly data.
     fn places(&self, building_type: BuildingType) -> Result<Places> {
         if self.weather.is_empty() {
+            if self.zone.is_some() {
+                bail!("--zone is of weather files, and places have their own; remove it, or pass --weather");
+            }
             return Ok(match self.places.as_slice() {
                 [] => Places::All,
                 names => Places::Named(names.to_vec()),

@@ -19,12 +19,16 @@ use b2b_env::{DecisionLog, Inputs, Resource, Spaces, Task, Trajectory};
 use crate::arguments::controller::{Chosen, ControllerArguments};
 use crate::arguments::location::Location;
 use crate::arguments::task;
-use crate::output_folder::OutputFolder;
+use crate::output_folder::{self, OutputFolder};
 use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
 use crate::terminal::{interrupt, stdout};
+use serde_json::Value;
 use summary::{RunInfo, Summary};
 use trajectory_file::Identity;
+
+/// Steps per hour without an argument.
+const STEPS_PER_HOUR: u32 = 12;
 
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
@@ -48,13 +52,14 @@ pub struct Arguments {
     #[command(flatten)]
     controller: ControllerArguments,
     /// Zone time steps per hour; one time step is one environment step
-    #[arg(long, default_value_t = 12, value_name = "N")]
+    #[arg(long, default_value_t = STEPS_PER_HOUR, value_name = "N")]
     steps_per_hour: u32,
     /// Task: operate (comfort bands and costs), the paper's constant, occupancy or random targets, or a JSON file (see
     /// below) [default: operate; the agent's own with an agent]
     #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
     task: Option<Task>,
-    /// Output folder [default: b2b-out/BUILDING-PLACE-PERIOD-CONTROLLER[-TASK]]
+    /// Output folder [default: in b2b-out, named after building, place, period, controller and what is not the default
+    /// of the other arguments]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of the text report
@@ -116,13 +121,19 @@ pub fn carry_out(arguments: &Arguments) -> Result<Summary> {
     let prepared = Prepared::under(chosen.controls(), building, location, quiet)?;
     let period = arguments.run_period(&prepared)?;
     let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, task)?);
-    let folder =
-        OutputFolder::claim(&arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task))?;
+    let folder = arguments.folder(&prepared.place, period, &chosen, &spaces.episode.task);
+    output_folder::refuse_others(&folder, "b2b run")?;
+    let folder = OutputFolder::claim(&folder)?;
     let mut controller = chosen.build(&prepared, &spaces, quiet)?;
     let rollout = prepared.roll_out(&spaces, controller.as_mut(), quiet)?;
     let baseline = chosen.is_agent().then(|| Baseline::run(&prepared, &spaces, quiet)).transpose()?;
 
-    let author = Author { place: prepared.place, controller: chosen.name(), seed: chosen.seed() };
+    let author = Author {
+        place: prepared.place,
+        controller: chosen.name(),
+        parameters: chosen.parameters(&spaces)?,
+        seed: chosen.seed(),
+    };
     let summary = author.write(&folder, &spaces, &rollout, baseline.as_ref())?;
     interrupt::check()?;
     folder.keep()?;
@@ -153,6 +164,8 @@ pub struct Author {
     pub place: String,
     /// Name of the controller.
     pub controller: String,
+    /// Its parameters, unless they are those that it has without an argument.
+    pub parameters: Option<Value>,
     /// Random seed of the controller.
     pub seed: u64,
 }
@@ -203,9 +216,9 @@ impl Author {
         rollout: &Rollout,
         baseline: Option<&Baseline>,
     ) -> Result<Summary> {
-        let Self { place, controller, seed } = self;
+        let Self { place, controller, parameters, seed } = self;
         let files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
-        let summary = Summary::of(spaces, rollout, RunInfo { place, controller, seed, files })?;
+        let summary = Summary::of(spaces, rollout, RunInfo { place, controller, parameters, seed, files })?;
         folder.write(trajectory_file::NAME, |file| {
             let Rollout { trajectory, decisions, .. } = rollout;
             trajectory_file::write(file, spaces, trajectory, decisions, summary.identity())
@@ -237,7 +250,10 @@ impl Arguments {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
             let building = self.location.placement().control.name_of(&self.building);
-            let mut name = format!("{building}-{place}-{period}-{}", chosen.name());
+            let mut name = format!("{building}-{place}-{period}-{}{}", chosen.name(), chosen.variant());
+            if self.steps_per_hour != STEPS_PER_HOUR {
+                name += &format!("-{}-per-hour", self.steps_per_hour);
+            }
             if *task != task::usual() {
                 name += &format!("-{task}").replace([':', '#', '/'], "_");
             }

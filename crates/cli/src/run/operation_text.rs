@@ -24,14 +24,23 @@ impl Summary {
             ("HVAC energy by end use", self.end_uses_text()),
             ("thermal discomfort", format!("{:.1} K·h per zone", metrics.tdis_tot.unwrap_or(f64::NAN))),
             (
-                "peak electric demand, 15 min",
+                match self.steps_per_hour {
+                    1 => "peak electric demand, 60 min",
+                    2 => "peak electric demand, 30 min",
+                    3 => "peak electric demand, 20 min",
+                    _ => "peak electric demand, 15 min",
+                },
                 format!("{:.1} W/m²", 1000.0 * metrics.pele_tot.unwrap_or_default()),
             ),
             ("too cold, too warm while occupied", self.occupied_text()),
             ("emissions", format!("{} kg CO₂/m²", digits(metrics.emis_tot, 2))),
             (
                 "return",
-                format!("{:.1}  (discomfort {temperature:.1}, cost {cost:.1})", metrics.episode_return),
+                format!(
+                    "{:.1}  (discomfort {temperature:.1}, {} {cost:.1})",
+                    metrics.episode_return,
+                    self.task_definition.resource.penalty().word
+                ),
             ),
             ("actuator travel", self.travel_text()),
             ("outdoor air per person", self.outdoor_air_text()),

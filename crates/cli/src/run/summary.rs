@@ -9,6 +9,7 @@ use b2b_building::Carrier;
 use b2b_control::Versions;
 use b2b_env::{BillPart, EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, Term, ZoneMetrics};
 use serde::Serialize;
+use serde_json::Value;
 
 use super::trajectory_file::Identity;
 use crate::rollout::Rollout;
@@ -87,6 +88,9 @@ pub struct RunInfo {
     pub place: String,
     /// Name of the controller.
     pub controller: String,
+    /// Its parameters, unless they are those that it has without an argument.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<Value>,
     /// Random seed of the controller.
     pub seed: u64,
     /// Output files.
@@ -225,7 +229,11 @@ impl Summary {
         vec![
             (
                 "return",
-                format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", metrics.episode_return),
+                format!(
+                    "{:.1}  (temperature {temperature:.1}, {} {energy:.1})",
+                    metrics.episode_return,
+                    self.task_definition.resource.penalty().word
+                ),
             ),
             ("mean absolute deviation", format!("{:.2} K", metrics.mean_abs_deviation)),
             ("RMS deviation", self.rms_deviation_text()),

@@ -14,7 +14,7 @@ use arrow_schema::{Field, Schema};
 use b2b_base::calendar::Calendar;
 use b2b_base::digest::sha256;
 use b2b_control::Versions;
-use b2b_env::{DecisionLog, EpisodeConfig, Spaces, Trajectory};
+use b2b_env::{Comfort, DecisionLog, EpisodeConfig, Spaces, Trajectory};
 use b2b_evaluate::read_parquet;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
@@ -52,7 +52,11 @@ pub fn write(
         columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
-    columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
+    let unit = match spaces.episode.task.comfort {
+        Comfort::Squared | Comfort::Deadband { .. } => "K²",
+        Comfort::Pmv(_) | Comfort::Band { .. } => "1",
+    };
+    columns.push::<Float64Type>(PENALTIES[0], unit, penalties.iter().map(|p| p[0]));
     columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
     columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
     for (k, slot) in decisions.slots().iter().enumerate() {

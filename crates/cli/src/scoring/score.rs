@@ -296,7 +296,12 @@ impl Arguments {
                 Err(_) => bail!("unknown building `{building}`; {hint}"),
             },
         };
-        let recorded = Control::split_name(building).1;
+        let (recorded_name, recorded) = Control::split_name(building);
+        if name.to_string() != recorded_name {
+            bail!(
+                "the trajectory is of {recorded_name}, not of {name}; remove --building, or pass its model file"
+            );
+        }
         if self.location.control.is_some_and(|given| given != recorded) {
             bail!("the trajectory was recorded under `--control {}`; remove --control", recorded.name());
         }

@@ -46,11 +46,15 @@ impl Monitor for Bar {
         self.replace(spinner(format!("{steps} steps: evaluating the agent"), self.quiet));
     }
 
-    fn update(&mut self, row: &ProgressRow) {
+    fn learning(&mut self, steps: u64) {
         if !std::mem::replace(&mut self.is_counting, true) {
-            let bar = training(self.steps, row.steps.min(self.steps), self.quiet);
+            let bar = training(self.steps, steps.min(self.steps), self.quiet);
             self.replace(bar);
         }
+    }
+
+    fn update(&mut self, row: &ProgressRow) {
+        self.learning(row.steps);
         if let (Some(score), Some(rms), Some(energy)) =
             (row.get("score"), row.get("rms_deviation_k"), row.get("energy_ratio"))
         {
@@ -80,6 +84,9 @@ mod tests {
         let row = |steps| ProgressRow { steps, values: vec![("steps_per_s", 1000.0)] };
         bar.update(&row(30_000));
         assert_eq!((bar.bar.position(), bar.bar.length()), (30_000, Some(60_000)));
+        bar.evaluating(0);
+        bar.learning(0);
+        assert_eq!(bar.bar.length(), Some(60_000), "the first update takes its time");
         bar.evaluating(62_208);
         assert_eq!(bar.bar.length(), Some(0), "a spinner, which has no length");
         assert_eq!(bar.bar.message(), "62208 steps: evaluating the agent");

@@ -14,6 +14,7 @@ use b2b_learn::train::{Measures, PAGE, PresetChoice, RunOptions, RunSummary, SUM
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
+use crate::output_folder;
 use crate::program;
 use crate::terminal::progress::Download;
 use crate::terminal::{interrupt, stdout};
@@ -110,7 +111,7 @@ Examples:
   b2b train --resume runs/houses --steps 4000000       train for more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
   b2b train my.idf --weather my.epw                    a model of your own
-  b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
+  b2b evaluate OfficeSmall-0509 --policy runs/x --out scores   the run's folder is the agent
   tensorboard --logdir runs                            watch runs side by side
 
 Ctrl-C writes a checkpoint. A run that was killed and resumed ends with the same weights as one that was not.";
@@ -120,6 +121,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
     let out = arguments.folder(&config)?;
+    output_folder::refuse_others(&out, "b2b train")?;
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let trained = train_in(&out, &config, catalog, arguments.jobs.count()?, arguments.json);
     let summary = match trained {

@@ -173,6 +173,8 @@ fn a_misspelled_argument_is_answered_with_the_valid_ones() {
         ),
         ("run Warehouse --task warm", ["`warm`", "occupancy+energy0.5"]),
         ("run Warehouse --task constant:99", ["target", "99"]),
+        ("run Warehouse --task operate:21-24", ["operate:21-24", "operate:21-24/15.6-28"]),
+        ("generate Warehouse --count 1 --zone 5A --place Denver --out g", ["--zone", "--weather"]),
         ("run Warehouse --task none.json", ["none.json", "No such file"]),
         ("run Warehouse --steps-per-hour 7", ["7", "12"]),
         ("run Warehouse --weather nowhere.epw", ["nowhere.epw", "No such file"]),

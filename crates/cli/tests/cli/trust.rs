@@ -235,7 +235,7 @@ fn a_limit_of_the_shell_is_an_error_that_names_it_and_leaves_nothing() {
         // Its prototype is an IDF, whose conversion writes more.
         ("ulimit -f", 100, "evaluate Warehouse-0001 --policy constant --period 01-01..01-01 --out w"),
         ("ulimit -f", 10, "generate SingleFamilyHouse --count 1 --out o"),
-        ("ulimit -v", 6_000_000, "run SingleFamilyHouse --period 01-01..01-02 --out o"),
+        ("ulimit -v", 6_000_000, "run SingleFamilyHouse --period 01-01..01-02 --out r"),
     ] {
         let temporary = tempfile::tempdir().unwrap();
         let mut limited = std::process::Command::new("bash");

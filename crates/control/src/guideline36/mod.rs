@@ -141,6 +141,7 @@ impl Guideline36 {
 impl Controller for Guideline36 {
     fn reset(&mut self) {
         self.systems.iter_mut().for_each(|system| system.sequences.reset());
+        self.record.values.fill(0.0);
         self.supervision.set(&mut self.systems, |_| 0.0);
     }
 

@@ -103,6 +103,9 @@ impl FromStr for Task {
         let error = |why: String| Error::UnknownTask { text: text.to_owned(), why };
         let unknown = |part: &str| match of_preset(text) {
             Some(task) => error(format!(", which is called {task} here (docs/coming_from.md)")),
+            None if part.starts_with("operate:") => error(format!(
+                ": `{part}` needs the bands of occupied and of other hours, such as operate:21-24/15.6-28"
+            )),
             None if part == text => error(suggestion(part)),
             None => error(format!(": unknown part `{part}`{}", suggestion(part))),
         };

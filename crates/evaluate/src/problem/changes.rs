@@ -71,8 +71,9 @@ impl Problem {
                     self.error(format!("unknown task `{task}`; expected one of {}", Task::NAMED.join(", ")))
                 );
             }
-            self.train.tasks = six.into_iter().filter(|task| *task != tested).collect();
-            self.test.tasks = vec![tested];
+            let others: Vec<Task> = six.into_iter().filter(|task| *task != tested).collect();
+            self.train.replace_tasks(&others);
+            self.test.replace_tasks(&[tested]);
         }
         let restricted = self.train.restriction.is_some() || self.test.restriction.is_some();
         if !restricted && (changes.fallback.is_some() || changes.pin.is_some()) {
@@ -85,7 +86,7 @@ impl Problem {
         {
             side.replace_buildings(if own.is_empty() { buildings } else { own });
             if !tasks.is_empty() {
-                side.tasks.clone_from(tasks);
+                side.replace_tasks(tasks);
             }
             if let Some(restriction) = &mut side.restriction {
                 restriction.fallback = changes.fallback.unwrap_or(restriction.fallback);
@@ -137,6 +138,14 @@ impl Protocol {
 }
 
 impl Side {
+    fn replace_tasks(&mut self, tasks: &[Task]) {
+        if self.tasks != tasks {
+            self.tasks = tasks.to_vec();
+            // The sizes of observations depend on the task.
+            self.sizes.clear();
+        }
+    }
+
     fn replace_buildings(&mut self, ids: &[BuildingId]) {
         if ids.is_empty() {
             return;

@@ -82,6 +82,18 @@ fn refused(name: &str, changes: Value) -> String {
 }
 
 #[test]
+fn other_tasks_have_observations_of_other_sizes() {
+    let sizes = |name: &str, left_out: Option<&str>| {
+        let problem = Problem::all().iter().find(|problem| problem.name == name).unwrap().clone();
+        let changes = Changes { left_out: left_out.map(str::to_owned), ..Changes::default() };
+        problem.with(&changes).unwrap().test.sizes.len()
+    };
+    let name = "goal-leave-one-out";
+    assert!(sizes(name, None) > 0);
+    assert_eq!(sizes(name, Some("constant")), 0, "23 slots are of a task by occupancy");
+}
+
+#[test]
 fn a_problem_that_cannot_measure_generalization_is_an_error_that_names_the_fault() {
     use serde_json::json;
     let cases = [

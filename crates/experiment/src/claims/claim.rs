@@ -8,7 +8,7 @@ use super::interval::Measured;
 
 /// How claims are judged: the subtitle of their table.
 pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings and seeds; for fewer than three, the \
-                        range of all values) is on the claimed side of its bound and beyond the margin, does not hold \
+                        range of all values, if they differ) is on the claimed side of its bound and beyond the margin, does not hold \
                         if it is on the other side and beyond the margin, and otherwise cannot be told; trainings with \
                         fewer steps than the paper's do not count";
 
@@ -88,7 +88,9 @@ impl Claim {
     pub(super) fn verdict(&self, measured: &Measured) -> Verdict {
         let Self { side, bound, margin, .. } = self;
         let (low, high) = (measured.interval.low, measured.interval.high);
-        let (is_below, is_above) = (high < bound - margin, low > bound + margin);
+        // A range without width is one value, or none that differs.
+        let decides = !measured.is_range || low < high;
+        let (is_below, is_above) = (decides && high < bound - margin, decides && low > bound + margin);
         match (side, is_below, is_above) {
             (Side::Below, true, _) | (Side::Above, _, true) => Verdict::Holds,
             (Side::Below, _, true) | (Side::Above, true, _) => Verdict::Fails,
@@ -148,14 +150,16 @@ mod tests {
         assert_eq!(of(Side::Below, &[0.96, 0.97, 0.98]), Verdict::Unknown, "within the margin");
         assert_eq!(of(Side::Below, &[0.5, 0.6, 1.4, 1.5]), Verdict::Unknown);
         assert_eq!(of(Side::Below, &[1.2, 1.3]), Verdict::Fails, "the range of two buildings");
+        assert_eq!(of(Side::Below, &[0.5]), Verdict::Unknown, "one value");
         assert_eq!(of(Side::Below, &[]), Verdict::NoResults);
     }
 
     #[test]
     fn the_caveat_is_for_claims_that_do_not_hold() {
-        let of =
-            |value: f64| claim(Side::Below).judge(measured(&buildings(&[vec![value]]), median), "so").reason;
-        assert_eq!(of(0.5), "range of 1 building; so");
-        assert_eq!(of(1.5), "range of 1 building; so; other buildings");
+        let of = |values: &[f64]| {
+            claim(Side::Below).judge(measured(&buildings(&[values.to_vec()]), median), "so").reason
+        };
+        assert_eq!(of(&[0.5, 0.6]), "range of 1 building; so");
+        assert_eq!(of(&[1.5, 1.6]), "range of 1 building; so; other buildings");
     }
 }

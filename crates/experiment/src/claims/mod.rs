@@ -29,7 +29,7 @@ pub fn judge(experiment: &Experiment, results: &Results) -> Vec<Judged> {
     }
 }
 
-/// Returns the claims about all shipped experiments as a Markdown table, each judged by the first results that apply.
+/// Returns the claims about all shipped experiments as a Markdown table, each judged by the first results that decide it.
 pub fn markdown(all: &[(Experiment, Results)]) -> String {
     let mut text =
         "| experiment | claim of the paper | here | measured | reason |\n|---|---|---|---|---|\n".to_owned();
@@ -40,7 +40,9 @@ pub fn markdown(all: &[(Experiment, Results)]) -> String {
             own.chain([&none]).map(|results| judge(&experiment, results)).collect();
         for number in 0..tables[0].len() {
             let of_claim = || tables.iter().map(|table| &table[number]);
-            let told = of_claim().find(|judged| judged.verdict != Verdict::NoResults);
+            let decides = |judged: &&Judged| matches!(judged.verdict, Verdict::Holds | Verdict::Fails);
+            let told = of_claim().find(decides);
+            let told = told.or_else(|| of_claim().find(|judged| judged.verdict != Verdict::NoResults));
             let Judged { claim, verdict, measured, reason } = told.unwrap_or(&tables[0][number]);
             text += &format!("| `{}` | {claim} | {verdict} | {measured} | {reason} |\n", experiment.name);
         }
@@ -74,10 +76,11 @@ mod tests {
 
     /// Gives the training runs the paper's number of steps, and each agent's episodes the scores of a function.
     fn pretend(results: &mut Results, score: impl Fn(&str, &str) -> f64) {
-        for done in &mut results.done {
+        for (number, done) in results.done.iter_mut().enumerate() {
             done.steps = 5_000_000;
             for row in &mut done.rows {
-                let score = score(&done.agent, &row.info.building_type);
+                // No two trainings score exactly the same.
+                let score = score(&done.agent, &row.info.building_type) * (1.0 + 1e-5 * number as f64);
                 let scored = row.outcome.as_mut().unwrap();
                 (scored.score, scored.resolved_score) = (Some(score), Some(score));
             }
@@ -134,15 +137,16 @@ mod tests {
     fn claims_about_energy_follow_the_energy() {
         let (experiment, mut results) = shipped("weights");
         pretend(&mut results, |_, _| 1.0);
-        for done in &mut results.done {
+        for (number, done) in results.done.iter_mut().enumerate() {
             for row in &mut done.rows {
                 let is_high = row.info.task.ends_with("energy5");
                 let scored = row.outcome.as_mut().unwrap();
                 let baseline = scored.baseline_energy.unwrap();
-                let electricity = if is_high { 0.1 * baseline } else { baseline };
+                let other = 1.0 + 1e-5 * number as f64;
+                let electricity = other * if is_high { 0.1 * baseline } else { baseline };
                 scored.metrics.terms.set(Term::Gas, 0.0);
                 scored.metrics.terms.set(Term::Electricity, electricity);
-                scored.metrics.rms_deviation = if is_high { 4.0 } else { 1.0 };
+                scored.metrics.rms_deviation = other * if is_high { 4.0 } else { 1.0 };
             }
         }
         use Verdict::{Fails, Holds};

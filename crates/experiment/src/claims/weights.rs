@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_env::Task;
-use b2b_evaluate::statistics::{Sample, median, score_text};
+use b2b_evaluate::statistics::{Sample, mean, median, score_text};
 use b2b_evaluate::{EpisodeResult, Scored};
 
 use super::claim::{Claim, Judged, Side};
@@ -86,8 +86,8 @@ fn changes<'a>(
     value: fn(&Scored) -> Option<f64>,
     change: impl Fn(&[(f64, f64)]) -> Option<f64>,
 ) -> Vec<Sample<'a>> {
-    let sample = |((building, setpoints), values): ((&'a str, &'a str), Series)| {
-        let case = [setpoints, ""];
+    let sample = |([building, setpoints, period], values): ([&'a str; 3], Series)| {
+        let case = [setpoints, period];
         Some(Sample { building_type: "", building, case, agent: building, seed: 0, score: change(&values)? })
     };
     series(rows, value).into_iter().filter_map(sample).collect()
@@ -96,17 +96,24 @@ fn changes<'a>(
 /// Values with their weights, ordered by weight.
 type Series = Vec<(f64, f64)>;
 
-/// Returns the values of each building and kind of targets.
-fn series<'a>(rows: &[Ran<'a>], value: fn(&Scored) -> Option<f64>) -> BTreeMap<(&'a str, &'a str), Series> {
-    let mut all: BTreeMap<(&str, &str), Series> = BTreeMap::new();
+/// Returns the values of each building, kind of targets and run period: means over seeds.
+fn series<'a>(rows: &[Ran<'a>], value: fn(&Scored) -> Option<f64>) -> BTreeMap<[&'a str; 3], Series> {
+    let mut all: BTreeMap<[&str; 3], Series> = BTreeMap::new();
     for (_, row) in rows {
         let value = row.scored().and_then(value);
         if let (Some(weight), Some(value)) = (weight(row), value) {
             let setpoints = row.info.task.split('+').next().unwrap_or_default();
-            all.entry((&row.info.building, setpoints)).or_default().push((weight, value));
+            let key = [&row.info.building[..], setpoints, &row.info.period];
+            all.entry(key).or_default().push((weight, value));
         }
     }
-    all.values_mut().for_each(|values| values.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    for values in all.values_mut() {
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let of_weight = |seeds: &[(f64, f64)]| {
+            (seeds[0].0, mean(&seeds.iter().map(|(_, value)| *value).collect::<Vec<_>>()))
+        };
+        *values = values.chunk_by(|a, b| a.0 == b.0).map(of_weight).collect();
+    }
     all
 }
 

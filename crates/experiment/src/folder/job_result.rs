@@ -102,6 +102,7 @@ impl JobResult {
             Action::Enter(_) => {
                 let (entry, stages) = read_result(&path.join(ENTRY))?;
                 self.rows = test_rows(&stages);
+                self.machine.clone_from(&entry.machine);
                 self.entry = Some((entry, stages));
             }
             Action::Measure(_) => {

@@ -216,7 +216,7 @@ fn difference(there: &[EpisodeResult], here: &[EpisodeResult], bits: bool) -> Op
             (Some(before), Some(now)) => now == before || (now / before - 1.0).abs() <= TOLERANCE,
             (before, now) => before == now,
         };
-        let is_same = if bits { before.trajectory_hash == now.trajectory_hash } else { is_near };
+        let is_same = is_near && (!bits || before.trajectory_hash == now.trajectory_hash);
         let score =
             |score: Option<f64>| score.map_or_else(|| "no score".to_owned(), |score| score.to_string());
         (!is_same).then(|| {

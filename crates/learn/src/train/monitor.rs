@@ -10,6 +10,9 @@ pub trait Monitor {
     /// An evaluation of the agent begins, after this many environment steps.
     fn evaluating(&mut self, _steps: u64) {}
 
+    /// The updates begin, after this many environment steps.
+    fn learning(&mut self, _steps: u64) {}
+
     /// An update was made.
     fn update(&mut self, _row: &ProgressRow) {}
 

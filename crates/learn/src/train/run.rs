@@ -190,6 +190,10 @@ impl<'a> Run<'a> {
     /// Continues from the last checkpoint, if there is one.
     fn resume(&mut self) -> Result<()> {
         let Some(checkpoint) = Checkpoint::read(self.out)? else { return Ok(()) };
+        if let Ok(last) = Agent::read(&self.out.join(LAST)) {
+            check_versions(&last.info().training, &self.info.training)
+                .map_err(|why| Error::Resume { path: self.out.to_owned(), why })?;
+        }
         self.monitor.stage(&format!("resuming at {} steps", checkpoint.steps));
         let other = |error: Error| Error::Resume { path: self.out.to_owned(), why: error.to_string() };
         self.learner.restore(&checkpoint.learner).map_err(other)?;
@@ -218,6 +222,7 @@ impl<'a> Run<'a> {
             let written = progress.write(&row);
             self.warn_of(written, "the first evaluation");
         }
+        self.monitor.learning(self.steps);
         let mut rollout = Rollout::default();
         while self.steps < self.config.budget.steps {
             let before = self.steps;
@@ -447,6 +452,21 @@ impl<'a> Run<'a> {
             info.node_types = seen.into_iter().map(|index| NodeType::ALL[index].name().to_owned()).collect();
         }
         info
+    }
+}
+
+/// Checks that a run was trained by what this program would train on: it would be an agent of neither.
+fn check_versions(there: &TrainingInfo, here: &TrainingInfo) -> std::result::Result<(), String> {
+    let [theirs, ours] = [there, here].map(|info| {
+        let TrainingInfo { generator, engine, base_controllers, .. } = info;
+        let base = base_controllers.as_ref().map_or_else(String::new, |base| format!(", {base}"));
+        format!("dataset {generator}, EnergyPlus {engine}{base}")
+    });
+    match theirs == ours {
+        true => Ok(()),
+        false => Err(format!(
+            "it was trained with {theirs}; this program has {ours}: train anew in another folder"
+        )),
     }
 }
 

@@ -94,6 +94,12 @@ impl TrainingSide {
         if set.control != Control::Actuators {
             return Err(self.beyond("control", &set.control.name(), &Control::Actuators.name()));
         }
+        if let Some(site) = set.site_text() {
+            return Err(self.beyond("site", &site, &"the buildings' own"));
+        }
+        if set.keep_design_days {
+            return Err(self.beyond("design days", &"of the model", &"of the site"));
+        }
         if set.steps_per_hour != self.steps_per_hour {
             return Err(self.beyond("steps per hour", &set.steps_per_hour, &self.steps_per_hour));
         }

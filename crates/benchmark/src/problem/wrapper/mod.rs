@@ -7,7 +7,7 @@ use b2b_building::Controls;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, Task, attribute_name, attributes};
-use b2b_evaluate::problem::{Attributes, Fallback, Memory, Problem, RestrictedAction, Side};
+use b2b_evaluate::problem::{Attributes, Fallback, Memory, Problem, RestrictedAction, Restriction, Side};
 use b2b_evaluate::{EpisodeContext, Policy, PolicyForm, PolicyInterface, controller_parameters};
 use serde_json::Value;
 
@@ -131,8 +131,9 @@ impl Policy for WrappedPolicy<'_> {
     }
 
     fn is_baseline(&self, task: &Task) -> bool {
-        let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
-        self.policy.is_baseline(task) && !pinned
+        // The baseline of operation is the guideline, which does not control the withheld actuators.
+        let differs = |restriction: Restriction| restriction.fallback == Fallback::Pin || task.is_operation();
+        self.policy.is_baseline(task) && !self.side.restriction.is_some_and(differs)
     }
 
     fn controls(&self) -> Controls {

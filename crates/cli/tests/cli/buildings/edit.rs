@@ -118,4 +118,9 @@ fn a_bad_value_is_reported_and_writes_nothing() {
         &["nowhere.idf", "does not exist"],
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let own = folder.path().join("own.epJSON");
+    std::fs::write(&own, "{}").unwrap();
+    let words = ["--out ./own.epJSON is the model itself"];
+    assert_rejected(folder.path(), "edit own.epJSON --lights 2 --out ./own.epJSON", &words);
+    assert_eq!(std::fs::read_to_string(own).unwrap(), "{}");
 }

@@ -119,6 +119,20 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     let ratio = random["return"].as_f64().unwrap() / reactive["return"].as_f64().unwrap();
     assert!(close(&scored["score"], ratio) && ratio > 1.0, "{scored}");
     assert_eq!(json(folder.path(), "score random"), scored, "by the folder of the run");
+    let words = ["SingleFamilyHouse-0014, not of Warehouse"];
+    assert_rejected(folder.path(), "score random --building Warehouse", &words);
+    std::fs::write(folder.path().join("reactive/evaluation.json"), "{}").unwrap();
+    let again = "run SingleFamilyHouse-0014 --period 01-10..01-10 --out reactive";
+    assert_rejected(folder.path(), again, &["reactive has the output of `b2b evaluate`"]);
+    std::fs::remove_file(folder.path().join("reactive/evaluation.json")).unwrap();
+    std::fs::write(folder.path().join("late.json"), r#"{"optimum_start": 0}"#).unwrap();
+    let late = json(
+        folder.path(),
+        "run SingleFamilyHouse-0014 --period 01-10..01-10 --parameters late.json --seed 3",
+    );
+    assert_eq!(late["parameters"]["optimum_start"], 0.0);
+    let name = late["files"][0].as_str().unwrap().to_owned();
+    assert!(name.contains("guideline36-late-seed3/"), "{name}");
     assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
 
     // The discomfort is the run's, an integral from its start.

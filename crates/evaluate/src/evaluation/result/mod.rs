@@ -138,17 +138,25 @@ impl Scored {
         Some(self.metrics.energy() / baseline)
     }
 
-    /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
-    /// [`RESOLUTION`] to both; `None` if that is unknown. The baseline's energy penalty follows from the amounts of the
-    /// resource, to which penalties are proportional.
-    pub fn relative_comfort(&self) -> Option<f64> {
-        let EpisodeMetrics { temperature_penalty, energy_penalty, steps, .. } = self.metrics;
-        let energy_penalty_of_baseline = match energy_penalty {
-            0.0 => 0.0,
-            penalty => penalty * self.baseline_resource? / self.resource?,
+    /// Returns the baseline's energy penalty, which follows from the amounts of the resource; `None` if these are
+    /// unknown. Older results have none, and penalize energy.
+    pub fn energy_penalty_of_baseline(&self) -> Option<f64> {
+        let (own, baseline) = match self.resource {
+            Some(own) => (own, self.baseline_resource),
+            None => (self.metrics.energy(), self.baseline_energy),
         };
+        match self.metrics.energy_penalty {
+            0.0 => Some(0.0),
+            penalty => (own != 0.0).then_some(penalty * baseline? / own),
+        }
+    }
+
+    /// Returns the root of the temperature penalty relative to the baseline's, after adding a deviation of
+    /// [`RESOLUTION`] to both; `None` if that is unknown.
+    pub fn relative_comfort(&self) -> Option<f64> {
+        let EpisodeMetrics { temperature_penalty, steps, .. } = self.metrics;
         let floor = steps as f64 * RESOLUTION * RESOLUTION;
-        let baseline = (-self.baseline_return? - energy_penalty_of_baseline).max(0.0);
+        let baseline = (-self.baseline_return? - self.energy_penalty_of_baseline()?).max(0.0);
         (floor > 0.0).then(|| ((temperature_penalty + floor) / (baseline + floor)).sqrt())
     }
 

@@ -9,7 +9,7 @@ use super::figures::{Figures, HEADER};
 use super::{Guideline, policies};
 use crate::definition::Experiment;
 use crate::folder::{Folder, JobResult};
-use crate::job::AGENT;
+use crate::job::{AGENT, LAST_AGENT};
 use crate::results::Results;
 
 /// Worst episodes of each policy.
@@ -77,6 +77,7 @@ impl Extreme<'_> {
     /// agent's folder.
     pub(in crate::report) fn arguments(&self, folder: &Folder) -> Option<Vec<String>> {
         let controller = match self.job.agent_sha256 {
+            Some(_) if self.job.best.is_some() => folder.keyed(&self.job.key).path().join(LAST_AGENT),
             Some(_) => folder.keyed(&self.job.key).path().join(AGENT),
             None => self.job.agent.clone().into(),
         };

@@ -9,9 +9,9 @@ use b2b_agent::INFO;
 use super::definition::Definition;
 use super::history::{AGENTS, Stage};
 use super::writer::Writer;
-use crate::Result;
 use crate::error::at;
 use crate::train::{STAGES, TrainConfig, acquire};
+use crate::{Error, Result};
 
 /// Trains the agents of a corpus that are not there yet, one after the other. `train` carries out a configuration in a
 /// folder, where it continues an interrupted run. Waits for another process that is training them.
@@ -40,9 +40,17 @@ pub fn train_agents(
         }
         let run = folder.join(format!(".b2b-unfinished-{building_type}-{}", history.name));
         train(&history.config(building_type)?, &run)?;
+        let kept = |stage: &Stage<'_>| run.join(STAGES).join(stage.number.to_string());
+        if let Some(lost) = left.iter().map(kept).find(|kept| !kept.join(INFO).exists()) {
+            // An agent that could not be written is a warning of the run, which is done and would not write it again.
+            remove_dir_all(&run).map_err(at(&run))?;
+            return Err(Error::Invalid(format!(
+                "the training could not keep {}; free disk space and run the command again",
+                lost.display()
+            )));
+        }
         for stage in left {
-            let kept = run.join(STAGES).join(stage.number.to_string());
-            rename(&kept, place(stage)).map_err(at(&kept))?;
+            rename(kept(&stage), place(stage)).map_err(at(&kept(&stage)))?;
         }
         remove_dir_all(&run).map_err(at(&run))?;
     }

@@ -170,6 +170,12 @@ impl TrainingSet {
         Ok(Placement { place, weather, allow_external, control, keep_design_days, transition: None })
     }
 
+    /// Returns the place or the name of the weather file, if the buildings are not where they are in the dataset.
+    pub fn site_text(&self) -> Option<String> {
+        let weather = self.weather.file_stem().map(|weather| weather.display().to_string());
+        weather.or_else(|| (!self.place.is_empty()).then(|| self.place.clone()))
+    }
+
     /// Returns the training buildings as text for readers.
     pub fn buildings_text(&self) -> String {
         if !self.building_type.is_empty() {
@@ -184,11 +190,7 @@ impl TrainingSet {
             };
             return format!("{some}{types} of the training split{excluded}");
         }
-        let site = match self.weather.file_stem() {
-            Some(weather) => format!(" in {}", weather.display()),
-            None if self.place.is_empty() => String::new(),
-            None => format!(" in {}", self.place),
-        };
+        let site = self.site_text().map_or_else(String::new, |site| format!(" in {site}"));
         // A model is named by its file name, not its path.
         let name = |text: &String| text.parse().map_or(text.clone(), |name: BuildingName| name.to_string());
         format!("{}{site}", self.buildings.iter().map(name).collect::<Vec<_>>().join(", "))

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use b2b_building::Period;
-use b2b_dataset::{BuildingName, Catalog};
+use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_energyplus::install::Quiet;
 use b2b_env::{Spaces, Task};
 use b2b_evaluate::{Baseline, Baselines, EpisodePlan, Evaluation, Subject};
@@ -43,16 +43,18 @@ impl Environments<'_> {
             true => self.in_every_way(self.config.training_set.named()?)?,
             false => self.evaluated()?,
         };
+        let is_drawn = self.config.training_set.fault_seeds > 0;
         let mut scales: HashMap<(String, Period), HashMap<String, f64>> = HashMap::new();
         for Evaluated { name, task, period } in known {
             let scale = self.scale_of(&name, &task, period, evaluation, baselines)?;
-            scales.entry((task.hash(), period)).or_default().insert(name.to_string(), scale);
+            scales.entry((key_of(&task, is_drawn), period)).or_default().insert(name.to_string(), scale);
         }
         let config = self.config.clone();
         Ok(Box::new(move |spaces: &Spaces| {
             let period = days::period_of(&config, &spaces.episode)?;
-            let of_task = &scales[&(spaces.episode.task.hash(), period)];
-            Ok(of_task.get(&spaces.building.name).copied().unwrap_or_else(|| median(of_task)))
+            let of_task = &scales[&(key_of(&spaces.episode.task, is_drawn), period)];
+            let (name, _) = Control::split_name(&spaces.building.name);
+            Ok(of_task.get(name).copied().unwrap_or_else(|| median(of_task)))
         }))
     }
 
@@ -104,10 +106,19 @@ impl DrawnScale {
         let environments = Environments::new(config, Arc::clone(catalog));
         let (launcher, interrupted) = (launcher.clone(), *interrupted);
         let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
-        let (name, task) = (spaces.building.name.parse()?, &spaces.episode.task);
+        let (name, task) = (Control::split_name(&spaces.building.name).0.parse()?, &spaces.episode.task);
         let period = days::evaluated(config, days::period_of(config, &spaces.episode)?);
         environments.scale_of(&name, task, period, &evaluation, baselines)
     }
+}
+
+/// Returns what identifies a task: its hash, without the seed of its faults if that is drawn.
+fn key_of(task: &Task, is_drawn: bool) -> String {
+    let mut task = task.clone();
+    if is_drawn {
+        task.faults.seed = 0;
+    }
+    task.hash()
 }
 
 /// Returns the median scale; of an even number, the upper of the two middle ones.

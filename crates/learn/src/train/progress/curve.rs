@@ -36,7 +36,7 @@ const PANELS: [Panel; 12] = [
     panel("resolved_score", "Resolved score", Some(1.0), [0.5, 1.5]),
     panel("rms_deviation_k", "RMS deviation (K)", None, [0.0, 0.5]),
     panel("energy_ratio", "HVAC energy over baseline", Some(1.0), [0.5, 1.5]),
-    panel("cost_ratio", "Cost over baseline", Some(1.0), [0.8, 1.1]),
+    panel("cost_ratio", "Cost, or the task's other resource, over baseline", Some(1.0), [0.8, 1.1]),
     panel("discomfort", "Discomfort (K·h per zone and day)", None, [0.0, 0.5]),
     panel("training_penalty", "Mean penalty in training, with exploration", None, [0.0, 0.0]),
     panel("travel_per_day", "Actuator travel (strokes/day)", None, [0.0, 1.0]),
