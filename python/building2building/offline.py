@@ -51,6 +51,8 @@ def collect(
     if not isinstance(space, gymnasium.spaces.Box):
         raise SettingError(f"expected actions in a Box; got {space}")
     name = getattr(controller, "__name__", "controller")
+    built_in = controller if isinstance(controller, type) and issubclass(controller, BuiltInController) else None
+    policy: Any
     collector = minari.DataCollector(env)
     try:
         for number, building in enumerate(found):
@@ -65,11 +67,11 @@ def collect(
                     f"{building.name} has observations of the shape {env.observation_space.shape}, {found[0].name} of "
                     f"{width}; collect one dataset for each"
                 )
-            policy = controller(env)
+            policy = None if built_in else controller(env)
             for episode in range(episodes):
                 own_seed = seed + number * episodes + episode
-                if isinstance(controller, type) and issubclass(controller, BuiltInController):
-                    policy = controller(env, own_seed)
+                if built_in:
+                    policy = built_in(env, own_seed)
                 elif hasattr(policy, "reset"):
                     policy.reset()
                 observation, _ = collector.reset(seed=own_seed)

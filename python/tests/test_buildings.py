@@ -155,6 +155,8 @@ def test_an_edited_model_is_written_and_imported(tmp_path):
     assert effects["infiltration"]["after"] == pytest.approx(1.5 * effects["infiltration"]["before"])
     weather = b2b.find_building("Warehouse").weather
     assert b2b.import_building(out, weather).name == "edited"
+    with pytest.raises(errors.BuildingError, match="edited.epJSON is the model itself"):
+        b2b.edit_model(out, out, people=2.0)
     for arguments, words in [({}, "at least one of"), ({"wall_u": 50}, "`wall_u` is 50"), ({"people": 0}, "people")]:
         with pytest.raises(errors.Error, match=words):
             b2b.edit_model(shipped, out, **arguments)

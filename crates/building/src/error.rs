@@ -71,6 +71,12 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// An output file that is the model which it is made from.
+    #[error("{path} is the model itself; choose another file")]
+    OutputIsModel {
+        /// The file.
+        path: PathBuf,
+    },
     /// An unknown building type.
     #[error(
         "unknown building type `{text}`{}; expected one of {known}",

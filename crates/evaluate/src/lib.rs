@@ -35,9 +35,9 @@ pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, EpisodeInfo, EpisodePlan, EpisodeRecord, EpisodeResult, Evaluation, Finished, Folder, Hours,
-    KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, read_episodes,
-    read_kept, read_stages, relative_energy, relative_resource, resource_heading, sequences, write_episodes,
-    write_stages,
+    KeepRecorded, Lost, Outcome, Progress, Recorded, Scored, StepRewards, episode_table, heading_of,
+    read_episodes, read_kept, read_stages, relative_energy, relative_resource, resource_heading, sequences,
+    write_episodes, write_stages,
 };
 pub use output::read_rows;
 pub use panics::panic_message;

@@ -7,6 +7,7 @@ use super::result::{RunResult, Stages, UNFINISHED, check_new, check_no_links, fi
 use crate::Result;
 use crate::error::at;
 use crate::problem::{Stage, WrappedPolicy};
+use b2b_base::new_folders::NewFolders;
 use b2b_evaluate::Baselines;
 use b2b_evaluate::Results;
 use b2b_evaluate::{EpisodeResult, Evaluation, Folder, Progress};
@@ -71,14 +72,11 @@ impl Entry {
             WrappedPolicy::new(self.policy_of(stage).policy(), &self.problem, self.problem.side(stage));
         let episodes = self.episodes(stage);
         let unfinished = folder.join(UNFINISHED);
-        let of_stage = Folder::open(&unfinished.join(stage.to_string()), &policy, &episodes)?;
-        let results = of_stage
-            .carry_out(|folder| Results::of(evaluation, folder, &episodes, &policy, baselines, progress));
-        if results.is_err() {
-            // Removed unless episodes have ended.
-            let _ = std::fs::remove_dir(&unfinished).and_then(|()| std::fs::remove_dir(folder));
-        }
-        Ok(results?.rows)
+        let created = NewFolders::create(&unfinished).map_err(at(&unfinished))?;
+        let results = Folder::open(&unfinished.join(stage.to_string()), &policy, &episodes)?
+            .carry_out(|folder| Results::of(evaluation, folder, &episodes, &policy, baselines, progress))?;
+        created.keep();
+        Ok(results.rows)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::{Error, Model, Result, import};
 /// `allow_external` is as for [`import::read`].
 ///
 /// # Errors
-/// The errors of [`check_output`], [`import::read`], [`apply`] and [`write_aside`].
+/// The errors of [`check_output`], [`check_other_file`], [`import::read`], [`apply`] and [`write_aside`].
 pub fn edit_file(
     model: &Path,
     output: &Path,
@@ -23,6 +23,7 @@ pub fn edit_file(
     allow_external: bool,
 ) -> Result<Report> {
     check_output(output)?;
+    check_other_file(model, output)?;
     let import::Imported { model: mut edited, notes } =
         import::read_with_notes(model, library, import::Options { allow_external, ..Default::default() })?;
     let mut report = apply(&mut edited, edits)?;
@@ -39,6 +40,17 @@ pub fn edit_file(
 pub fn check_output(path: &Path) -> Result<()> {
     let is_epjson = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("epJSON"));
     if is_epjson { Ok(()) } else { Err(Error::OutputName { path: path.to_owned() }) }
+}
+
+/// Checks that an output is not the model which it is made from.
+///
+/// # Errors
+/// [`Error::OutputIsModel`].
+pub fn check_other_file(model: &Path, output: &Path) -> Result<()> {
+    match (model.canonicalize(), output.canonicalize()) {
+        (Ok(model), Ok(there)) if model == there => Err(Error::OutputIsModel { path: output.to_owned() }),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a model aside and moves it into place, so that the file is always complete.

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 pub use change::{Change, Edits};
 pub use envelope::{glazing, infiltration, opaque, windows};
-pub use file::{check_output, edit_file, write_aside};
+pub use file::{check_other_file, check_output, edit_file, write_aside};
 
 use crate::{Error, Model, Result};
 

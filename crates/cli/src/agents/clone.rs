@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
 use b2b_agent::{Agent, ObservationForm, ObservationOptions};
-use b2b_building::{BuildingType, Period, PreparedBuilding, RunPeriod};
+use b2b_building::{BuildingType, Period, PreparedBuilding};
 use b2b_climate::Place;
 use b2b_dataset::{Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
@@ -140,11 +140,6 @@ fn create(folder: &Path) -> Result<()> {
     std::fs::create_dir(folder).with_context(cannot)
 }
 
-/// Returns the days of a period, which may be the two weeks of a weather file.
-fn of_weather(period: &str, weather: &Path) -> b2b_building::Result<RunPeriod> {
-    period.parse::<Period>()?.in_weather(weather)
-}
-
 /// Building with its interface, place, weather file, and how a model file was read.
 type Key = (String, Option<String>, Option<PathBuf>, ModelReading);
 
@@ -175,9 +170,10 @@ impl Buildings<'_> {
         let (building, weather) = &self.prepared[&key];
         let Contents { task, period, steps_per_hour, .. } = self.contents;
         let (task, period) = episode.corpus.as_ref().map_or((task, period), |of| (&of.task, &of.period));
+        let days = period.parse::<Period>().and_then(|period| period.in_weather(weather));
         let config = EpisodeConfig {
             weather: weather.clone(),
-            period: of_weather(period, weather).map_err(|error| invalid(&error))?,
+            period: days.map_err(|error| invalid(&error))?,
             steps_per_hour: *steps_per_hour,
             task: task.parse()?,
         };

@@ -1,9 +1,9 @@
 //! `b2b edit`: changes of a user's own model.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Result, bail};
-use b2b_building::edit::{Change, Edits, Effect, Report, check_output, edit_file};
+use anyhow::{Result, anyhow};
+use b2b_building::edit::{Change, Edits, Effect, Report, check_other_file, check_output, edit_file};
 use serde::Serialize;
 
 use crate::program;
@@ -102,7 +102,7 @@ struct Edited<'a> {
 pub fn edit(arguments: &Arguments) -> Result<()> {
     let edits = arguments.changes.edits()?;
     check_output(&arguments.out)?;
-    check_other_file(&arguments.model, &arguments.out)?;
+    check_other_file(&arguments.model, &arguments.out).map_err(|error| anyhow!("--out {error}"))?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let Arguments { model, out, allow_external, json, .. } = arguments;
     let report = edit_file(model, out, &edits, catalog.library(), *allow_external)?;
@@ -113,16 +113,6 @@ pub fn edit(arguments: &Arguments) -> Result<()> {
     stdout::print_result(*json, &edited, || {
         format!("{}\n\n{} written", table(&report.changes), out.display())
     })
-}
-
-/// Errors if the output of a command is its model.
-pub fn check_other_file(model: &Path, out: &Path) -> Result<()> {
-    if let (Ok(model), Ok(there)) = (model.canonicalize(), out.canonicalize())
-        && model == there
-    {
-        bail!("--out {} is the model itself; choose another file", out.display());
-    }
-    Ok(())
 }
 
 impl Changes {

@@ -4,7 +4,7 @@ mod text;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use b2b_building::calibration::{Calibration, Metered, PARAMETERS, Progress, Report};
 use b2b_building::edit::{self, Change};
 use b2b_dataset::BuildingName;
@@ -12,7 +12,6 @@ use indicatif::ProgressBar;
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
-use crate::buildings::edit::check_other_file;
 use crate::program;
 use crate::terminal::progress::{Download, counter, spinner};
 use crate::terminal::{interrupt, stdout};
@@ -81,7 +80,7 @@ impl Arguments {
     fn calibrated(&self) -> Result<Report> {
         edit::check_output(&self.out)?;
         if let BuildingName::Model(path) = &self.model {
-            check_other_file(path, &self.out)?;
+            edit::check_other_file(path, &self.out).map_err(|error| anyhow!("--out {error}"))?;
         }
         let metered = Metered::read(&self.energy)?;
         let (name, mut download) = (self.model.to_string(), Download::new(self.json));

@@ -15,6 +15,7 @@ use b2b_building::{Period, RunPeriod};
 use b2b_control::Case;
 use b2b_dataset::BuildingName;
 use b2b_env::{DecisionLog, Inputs, Resource, Spaces, Task, Trajectory};
+use serde_json::Value;
 
 use crate::arguments::controller::{Chosen, ControllerArguments};
 use crate::arguments::location::Location;
@@ -23,7 +24,6 @@ use crate::output_folder::{self, OutputFolder};
 use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
 use crate::terminal::{interrupt, stdout};
-use serde_json::Value;
 use summary::{RunInfo, Summary};
 use trajectory_file::Identity;
 

@@ -17,7 +17,6 @@ impl Summary {
             Some(currency) => format!("{currency}/m²"),
             None => "per m² at the task's prices".to_owned(),
         };
-        let [temperature, cost] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
         vec![
             ("cost", format!("{} {currency}", digits(metrics.cost_tot, 3))),
             ("HVAC energy", format!("{} kWh/m²", digits(metrics.ener_tot, 2))),
@@ -34,14 +33,7 @@ impl Summary {
             ),
             ("too cold, too warm while occupied", self.occupied_text()),
             ("emissions", format!("{} kg CO₂/m²", digits(metrics.emis_tot, 2))),
-            (
-                "return",
-                format!(
-                    "{:.1}  (discomfort {temperature:.1}, {} {cost:.1})",
-                    metrics.episode_return,
-                    self.task_definition.resource.penalty().word
-                ),
-            ),
+            ("return", self.return_text("discomfort")),
             ("actuator travel", self.travel_text()),
             ("outdoor air per person", self.outdoor_air_text()),
         ]

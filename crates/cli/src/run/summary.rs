@@ -225,16 +225,8 @@ impl Summary {
         let of = |term: Term| metrics.terms.get(term).unwrap_or(f64::NAN);
         let hours = metrics.steps as f64 / f64::from(self.steps_per_hour);
         let band = self.task_definition.comfort_band;
-        let [temperature, energy] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
         vec![
-            (
-                "return",
-                format!(
-                    "{:.1}  (temperature {temperature:.1}, {} {energy:.1})",
-                    metrics.episode_return,
-                    self.task_definition.resource.penalty().word
-                ),
-            ),
+            ("return", self.return_text("temperature")),
             ("mean absolute deviation", format!("{:.2} K", metrics.mean_abs_deviation)),
             ("RMS deviation", self.rms_deviation_text()),
             (
@@ -254,6 +246,14 @@ impl Summary {
             ("actuator travel", self.travel_text()),
             ("outdoor air per person", self.outdoor_air_text()),
         ]
+    }
+
+    /// Returns the return with its parts, the penalty of comfort under a name.
+    pub(super) fn return_text(&self, comfort: &str) -> String {
+        let EpisodeMetrics { episode_return, temperature_penalty, energy_penalty, .. } = self.metrics;
+        let [of_comfort, of_resource] = [temperature_penalty, energy_penalty].map(|penalty| 0.0 - penalty);
+        let resource = self.task_definition.resource.penalty().word;
+        format!("{episode_return:.1}  ({comfort} {of_comfort:.1}, {resource} {of_resource:.1})")
     }
 
     /// Returns the actuator travel; a model under its own controls has no actuators.

@@ -9,7 +9,7 @@ use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog, Control};
 use b2b_env::{Comfort, EpisodeMetrics, Task};
-use b2b_evaluate::{Baseline, Baselines, EpisodePlan, SiteInfo, Subject, resource_heading, task_for};
+use b2b_evaluate::{Baseline, Baselines, EpisodePlan, SiteInfo, Subject, heading_of, task_for};
 use serde::Serialize;
 
 use crate::arguments::location::Location;
@@ -128,7 +128,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         score: scores.score,
         resolved_score: scores.resolved,
         parts: Parts::of(&metrics, resource, &baseline),
-        heading: resource_heading([&task.to_string()[..]]),
+        heading: heading_of(task.resource),
     };
     stdout::print_result(arguments.json, &score, || score.text())
 }

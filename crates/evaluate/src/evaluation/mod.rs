@@ -26,7 +26,7 @@ pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
 pub use recording::Recorded;
-pub use resource::{RESOURCE, resource_heading};
+pub use resource::{RESOURCE, heading_of, resource_heading};
 pub use result::deviations::Deviations;
 pub use result::hours::Hours;
 pub use result::table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

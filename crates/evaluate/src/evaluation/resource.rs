@@ -1,28 +1,38 @@
 //! The resource that a task penalizes, as its spelling in results tells it.
 
+use std::collections::BTreeSet;
+
 use b2b_env::{Resource, Task};
 
 /// The heading of the resource of different tasks relative to the baseline.
 pub const RESOURCE: &str = "task's resource / baseline";
 
-/// Returns the resource of a task; `None` if its spelling does not tell, as of a tariff that only its file has.
-fn resource_of(task: &str) -> Option<Resource> {
-    let spelling = task.split('#').next().unwrap_or(task);
-    Some(spelling.parse::<Task>().ok()?.resource)
+/// Returns the heading of a resource relative to the baseline: `cost / baseline`.
+pub fn heading_of(resource: Resource) -> String {
+    format!("{} / baseline", resource.penalty().word)
+}
+
+/// Returns the heading of the resource of these tasks, likewise.
+pub fn resource_heading<'a>(tasks: impl IntoIterator<Item = &'a str>) -> String {
+    common_resource(&tasks.into_iter().collect()).map_or(RESOURCE.to_owned(), heading_of)
 }
 
 /// Returns whether amounts of the resources of these tasks may be added up.
-pub(super) fn is_same_resource<'a>(mut tasks: impl Iterator<Item = &'a str>) -> bool {
-    let Some(first) = tasks.next() else { return true };
-    let same = |task: &str| resource_of(task).is_some_and(|resource| resource_of(first) == Some(resource));
-    tasks.all(|task| task == first || same(task))
+pub(super) fn is_same_resource<'a>(tasks: impl Iterator<Item = &'a str>) -> bool {
+    let tasks: BTreeSet<&str> = tasks.collect();
+    tasks.len() <= 1 || common_resource(&tasks).is_some()
 }
 
-/// Returns the heading of the resource of these tasks relative to the baseline: `cost / baseline`.
-pub fn resource_heading<'a>(tasks: impl IntoIterator<Item = &'a str>) -> String {
-    let mut resources = tasks.into_iter().map(resource_of);
-    let first = resources.next().flatten().filter(|first| resources.all(|other| other == Some(*first)));
-    first.map_or(RESOURCE.to_owned(), |resource| format!("{} / baseline", resource.penalty().word))
+/// Returns the resource of all tasks; `None` if they differ, or if a spelling does not tell, as of a tariff that only
+/// its file has.
+fn common_resource(tasks: &BTreeSet<&str>) -> Option<Resource> {
+    let of = |task: &&str| {
+        let spelling = task.split('#').next().unwrap_or(task);
+        Some(spelling.parse::<Task>().ok()?.resource)
+    };
+    let mut resources = tasks.iter().map(of);
+    let first = resources.next()??;
+    resources.all(|other| other == Some(first)).then_some(first)
 }
 
 #[cfg(test)]

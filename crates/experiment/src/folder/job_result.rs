@@ -132,6 +132,11 @@ impl JobResult {
         theirs.differences(&here)
     }
 
+    /// Returns the folder of the agent whose episodes are [`JobResult::rows`], in the folder of the job.
+    pub fn agent_folder(&self) -> &'static str {
+        if self.best.is_some() { LAST_AGENT } else { AGENT }
+    }
+
     /// Returns whether it has the data that a report needs.
     pub(super) fn serves(&self, report: ReportKind) -> bool {
         let has_all = self.policies().all(|(_, rows, deviations)| deviations.len() == rows.len());

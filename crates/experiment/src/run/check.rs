@@ -13,7 +13,7 @@ use super::runner::Runner;
 use crate::definition::{Budget, Experiment, best_of};
 use crate::error::{Error, Result, at};
 use crate::folder::{ENTRY, EVALUATION, JobResult, read_rows, test_rows};
-use crate::job::{AGENT, Action, Entry, Episodes, Job, LAST_AGENT};
+use crate::job::{AGENT, Action, Entry, Episodes, Job};
 
 /// Relative difference of scores on machines that do not give the same bits.
 const TOLERANCE: f64 = 1e-3;
@@ -93,8 +93,7 @@ fn subjects<'a>(
         _ => return Vec::new(),
     };
     let policy = match job.policy() {
-        AGENT if result.best.is_some() => Checkable::Agent(folder.path().join(LAST_AGENT)),
-        AGENT => Checkable::Agent(folder.path().join(AGENT)),
+        AGENT => Checkable::Agent(folder.path().join(result.agent_folder())),
         controller => Checkable::Controller(controller.to_owned()),
     };
     let own = Subject {

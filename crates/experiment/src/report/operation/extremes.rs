@@ -9,7 +9,6 @@ use super::figures::{Figures, HEADER};
 use super::{Guideline, policies};
 use crate::definition::Experiment;
 use crate::folder::{Folder, JobResult};
-use crate::job::{AGENT, LAST_AGENT};
 use crate::results::Results;
 
 /// Worst episodes of each policy.
@@ -77,8 +76,7 @@ impl Extreme<'_> {
     /// agent's folder.
     pub(in crate::report) fn arguments(&self, folder: &Folder) -> Option<Vec<String>> {
         let controller = match self.job.agent_sha256 {
-            Some(_) if self.job.best.is_some() => folder.keyed(&self.job.key).path().join(LAST_AGENT),
-            Some(_) => folder.keyed(&self.job.key).path().join(AGENT),
+            Some(_) => folder.keyed(&self.job.key).path().join(self.job.agent_folder()),
             None => self.job.agent.clone().into(),
         };
         let is_there = self.job.agent_sha256.is_none() || controller.join("agent.json").exists();
