@@ -171,7 +171,7 @@ impl Group {
 
 impl OperationComfort {
     /// Returns the comfort of some episodes; `None` if one was lost or is not of operation.
-    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a EpisodeResult>) -> Option<Self> {
+    pub fn of<'a>(rows: impl Iterator<Item = &'a EpisodeResult>) -> Option<Self> {
         let (mut own, mut baseline, mut uncomfortable) = (Vec::new(), Vec::new(), 0);
         let (mut costs, mut peaks) = (Vec::new(), Vec::new());
         for row in rows {

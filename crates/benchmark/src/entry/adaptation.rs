@@ -39,8 +39,7 @@ impl Adaptation {
             _ => None,
         });
         let adapted: Vec<_> = adapted.collect();
-        let pairs = untrained.iter().zip(test);
-        let improvements: Vec<_> = pairs.map(|(untrained, test)| untrained.improvement(test)).collect();
+        let improvements: Vec<_> = test.iter().filter_map(|test| test.improvement(&untrained)).collect();
         let mut curve = vec![Point { steps: 0, scores: aggregate(&samples(test))? }];
         for (steps, groups) in &adapted {
             curve.push(Point { steps: *steps, scores: aggregate(&samples(groups))? });

@@ -73,12 +73,12 @@ impl EpisodeCurve {
             points.push(EpisodePoint { period: name, days_before, performance });
             days_before += period.days();
         }
-        let scores =
-            |point: &EpisodePoint| by_building(rows_in(rows, &point.period), EpisodeResult::resolved_score);
-        let (first, last) = (scores(points.first()?), scores(points.last()?));
-        let improvements: Vec<_> =
-            first.iter().zip(&last).map(|(first, last)| first.improvement(last)).collect();
-        let improvement = aggregate(&samples(&improvements))?.interquartile_mean;
+        let last = rows_in(rows, &points.last()?.period);
+        let first = points.first()?.period.as_str();
+        // Seeds are different agents.
+        let improvement =
+            |row: &EpisodeResult| Some(same_in(rows, row, first)?.resolved_score()? - row.resolved_score()?);
+        let improvement = aggregate(&samples(&by_building(last, improvement)))?.interquartile_mean;
         Some(Self { points, improvement })
     }
 }

@@ -8,6 +8,7 @@
 //! 4. [`verify`] checks that a folder contains what it claims.
 
 mod adaptation;
+mod columns;
 mod definition;
 mod entry_policy;
 mod episode_curve;
@@ -19,6 +20,7 @@ mod scores;
 mod verify;
 
 pub use adaptation::{Adaptation, Point};
+pub use columns::Columns;
 pub use definition::Entry;
 pub use entry_policy::{EntryPolicy, PolicyDescription};
 pub use episode_curve::{EpisodeCurve, EpisodeDifference, EpisodePoint};

@@ -68,7 +68,7 @@ impl Performance {
 }
 
 /// Returns the mean over the rows that were not lost, K.
-fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> f64 {
+pub(super) fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a EpisodeResult>) -> f64 {
     let metrics = rows.into_iter().filter_map(EpisodeResult::metrics);
     let values: Vec<f64> = metrics.map(|metrics| metrics.rms_deviation).collect();
     values.iter().sum::<f64>() / values.len().max(1) as f64
@@ -99,9 +99,11 @@ impl<'a> SeedScores<'a> {
         Self { info: self.info, seeds }
     }
 
-    /// Returns the mean minus each score of `other`, as scores of the same building.
-    pub(super) fn improvement<'b>(&self, other: &SeedScores<'b>) -> SeedScores<'b> {
-        other.map(|score| self.mean() - score)
+    /// Returns the mean of a group of the same building, task and run period minus each score; `None` without such a
+    /// group.
+    pub(super) fn improvement(&self, from: &[SeedScores<'_>]) -> Option<Self> {
+        let from = from.iter().find(|other| other.has(self.info))?.mean();
+        Some(self.map(|score| from - score))
     }
 }
 

@@ -7,8 +7,8 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use crate::entry::{
-    EpisodeCurve, EpisodeDifference, Measures, Performance, PolicyDescription, RunResult, Stages,
-    mean_from_random,
+    Columns, EpisodeCurve, EpisodeDifference, Measures, Performance, PolicyDescription, RunResult, Stages,
+    Stratum, mean_from_random,
 };
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
@@ -147,87 +147,87 @@ fn random_rows<'a>(board: &[&'a Ranked]) -> &'a [EpisodeResult] {
     found.map_or(&[], |(_, (_, rows))| rows)
 }
 
+/// Returns the columns of the tables of a problem.
+fn columns(board: &[&Ranked]) -> Columns {
+    Columns::of(test_rows(board[0]))
+}
+
+/// Returns the names of the interquartile means of the scores.
+fn score_names(columns: &Columns) -> Vec<String> {
+    columns.scores().iter().map(|name| format!("{name}, interquartile mean")).collect()
+}
+
 fn scores(board: &[&Ranked]) -> Value {
-    let random = random_rows(board);
+    let (random, columns) = (random_rows(board), columns(board));
     let row = |(rank, entry): (usize, &&Ranked)| {
-        let (result, from_random) = (&entry.0, mean_from_random(test_rows(entry), random));
+        let (result, rows) = (&entry.0, test_rows(entry));
         let Measures { test, generalization_gap, .. } = &result.measures;
-        let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
-        json!([
-            format!("{}. {}{}", rank + 1, result.name, remark(result)),
-            test.resolved.interquartile_mean.to_string(),
-            test.scores.interquartile_mean.to_string(),
+        let mut cells = vec![format!("{}. {}{}", rank + 1, result.name, remark(result))];
+        cells.extend(means(&columns, test));
+        cells.extend([
             test.scores.median.to_string(),
             test.scores.mean.to_string(),
             score_text(test.scores.min),
             score_text(test.scores.max),
-            from_random.map_or("–".to_owned(), |mean| mean.to_string()),
+            mean_from_random(rows, random).map_or("–".to_owned(), |mean| mean.to_string()),
             test.scores.beats_baseline_text(),
-            format!("{:.2}", test.rms_deviation_k),
-            ratio(test.relative_energy),
+        ]);
+        cells.extend(columns.other_cells(&rows.iter().collect::<Vec<_>>()));
+        cells.extend([
             generalization_gap.map_or("–".to_owned(), |gap| gap.to_string()),
-            steps,
+            result.training_steps.map_or("–".to_owned(), |steps| steps.to_string()),
             result.description.clone().unwrap_or_default(),
-        ])
+        ]);
+        Value::from(cells)
     };
-    let header = [
-        "entry",
-        "resolved score, interquartile mean",
-        "score, interquartile mean",
+    let names = score_names(&columns);
+    let mut header = vec!["entry"];
+    header.extend(names.iter().map(String::as_str));
+    header.extend([
         "score, median",
         "score, mean",
         "score, min",
         "score, max",
         "random = 0, baseline = 1",
         "below 1 (%)",
-        "RMS deviation (K)",
-        "energy / baseline",
-        "generalization gap",
-        "training steps",
-        "description",
-    ];
+    ]);
+    header.extend(columns.others());
+    header.extend(["generalization gap", "training steps", "description"]);
     table("lower is better, 1 is the baseline", &header, board.iter().enumerate().map(row).collect())
 }
 
-fn strata(board: &[&Ranked]) -> Option<Value> {
-    let rows: Vec<_> = board
-        .iter()
-        .flat_map(|(result, _)| result.measures.strata.iter().map(move |stratum| (result, stratum)))
-        .map(|(result, stratum)| {
-            json!([
-                result.name,
-                stratum.building_type,
-                stratum.task,
-                stratum.period,
-                stratum.performance.resolved.interquartile_mean.to_string(),
-                stratum.performance.scores.interquartile_mean.to_string(),
-                score_text(stratum.performance.scores.min),
-                score_text(stratum.performance.scores.max),
-                stratum.performance.scores.beats_baseline_text(),
-                format!("{:.2}", stratum.performance.rms_deviation_k),
-                ratio(stratum.performance.relative_energy),
-            ])
-        })
-        .collect();
-    let header = [
-        "entry",
-        "building type",
-        "task",
-        "run period",
-        "resolved score, interquartile mean",
-        "score, interquartile mean",
-        "score, min",
-        "score, max",
-        "below 1 (%)",
-        "RMS deviation (K)",
-        "energy / baseline",
-    ];
-    (!rows.is_empty()).then(|| table("by building type and task", &header, rows))
+/// Returns the interquartile means of the scores.
+fn means(columns: &Columns, performance: &Performance) -> Vec<String> {
+    let mean = |scores: &Aggregate| scores.interquartile_mean.to_string();
+    columns.score_cells(mean(&performance.resolved), mean(&performance.scores))
 }
 
-/// Returns a ratio of energies; a dash without a baseline.
-fn ratio(relative_energy: Option<f64>) -> String {
-    relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
+fn strata(board: &[&Ranked]) -> Option<Value> {
+    let columns = columns(board);
+    let row = |entry: &Ranked, Stratum { building_type, task, period, performance }: &Stratum| {
+        let is_own = |row: &&EpisodeResult| {
+            [&row.info.building_type, &row.info.task, &row.info.period] == [building_type, task, period]
+        };
+        let own: Vec<&EpisodeResult> = test_rows(entry).iter().filter(is_own).collect();
+        let mut cells = [&entry.0.name, building_type, task, period].map(Clone::clone).to_vec();
+        cells.extend(means(&columns, performance));
+        cells.extend([
+            score_text(performance.scores.min),
+            score_text(performance.scores.max),
+            performance.scores.beats_baseline_text(),
+        ]);
+        cells.extend(columns.other_cells(&own));
+        Value::from(cells)
+    };
+    let of_entry =
+        |entry: &&Ranked| entry.0.measures.strata.iter().map(|each| row(entry, each)).collect::<Vec<_>>();
+    let rows: Vec<Value> = board.iter().flat_map(of_entry).collect();
+    let names = score_names(&columns);
+    let mut header = vec!["entry", "building type", "task", "run period"];
+    header.extend(names.iter().map(String::as_str));
+    header.extend(["score, min", "score, max", "below 1 (%)"]);
+    header.extend(columns.others());
+    (!rows.is_empty()).then(|| table("by building type and task", &header, rows))
 }
 
 fn adaptation(board: &[&Ranked]) -> Option<Value> {

@@ -26,7 +26,7 @@ pub struct ControllerArguments {
     /// comfort, or comfort and energy), or a JSON file
     #[arg(long, default_value = "tuned", value_name = "default|tuned|FILE.json")]
     parameters: Parameters,
-    /// Random seed of the random controller and of the planner
+    /// Random seed of the controllers that draw: random, mpc, foresight and planner
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 }

@@ -4,6 +4,7 @@ mod list;
 mod report;
 mod run;
 mod selection;
+mod text;
 mod verify;
 
 use anyhow::Result;

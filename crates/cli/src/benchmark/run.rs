@@ -4,21 +4,19 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Entry, EntryPolicy, EpisodePoint, Measures, Performance, RunOutcome, RunResult};
+use b2b_benchmark::entry::{Entry, EntryPolicy, RunOutcome};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_evaluate::statistics::{Aggregate, score_text};
 use b2b_evaluate::{ActionScale, Baselines, EpisodeResult};
 
 use super::selection::Selection;
+use super::text::text;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
-use crate::evaluate::ratio;
 use crate::program;
 use crate::scoring::evaluation::{Bars, evaluation, fetch_weather};
 use crate::terminal::exit_code::ExitCode;
 use crate::terminal::progress::Download;
 use crate::terminal::stdout;
-use crate::terminal::table::Table;
 
 /// Run a policy on a benchmark problem
 ///
@@ -93,7 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(bars);
     match ended {
         RunOutcome::Complete(result, _) if arguments.json => stdout::print_json(&result)?,
-        RunOutcome::Complete(result, _) => stdout::print(&text(&result, arguments))?,
+        RunOutcome::Complete(result, stages) => {
+            stdout::print(&format!("{}\n\n  {}", text(&result, &stages), arguments.out.display()))?;
+        }
         RunOutcome::Incomplete(rows) => {
             eprintln!("{}", lost(&rows));
             return Ok(ExitCode::Failure);
@@ -156,119 +156,4 @@ fn lost(rows: &[EpisodeResult]) -> String {
         "{}\na result needs all episodes; run the same command again to retry those that failed",
         lines.join("\n")
     )
-}
-
-/// Returns the text report.
-fn text(result: &RunResult, arguments: &Arguments) -> String {
-    let modified = match result.problem_changes.as_deref() {
-        Some([]) => String::new(),
-        Some(changes) => format!(", modified: {}", changes.join(", ")),
-        None => ", custom problem".to_owned(),
-    };
-    format!(
-        "{} on {}{modified}\nresolved and normalized score: interquartile means (lower is better, baseline = 1)\n\n{}\n\n{}\n\n{}  \
-         [95 % confidence intervals: bootstrap over buildings within each type, and over seeds]\n\n  {}",
-        result.name,
-        result.problem.name,
-        score_table(&result.measures),
-        aggregate_table(&result.measures),
-        generalization_text(&result.measures),
-        arguments.out.display()
-    )
-}
-
-fn score_table(measures: &Measures) -> String {
-    let mut table = Table::new([
-        "building",
-        "task",
-        "period",
-        "resolved score",
-        "score",
-        "RMS deviation (K)",
-        "energy / baseline",
-    ]);
-    for each in &measures.scores {
-        table.row([
-            each.building.clone(),
-            each.task.clone(),
-            each.period.clone(),
-            score_text(each.resolved_score),
-            score_text(each.score),
-            format!("{:.2}", each.rms_deviation_k),
-            ratio(each.relative_energy),
-        ]);
-    }
-    table.text()
-}
-
-fn aggregate_table(measures: &Measures) -> String {
-    let mut table = Table::new([
-        "environments",
-        "scores",
-        "resolved score",
-        "score",
-        "median",
-        "mean",
-        "min",
-        "max",
-        "below 1 (%)",
-        "RMS deviation (K)",
-        "energy / baseline",
-    ]);
-    for stratum in &measures.strata {
-        let name = format!("{}, {}, {}", stratum.building_type, stratum.task, stratum.period);
-        row(&mut table, name, &stratum.performance.scores, Some(&stratum.performance));
-    }
-    row(&mut table, "test".into(), &measures.test.scores, Some(&measures.test));
-    if let Some(train) = &measures.train {
-        row(&mut table, "train".into(), &train.scores, Some(train));
-    }
-    if let Some(specialists) = &measures.upper_bound {
-        row(&mut table, "test, specialists (upper bound)".into(), &specialists.scores, Some(specialists));
-    }
-    for point in measures.adaptation.iter().flat_map(|adaptation| adaptation.curve.iter().skip(1)) {
-        row(&mut table, format!("test, after {} steps", point.steps), &point.scores, None);
-    }
-    let points = measures.by_episode.iter().flat_map(|curve| &curve.points);
-    for (number, EpisodePoint { days_before, performance, .. }) in points.enumerate() {
-        let name = format!("test, episode {}, after {days_before} days in the building", number + 1);
-        row(&mut table, name, &performance.scores, Some(performance));
-    }
-    table.text()
-}
-
-fn generalization_text(measures: &Measures) -> String {
-    let mut text = String::new();
-    if let Some(gap) = measures.generalization_gap {
-        text += &format!("  generalization gap {}\n", gap);
-    }
-    if let Some(adaptation) = &measures.adaptation {
-        let steps = match adaptation.median_steps_to_baseline {
-            Some(steps) => format!("{steps:.0}"),
-            None => "never".to_owned(),
-        };
-        let jump_start = adaptation.jump_start;
-        text += &format!("  jump-start {jump_start}; median steps to reach the baseline: {steps}\n");
-    }
-    if let Some(curve) = &measures.by_episode {
-        text += &format!("  first minus last episode in a building, resolved score: {}\n", curve.improvement);
-    }
-    text
-}
-
-fn row(table: &mut Table, name: String, scores: &Aggregate, performance: Option<&Performance>) {
-    let of = |text: &dyn Fn(&Performance) -> String| performance.map_or("–".to_owned(), text);
-    table.row([
-        name,
-        scores.episodes.to_string(),
-        of(&|each| each.resolved.interquartile_mean.to_string()),
-        scores.interquartile_mean.to_string(),
-        scores.median.to_string(),
-        scores.mean.to_string(),
-        score_text(scores.min),
-        score_text(scores.max),
-        scores.beats_baseline_text(),
-        of(&|each| format!("{:.2}", each.rms_deviation_k)),
-        of(&|each| ratio(each.relative_energy)),
-    ]);
 }

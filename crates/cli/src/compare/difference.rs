@@ -31,6 +31,20 @@ impl Metric {
         runs.iter().map(|run| run.metric(self.column).map(|value| value * scale + 0.0)).collect()
     }
 
+    /// Returns the label. In operation, `thermal discomfort` counts everything outside the band; these do not.
+    pub fn label(&self, runs: &[Recorded]) -> String {
+        let task = &runs[0].described.task_definition;
+        let unit = match self.column {
+            "discomfort_k_h" => "K·h",
+            "hours_outside_band" => "h",
+            _ => return self.display.label.to_owned(),
+        };
+        if !task.is_operation() {
+            return self.display.label.to_owned();
+        }
+        format!("more than {} K outside ({unit})", task.comfort_band)
+    }
+
     fn text(&self, value: Option<f64>) -> String {
         let decimals = self.display.decimals;
         value.map_or("–".to_owned(), |value| without_sign_of_zero(format!("{value:.decimals$}")))
@@ -62,7 +76,7 @@ pub fn table(runs: &[Recorded]) -> String {
     header.extend(runs[1..].iter().flat_map(|run| [run.name.clone(), "difference".to_owned()]));
     let mut table = Table::with_header(header);
     for (metric, values) in relevant(runs) {
-        let mut cells = vec![metric.display.label.to_owned(), metric.text(values[0])];
+        let mut cells = vec![metric.label(runs), metric.text(values[0])];
         for value in &values[1..] {
             cells.extend([metric.text(*value), metric.difference_text(subtract(*value, values[0]))]);
         }

@@ -57,7 +57,7 @@ impl Lead {
 /// Returns the difference of a value from the first, as a percentage or in its unit.
 fn difference(value: f64, first: f64, by_ratio: bool, decimals: usize) -> String {
     match by_ratio {
-        true if first > 0.0 => format!("{:+.0} %", 100.0 * (value / first - 1.0)),
+        true if first > 0.0 => format!("{:+.1} %", 100.0 * (value / first - 1.0)),
         true => String::new(),
         false => format!("{:+.decimals$}", value - first),
     }
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn costs_differ_in_percent_and_discomfort_in_its_unit() {
-        assert_eq!(difference(0.24, 0.30, true, 3), "-20 %");
+        assert_eq!(difference(0.24, 0.30, true, 3), "-20.0 %");
         assert_eq!(difference(2.5, 0.0, false, 1), "+2.5");
         assert_eq!(difference(2.5, 0.0, true, 1), "");
         let names: Vec<_> = EpisodeMetrics::columns().filter(|each| each.display.is_some()).collect();

@@ -69,7 +69,7 @@ pub fn write(file: &mut impl Write, runs: &[Recorded]) -> Result<()> {
 fn metrics(runs: &[Recorded]) -> Vec<Value> {
     let rows = relevant(runs).map(|(metric, values)| {
         json!({
-            "label": metric.display.label,
+            "label": metric.label(runs),
             "decimals": metric.display.decimals,
             "higher_is_better": metric.display.higher_is_better,
             "values": values,

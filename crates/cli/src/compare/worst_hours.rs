@@ -66,6 +66,7 @@ pub fn of(run: &Recorded) -> Vec<WorstHour> {
 
 /// Returns a table of the worst hours of every run.
 pub fn table(runs: &[Recorded]) -> String {
+    let has_bands = runs[0].described.task_definition.is_operation();
     let mut table = Table::new([
         "worst hours of",
         "date",
@@ -73,7 +74,7 @@ pub fn table(runs: &[Recorded]) -> String {
         "zone",
         "deviation (K)",
         "zone (°C)",
-        "target (°C)",
+        if has_bands { "setpoint (°C)" } else { "target (°C)" },
         "outdoor (°C)",
     ]);
     for run in runs {

@@ -139,6 +139,6 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
 }
 
 /// Formats a number with two decimals, such as a ratio of energies; a dash if there is none.
-pub fn ratio(relative_energy: Option<f64>) -> String {
+fn ratio(relative_energy: Option<f64>) -> String {
     relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }

@@ -88,7 +88,7 @@ fn operation<'a>(groups: impl Iterator<Item = &'a Group>, task: &str) -> String 
         "energy / baseline",
         "discomfort (K·h per zone)",
         "baseline's",
-        "peak demand, 15 min (W/m²)",
+        "peak demand (W/m²)",
         "too uncomfortable",
         "HVAC energy (kWh/m²)",
     ]);

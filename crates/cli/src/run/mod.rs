@@ -199,6 +199,7 @@ impl Author {
             weather_sha256: Inputs::of(spaces)?.weather_sha256,
             trajectory_hash: trajectory.hash(),
             discomfort: None,
+            resource: None,
         };
         let folder = OutputFolder::claim(folder)?;
         let files = folder.destinations(&[trajectory_file::NAME]);

@@ -7,16 +7,16 @@ const twoDigits = (v, d) => fixed(v, v ? Math.min(6, Math.max(d, 1 - Math.floor(
 const cost = (v, d) => [twoDigits(v, d), data.operation.currency].filter(Boolean).join(" ");
 
 function operationTiles(s) {
-  tile("cost", cost(s.cost_tot, 3) + "/m²");
-  tile("HVAC energy", twoDigits(s.ener_tot, 2) + " kWh/m²");
-  tile("thermal discomfort, per zone", fixed(s.tdis_tot, 1) + " K·h");
-  tile("peak electric demand, 15 min", fixed((s.pele_tot || 0) * 1000, 1) + " W/m²");
-  const shares = [s.occupied_too_cold_share, s.occupied_too_warm_share];
-  if (shares[0] !== null) tile("occupied hours too cold, too warm", shares.map(v => fixed(100 * v, 1)).join(", ") + " %");
-  const used = [["heating", "heating_wh_m2"], ["cooling", "cooling_wh_m2"], ["fans", "fans_wh_m2"]];
-  tile("heating, cooling, fans", used.map(([, name]) => twoDigits(s[name] / 1000, 2)).join(", ") + " kWh/m²");
-  tile("emissions", twoDigits(s.emis_tot, 2) + " kg CO₂/m²");
-  tile("actuator travel, full strokes", s.travel.length ? fixed(s.daily_travel, 1) + " /day" : "–");
+  metric("cost", of => cost(of.cost_tot, 3) + "/m²");
+  metric("HVAC energy", of => twoDigits(of.ener_tot, 2) + " kWh/m²");
+  metric("thermal discomfort, per zone", of => fixed(of.tdis_tot, 1) + " K·h");
+  metric(`peak electric demand, ${Math.max(15, 60 / s.steps_per_hour)} min`, of => fixed((of.pele_tot || 0) * 1000, 1) + " W/m²");
+  const shares = of => [of.occupied_too_cold_share, of.occupied_too_warm_share].map(share => fixed(100 * share, 1)).join(", ") + " %";
+  if (s.occupied_too_cold_share !== null) metric("occupied hours too cold, too warm", shares);
+  const used = ["heating_wh_m2", "cooling_wh_m2", "fans_wh_m2"];
+  metric("heating, cooling, fans", of => used.map(name => twoDigits(of[name] / 1000, 2)).join(", ") + " kWh/m²");
+  metric("emissions", of => twoDigits(of.emis_tot, 2) + " kg CO₂/m²");
+  metric("actuator travel, full strokes", of => s.travel.length ? fixed(of.daily_travel, 1) + " /day" : "–");
   tile("engine messages", `${s.engine_warnings} warnings, ${s.engine_severes} severe`);
   spreadTiles();
   const outside = s.zones.filter(zone => zone.never_near_target).map(zone => zone.name);

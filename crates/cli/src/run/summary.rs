@@ -178,6 +178,7 @@ impl Summary {
             weather_sha256: self.inputs.weather_sha256.clone(),
             trajectory_hash: self.trajectory_hash.clone(),
             discomfort: self.metrics.tdis_tot,
+            resource: self.metrics.used(self.task_definition.resource),
         }
     }
 

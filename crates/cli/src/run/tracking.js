@@ -36,8 +36,6 @@ function addZones({ title, unit, series, targets, band }) {
 
 /* The metrics of tracking. */
 function trackingTiles(s) {
-  /* A tile with the value of the baseline beside, if it ran too. */
-  const metric = (name, text) => tile(name, text(s), data.baseline && `${data.baseline.name} ${text(data.baseline)}`);
   metric("return", of => fixed(of.return, 1).replace("-", "−"));
   metric("mean absolute deviation", of => fixed(of.mean_abs_deviation_k, 2) + " K");
   metric("RMS deviation", of => fixed(of.rms_deviation_k, 2) + " K");

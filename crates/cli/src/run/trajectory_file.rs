@@ -28,6 +28,8 @@ const DIGEST: &str = "metadata_sha256";
 const YEAR: &str = "year";
 /// Key of the metadata entry with the discomfort of the episode.
 const DISCOMFORT: &str = "tdis_tot";
+/// Key of the metadata entry with the amount of the task's resource over the episode.
+const RESOURCE: &str = "resource";
 /// Number of columns before the observations: step, month, day, hour and minute.
 const CALENDAR: usize = 5;
 /// Columns after the actions.
@@ -80,6 +82,8 @@ pub struct Identity {
     pub trajectory_hash: String,
     /// Discomfort of a whole episode with bands, K·h per zone: the integral from the start, which is not in the columns.
     pub discomfort: Option<f64>,
+    /// Amount of the task's resource over a whole episode, in the unit of the resource. The penalty lacks it at weight 0.
+    pub resource: Option<f64>,
 }
 
 /// A trajectory read from a file, with the file's metadata.
@@ -144,7 +148,16 @@ impl Stored {
 
     /// Returns the discomfort of the episode, K·h per zone; `None` in older files, of targets or of a part.
     pub fn discomfort(&self) -> Option<f64> {
-        self.word(DISCOMFORT).ok()?.parse().ok()
+        self.number(DISCOMFORT)
+    }
+
+    /// Returns the amount of the task's resource; `None` in older files, or of a part.
+    pub fn resource(&self) -> Option<f64> {
+        self.number(RESOURCE)
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.word(key).ok()?.parse().ok()
     }
 
     /// Returns the calendar of the first day; the usual one in older files.
@@ -226,8 +239,9 @@ impl Columns {
             (YEAR, period.years()[0].to_string()),
         ];
         let mut metadata = HashMap::from(metadata.map(|(key, value)| (key.to_owned(), value)));
-        metadata
-            .extend(identity.discomfort.map(|discomfort| (DISCOMFORT.to_owned(), discomfort.to_string())));
+        for (key, amount) in [(DISCOMFORT, identity.discomfort), (RESOURCE, identity.resource)] {
+            metadata.extend(amount.map(|amount| (key.to_owned(), amount.to_string())));
+        }
         let digest = digest(&metadata);
         metadata.insert(DIGEST.to_owned(), digest);
         let schema = Arc::new(Schema::new_with_metadata(self.fields, metadata));

@@ -1,5 +1,6 @@
 //! `b2b baseline`: the returns of the baselines, as a table.
 
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -104,9 +105,9 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 impl Arguments {
-    /// Returns the episodes with their keys.
+    /// Returns the episodes with their keys, each once.
     fn episodes(&self, catalog: &Catalog) -> Result<Vec<(Key, EpisodePlan)>> {
-        let mut episodes = Vec::new();
+        let (mut episodes, mut known) = (Vec::new(), HashSet::new());
         for name in self.buildings.names()? {
             interrupt::check()?;
             let subject = Subject::at_home(name);
@@ -120,7 +121,11 @@ impl Arguments {
                         seed: 0,
                         steps_per_hour: self.steps_per_hour,
                     };
-                    episodes.push((Key::of(&episode, &site)?, episode));
+                    // Tasks that differ in their weight, say, share a baseline.
+                    let key = Key::of(&episode, &site)?;
+                    if known.insert(key.clone()) {
+                        episodes.push((key, episode));
+                    }
                 }
             }
         }

@@ -60,6 +60,8 @@ struct Trajectory {
     energy_penalty: f64,
     /// K·h per zone, if the file states it.
     discomfort: Option<f64>,
+    /// Amount of the task's resource, if the file states it.
+    resource: Option<f64>,
 }
 
 /// The object that `--json` prints.
@@ -239,6 +241,7 @@ impl Trajectory {
             temperature_penalty,
             energy_penalty,
             discomfort: stored.discomfort(),
+            resource: stored.resource(),
         })
     }
 
@@ -260,7 +263,8 @@ impl Trajectory {
             ..EpisodeMetrics::default()
         };
         let per_amount = task.energy_weight / task.energy_scale.unwrap_or(1.0);
-        (metrics, (per_amount > 0.0).then(|| self.energy_penalty / per_amount))
+        let from_penalty = (per_amount > 0.0).then(|| self.energy_penalty / per_amount);
+        (metrics, self.resource.or(from_penalty))
     }
 
     /// Returns the steps per hour. Errors if the episode is not complete.

@@ -55,7 +55,8 @@ pub struct Arguments {
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
     /// Run period: winter, summer, full_year, MM-DD..MM-DD or two weeks chosen from the weather, such as peak-heating;
-    /// or several, separated by commas, one of which is drawn for every episode [default: the preset's, usually winter]
+    /// or several, separated by commas, one of which is drawn for every episode. Episodes are not longer than the
+    /// shortest [default: the preset's, usually winter]
     #[arg(long, value_name = "PERIOD", value_delimiter = ',')]
     period: Vec<Period>,
     /// Environment steps in total, over all environments [default: the preset's]
@@ -218,6 +219,9 @@ impl Arguments {
         set(&mut training_set.task, &self.task);
         if !self.period.is_empty() {
             training_set.period = self.period.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+            if self.config.is_none() {
+                training_set.shorten_window();
+            }
         }
         set(&mut budget.steps, &self.steps);
         set(&mut budget.seed, &self.seed);

@@ -2,7 +2,7 @@
 //! by a search over a day on a model identified from the two weeks before (early in January: the last two of the year).
 //!
 //! 1. [`identify`] runs the guideline for two weeks while its equipment points (supply air temperatures, minimum flows
-//!    and the economizer limit) move at random, for two or four hours. Setpoints and start times stay the guideline's.
+//!    and the economizer limit) move at random, for two or eight hours. Setpoints and start times stay the guideline's.
 //! 2. From the hours, regressions estimate the effect of every level of a point on cost and discomfort: a [`Model`].
 //!    They begin from what is known of buildings of the type: a [`Prior`].
 //! 3. Every hour, [`Mpc`] forecasts outdoor temperatures and setpoints for the next 24 hours, and chooses the levels of

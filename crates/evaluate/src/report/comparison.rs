@@ -148,7 +148,7 @@ fn operation_columns(all: &[Compared]) -> [String; 10] {
         "discomfort (K·h per zone)",
         "baseline's discomfort",
         "episodes beyond the free discomfort",
-        "peak demand, 15 min (W/m²)",
+        "peak demand (W/m²)",
         "HVAC energy (kWh/m²)",
         "actuator travel (strokes/day)",
     ]

@@ -108,7 +108,7 @@ fn operation_tiles(all: &Group, comfort: &OperationComfort, task: &str) -> Value
     tiles.push(json!(["HVAC energy, mean", format!("{:.2} kWh/m²", all.energy_wh_m2 / 1000.0)]));
     tiles.push(json!(["discomfort per zone, mean", format!("{:.1} K·h", comfort.discomfort_k_h)]));
     let peak = format!("{:.1} W/m²", 1000.0 * comfort.pele_tot);
-    tiles.push(json!(["peak electric demand, 15 min, mean", peak]));
+    tiles.push(json!(["peak electric demand, mean", peak]));
     tiles.into()
 }
 
@@ -151,7 +151,7 @@ const OPERATION_COLUMNS: [&str; 17] = [
     ENERGY,
     "discomfort (K·h per zone)",
     "baseline's discomfort",
-    "peak demand, 15 min (W/m²)",
+    "peak demand (W/m²)",
     "episodes beyond the free discomfort",
     "HVAC energy (kWh/m²)",
     "heating (kWh/m²)",

@@ -53,6 +53,7 @@ pub(super) fn different_metric(
             ("RMS deviation", Some(metrics.rms_deviation)),
             ("mean absolute deviation", Some(metrics.mean_abs_deviation)),
             ("discomfort", Some(metrics.discomfort)),
+            ("thermal discomfort", metrics.tdis_tot),
             ("cost", metrics.terms.get(Term::Cost)),
             ("emissions", metrics.terms.get(Term::Emissions)),
         ]
@@ -98,6 +99,9 @@ mod tests {
         assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
         assert_eq!(different(&near, Accuracy::Tolerance), None);
         assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
+        let [cold, colder] = [9.0, 9.1].map(|k_h| EpisodeMetrics { tdis_tot: Some(k_h), ..there.clone() });
+        let found = different_metric(&colder, &cold, Accuracy::Tolerance);
+        assert_eq!(found, Some(("thermal discomfort", 9.1, 9.0)));
         let travels = EpisodeMetrics { daily_travel: 1.0, ..there.clone() };
         assert_eq!(different(&travels, Accuracy::Bits), Some(("daily_travel", 0.0, 1.0)));
         let mut younger = EpisodeMetrics { occupied_too_cold: Some(0.5), ..there.clone() };

@@ -19,8 +19,8 @@ use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
-use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
-use b2b_evaluate::{EpisodePlan, EpisodeResult, Evaluation, Outcome, Progress, sequences};
+use b2b_evaluate::{Baseline, Baselines, BuiltIn, SiteInfo};
+use b2b_evaluate::{EpisodePlan, EpisodeResult, Evaluation, Finished, Outcome, Progress, sequences};
 
 /// Relative tolerance for sums computed in another order.
 const ROUNDING: f64 = 1e-9;
@@ -341,10 +341,11 @@ fn compare(
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
-    let (mut here, step_rewards, there) = match (outcome, row.outcome.clone()) {
-        (Ok(finished), Ok(there)) => (finished.record, finished.step_rewards, there),
+    let (finished, there) = match (outcome, row.outcome.clone()) {
+        (Ok(finished), Ok(there)) => (finished, there),
         (Err(lost), _) | (_, Err(lost)) => return Ok(Err(format!("the episode was lost: {lost}"))),
     };
+    let Finished { record: mut here, step_rewards, terms, .. } = finished;
     // The policy is named after the user's file.
     here.info.policy.clone_from(&row.info.policy);
     if accuracy == Accuracy::Bits && here.inputs != there.inputs {
@@ -372,6 +373,10 @@ fn compare(
             "its metrics differ: {name} is {there} in the result and {here} in the rerun"
         )));
     }
+    let resource = terms.used(episode.task.resource);
+    if let Err(why) = agrees("its resource", there.resource, resource, TOLERANCE) {
+        return Ok(Err(why));
+    }
     compare_baseline(row, episode, &here.info.site(), evaluation, progress)
 }
 
@@ -393,15 +398,32 @@ fn compare_baseline(
         }
         baseline => baseline?,
     };
-    let returns = (there.baseline_return.unwrap_or(f64::NAN), baseline.episode_return);
-    let energies = (there.baseline_energy.unwrap_or(f64::NAN), baseline.energy);
-    for (what, (there, here)) in [("return", returns), ("energy", energies)] {
-        // The shipped baselines may be from another kind of machine than the result.
-        if !is_near(there, here, TOLERANCE) {
-            return Ok(Err(format!(
-                "the {what} of its baseline is {there} in the result and {here} in the rerun"
-            )));
-        }
+    // It may be from another kind of machine than the result.
+    Ok(agree(there.baseline().as_ref(), &baseline, TOLERANCE).map(|()| String::new()))
+}
+
+/// Compares the baseline of a row with the one here.
+fn agree(there: Option<&Baseline>, here: &Baseline, tolerance: f64) -> std::result::Result<(), String> {
+    let there = there.ok_or("its baseline is missing")?;
+    let amounts = |of: &Baseline| [Some(of.episode_return), Some(of.energy), of.resource, of.discomfort];
+    let names = ["return", "energy", "resource", "discomfort"];
+    for (name, (there, here)) in names.iter().zip(amounts(there).into_iter().zip(amounts(here))) {
+        agrees(&format!("the {name} of its baseline"), there, here, tolerance)?;
     }
-    Ok(Ok(String::new()))
+    Ok(())
+}
+
+/// Compares an amount in a result, which may be older than the amount, with the one here.
+fn agrees(
+    what: &str,
+    there: Option<f64>,
+    here: Option<f64>,
+    tolerance: f64,
+) -> std::result::Result<(), String> {
+    let Some(there) = there else { return Ok(()) };
+    let here = here.unwrap_or(f64::NAN);
+    if is_near(there, here, tolerance) {
+        return Ok(());
+    }
+    Err(format!("{what} is {there} in the result; expected {here}"))
 }

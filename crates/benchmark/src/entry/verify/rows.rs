@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use b2b_dataset::BuildingName;
 use b2b_env::EpisodeMetrics;
 
-use super::{CheckOutcome, ROUNDING, TOLERANCE, expected, is_near, near};
+use super::{CheckOutcome, ROUNDING, TOLERANCE, agree, agrees, expected, near};
 use crate::entry::result::RunResult;
 use crate::problem::Stage;
 use b2b_evaluate::task_for;
@@ -88,29 +88,20 @@ pub(super) fn baselines(
         for (row, episode) in rows.iter().zip(&episodes) {
             let Ok(scored) = &row.outcome else { continue };
             let Some(here) = scored.baseline() else { continue };
-            let Baseline { episode_return, .. } = here;
             let site = row.info.site();
             let key = Key::of(episode, &site).map_err(|error| error.to_string())?;
-            let wrong = |other: &Baseline, whose: &str| {
-                format!(
-                    "{stage}: {}: the return of its baseline is {episode_return}; {whose} is {}",
-                    row.info, other.episode_return
-                )
-            };
+            let named = |why: String| format!("{stage}: {}: {why}", row.info);
+            resource(scored, episode).map_err(named)?;
             if let Some(terms) = known.get(&key, episode.task.resource) {
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
-                if !same(&there, &here, TOLERANCE) {
-                    return Err(wrong(&there, "the known baseline"));
-                }
+                agree(Some(&here), &there, TOLERANCE)
+                    .map_err(|why| named(format!("{why}, as the known baseline has")))?;
                 rows_known += 1;
-                let used = terms.used(episode.task.resource);
-                resource(scored, episode, used).map_err(|why| format!("{stage}: {}: {why}", row.info))?;
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
-            if !same(there, &here, ROUNDING) {
-                return Err(wrong(there, "another row of the same episode"));
-            }
+            agree(Some(&here), there, ROUNDING)
+                .map_err(|why| named(format!("{why}, as another row of the same episode has")))?;
             rows_checked += 1;
         }
     }
@@ -119,28 +110,10 @@ pub(super) fn baselines(
     ))
 }
 
-/// Checks the amount of the task's resource in the episode and in its baseline. Older results have neither.
-fn resource(scored: &Scored, episode: &EpisodePlan, of_baseline: Option<f64>) -> Result<(), String> {
-    let own = scored.metrics.used(episode.task.resource);
-    for (what, there, here) in [
-        ("resource", scored.resource, own),
-        ("resource of the baseline", scored.baseline_resource, of_baseline),
-    ] {
-        match (there, here) {
-            (Some(there), Some(here)) if !is_near(there, here, TOLERANCE) => {
-                return Err(format!("the {what} is {there}; expected {here}"));
-            }
-            _ => {}
-        }
+/// Checks the amount of the task's resource, if the metrics have it.
+fn resource(scored: &Scored, episode: &EpisodePlan) -> Result<(), String> {
+    match scored.metrics.used(episode.task.resource) {
+        None => Ok(()),
+        own => agrees("its resource", scored.resource, own, TOLERANCE),
     }
-    Ok(())
-}
-
-fn same(there: &Baseline, here: &Baseline, tolerance: f64) -> bool {
-    is_near(there.episode_return, here.episode_return, tolerance)
-        && is_near(there.energy, here.energy, tolerance)
-        && match (there.discomfort, here.discomfort) {
-            (Some(there), Some(here)) => is_near(there, here, tolerance),
-            (there, here) => there == here,
-        }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::policies::onnx_file::linear_policy;
 use crate::program::{b2b, both_outputs, command};
 use b2b_base::digest::sha256;
-use b2b_benchmark::entry::{Check, Sample, check, read_result, verify};
+use b2b_benchmark::entry::{Check, Measures, Sample, check, read_result, verify};
 use b2b_benchmark::problem::Stage;
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
@@ -31,9 +31,9 @@ struct Judged {
 }
 
 impl Judged {
-    fn new() -> Self {
+    fn new(problem: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let output = b2b(folder.path(), &format!("benchmark run {SMALL} --policy random --out result"));
+        let output = b2b(folder.path(), &format!("benchmark run {problem} --policy random --out result"));
         assert!(output.status.success(), "{}", both_outputs(&output));
         Self { folder, catalog: Catalog::open(&mut Quiet).unwrap() }
     }
@@ -56,6 +56,16 @@ impl Judged {
         std::fs::write(copy.join("episodes.parquet"), &table).unwrap();
         std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
         self.wrong(&copy, rerun)
+    }
+
+    /// Makes the measures of the changed copy fit its rows.
+    fn refit(&self) -> PathBuf {
+        let copy = self.folder.path().join("copy");
+        let (_, stages) = read_result(&copy).unwrap();
+        let mut result: Value = serde_json::from_slice(&bytes(&copy, "result.json")).unwrap();
+        result["measures"] = serde_json::to_value(Measures::of(&stages, &[]).unwrap()).unwrap();
+        std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
+        copy
     }
 
     /// Returns the failed checks of a copy with a changed description, after rerunning a sample.
@@ -87,7 +97,7 @@ impl Judged {
 /// One test, because a test is a process and would make the result again.
 #[test]
 fn a_result_is_checked_by_what_it_says_of_itself_and_by_a_sample() {
-    let judged = Judged::new();
+    let judged = Judged::new(SMALL);
     what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is_unverified(&judged);
     a_sample_is_redrawn_unless_its_seed_is_given_and_is_never_empty(&judged);
 }
@@ -127,7 +137,7 @@ fn scored(row: &mut EpisodeResult) -> &mut Scored {
 
 #[test]
 fn a_tampered_result_fails_verification() {
-    let judged = Judged::new();
+    let judged = Judged::new(SMALL);
     assert_eq!(judged.wrong(&judged.path(), 2), "");
     assert_eq!(judged.after(|_| {}, 0), "");
 
@@ -177,17 +187,12 @@ fn a_tampered_result_fails_verification() {
     };
     let said = judged.after(halve, 0);
     assert_eq!(said, "measures: they differ from what the episodes give");
-    let copy = judged.folder.path().join("copy");
-    let (_, stages) = read_result(&copy).unwrap();
+    let copy = judged.refit();
     let edit = |name: &str, value: Value| {
         let mut result: Value = serde_json::from_slice(&bytes(&copy, "result.json")).unwrap();
         *result.pointer_mut(name).unwrap() = value;
         std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
     };
-    edit(
-        "/measures",
-        serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages, &[]).unwrap()).unwrap(),
-    );
     assert_eq!(judged.wrong(&copy, 0), "");
     let said = judged.wrong(&copy, 1);
     assert!(said.contains("episodes run again") && said.contains("its metrics differ"), "{said}");
@@ -233,6 +238,32 @@ fn a_tampered_result_fails_verification() {
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
     assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the table"));
+}
+
+#[test]
+fn forged_amounts_behind_a_score_at_comfort_fail_verification() {
+    let judged = Judged::new(&format!("{SMALL} --test-task operate+preview --train-task operate+preview"));
+    assert_eq!(judged.wrong(&judged.path(), 1), "");
+    let forged = |change: fn(&mut Scored)| {
+        let change = |stages: &mut Vec<(Stage, Vec<EpisodeResult>)>| {
+            for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
+                let scored = scored(row);
+                change(scored);
+                let scores = scored.baseline().unwrap().scores(&scored.metrics, scored.resource, 12);
+                (scored.score, scored.resolved_score) = (scores.score, scores.resolved);
+            }
+        };
+        judged.after(change, 0);
+        judged.wrong(&judged.refit(), 1)
+    };
+    let said = forged(|scored| scored.resource = scored.resource.map(|used| used / 2.0));
+    assert!(said.contains("seed 0: its resource is") && said.contains("; expected"), "{said}");
+    let said = forged(|scored| scored.baseline_resource = scored.baseline_resource.map(|used| used * 2.0));
+    assert!(said.contains("seed 0: the resource of its baseline is"), "{said}");
+    let said = forged(|scored| scored.baseline_discomfort = scored.baseline_discomfort.map(|d| d + 50.0));
+    assert!(said.contains("seed 0: the discomfort of its baseline is"), "{said}");
+    let said = forged(|scored| scored.metrics.tdis_tot = scored.metrics.tdis_tot.map(|tdis| tdis / 2.0));
+    assert!(said.contains("its metrics differ: thermal discomfort is"), "{said}");
 }
 
 #[test]

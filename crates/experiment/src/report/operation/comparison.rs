@@ -13,7 +13,7 @@ pub(super) const GUIDELINE: &str = "guideline36";
 /// The controller that it is compared with.
 const OWN: &str = "own";
 /// Relative difference of energy that counts as equal.
-const ENERGY_TOLERANCE: f64 = 0.005;
+const ENERGY_TOLERANCE: f64 = 0.002;
 
 /// The buildings that were run under both.
 pub(super) struct Comparison {
@@ -77,7 +77,13 @@ impl Comparison {
 }
 
 impl Pair {
+    /// Compares the periods that ran under both.
     fn of(building: String, own: &[Figures], guideline: &[Figures]) -> Option<Self> {
+        let common = |these: &[Figures], others: &[Figures]| -> Vec<Figures> {
+            let ran = |each: &&Figures| others.iter().any(|other| other.period == each.period);
+            these.iter().filter(ran).cloned().collect()
+        };
+        let (own, guideline) = (&common(own, guideline)[..], &common(guideline, own)[..]);
         let worst = |value: fn(&Figures) -> f64| {
             let periods = guideline.iter().filter_map(|theirs| {
                 let own = own.iter().find(|own| own.period == theirs.period)?;

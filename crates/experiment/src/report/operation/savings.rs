@@ -1,11 +1,11 @@
 //! What policies save against the guideline controller, at comfort.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use b2b_control::tune::travel_limit;
 use b2b_evaluate::report::{Chart, Series, trade_offs};
-use b2b_evaluate::statistics::{FEWEST, MARGIN, Verdict, median, over_buildings};
-use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT, relative_resource};
+use b2b_evaluate::statistics::{FEWEST, Interval, MARGIN, Sample, Verdict, mean, median, over_buildings};
+use b2b_evaluate::{EpisodeResult, FREE_DISCOMFORT};
 use serde_json::{Value, json};
 
 use super::comparison::GUIDELINE;
@@ -75,7 +75,8 @@ fn table(experiment: &Experiment, results: &Results, name: &str, periods: &[&str
             "name": name,
             "title": format!(
                 "score at comfort: medians over buildings, each with its mean over periods and seeds, and 95 % bootstrap \
-                 intervals over buildings within each type, and seeds; cost: of all episodes together; comfortable: at most {FREE_DISCOMFORT} K·h per \
+                 intervals over buildings within each type, and seeds; cost: likewise, each building with the sum over its periods, \
+                 in which cheap periods count little; comfortable: at most {FREE_DISCOMFORT} K·h per \
                  zone and day of discomfort beyond the guideline's; beats: the score is more than {MARGIN} below 1, and all of its interval below 1; \
                  worse: above, likewise; fewer than {FEWEST} buildings have no verdict; hunting: episodes with more actuator travel than 5 \
                  strokes/day and than the guideline; raised: episodes in which the ventilation interlock raised an action"
@@ -93,6 +94,32 @@ fn hunts(row: &EpisodeResult, guideline: &Guideline<'_>) -> bool {
     let travel = |row: &EpisodeResult| Some(row.metrics()?.daily_travel);
     let reference = guideline.same(row).and_then(travel).unwrap_or(0.0);
     travel(row).is_some_and(|own| own > travel_limit(reference))
+}
+
+/// Formats percentages with a sign, and without a zero's.
+fn percents(Interval { value, low, high }: Interval) -> String {
+    let [value, low, high] = [value, low, high].map(|each| (10.0 * each).round() / 10.0 + 0.0);
+    format!("{value:+.1} [{low:+.1}, {high:+.1}]")
+}
+
+/// Returns the cost of episodes beyond the mean of their building's baselines, % of it. Its mean over a building is what
+/// all episodes there cost beyond their baselines together.
+fn costs<'a>(episodes: &[Ran<'a>]) -> Vec<Sample<'a>> {
+    let amounts = |row: &EpisodeResult| {
+        let scored = row.scored()?;
+        Some((scored.resource?, scored.baseline_resource?))
+    };
+    let mut baselines: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (_, row) in episodes {
+        let baseline = amounts(row).map(|(_, baseline)| baseline);
+        baselines.entry(&row.info.building).or_default().extend(baseline);
+    }
+    let relative = |&(job, row): &Ran<'a>| {
+        let (own, _) = amounts(row)?;
+        let baseline = mean(&baselines[&row.info.building[..]]);
+        (baseline > 0.0).then(|| job.sample(row, 100.0 * (own / baseline - 1.0)))
+    };
+    episodes.iter().filter_map(relative).collect()
 }
 
 /// Returns the figures of a row; `None` without a score.
@@ -113,7 +140,7 @@ fn cells(episodes: &[Ran<'_>], guideline: &Guideline<'_>) -> Option<Vec<String>>
         buildings.len().to_string(),
         score.to_string(),
         if buildings.len() < FEWEST { "–".to_owned() } else { Verdict::of(score).to_string() },
-        relative_resource(all()).map_or_else(String::new, |ratio| format!("{:+.1}", 100.0 * (ratio - 1.0))),
+        over_buildings(&costs(episodes), median).map_or_else(String::new, percents),
         format!("{:.0}", 100.0 * comfortable),
         scores.len().to_string(),
         count(&|score| score < 1.0 - MARGIN).to_string(),
@@ -145,6 +172,16 @@ mod tests {
         );
         // The reactive controllers hold the middle of the band day and night.
         assert_eq!((&last[8], &last[10], &last[11]), (&json!("100"), &json!("0"), &json!("240")));
+        // Σ cost / Σ cost of the baseline of every building, by another way.
+        let (_, episodes): (Vec<_>, Vec<_>) = results.of("reactive").unzip();
+        let mut ratios: Vec<f64> = Vec::new();
+        for building in episodes.iter().map(|row| &row.info.building).collect::<BTreeSet<_>>() {
+            let own = episodes.iter().filter(|row| row.info.building == *building).copied();
+            ratios.push(b2b_evaluate::relative_resource(own).unwrap());
+        }
+        ratios.sort_by(f64::total_cmp);
+        let expected = format!("{:+.1} [", 100.0 * (median(&ratios) - 1.0));
+        assert!(last[7].as_str().unwrap().starts_with(&expected), "{} {expected}", last[7]);
         assert_eq!(charts(&experiment, &results)[0].data.as_array().unwrap().len(), 3, "and the baseline");
     }
 }

@@ -2,7 +2,7 @@ use b2b_agent::{Acting, ObservationForm};
 use b2b_building::BuildingType;
 use b2b_dataset::BuildingId;
 
-use super::TrainConfig;
+use super::{TrainConfig, TrainingSet};
 use crate::ppo::PpoConfig;
 use crate::sac::SacConfig;
 
@@ -353,4 +353,13 @@ fn the_preset_for_many_buildings_draws_some_of_the_training_split_and_holds_comf
     assert!(said.contains("wintr"), "{said}");
     let said = changed(&config, "window_days = 20").check().unwrap_err().to_string();
     assert!(said.contains("14 days"), "{said}");
+}
+
+#[test]
+fn a_window_that_nobody_chose_is_at_most_the_shortest_period() {
+    for (period, days) in [("winter", 14), ("peak-heating,01-01..01-03", 3), ("wintr", 0)] {
+        let mut set = TrainingSet { window_days: 14, period: period.into(), ..TrainingSet::default() };
+        set.shorten_window();
+        assert_eq!(set.window_days, days, "{period}");
+    }
 }

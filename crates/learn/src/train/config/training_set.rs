@@ -196,12 +196,23 @@ impl TrainingSet {
         format!("{}{site}", self.buildings.iter().map(name).collect::<Vec<_>>().join(", "))
     }
 
+    /// Shortens the days of an episode to the shortest run period, for a window that nobody chose.
+    pub fn shorten_window(&mut self) {
+        self.window_days = self.window_days.min(self.shortest_period());
+    }
+
+    /// Returns the days of the shortest run period; 0 if one is not valid.
+    fn shortest_period(&self) -> u32 {
+        self.periods().map_or(0, |periods| periods.into_iter().map(Period::days).min().unwrap_or(0))
+    }
+
     /// Checks the values.
     pub(super) fn check(&self) -> Result<()> {
         self.named()?;
         self.building_types()?;
         self.check_site()?;
-        let days = self.periods()?.into_iter().map(Period::days).min().unwrap_or(0);
+        self.periods()?;
+        let days = self.shortest_period();
         require(self.window_days <= days, || {
             format!(
                 "`window_days` is {}; the run period has {days} days: expected at most {days}, or 0 for the whole run period",
