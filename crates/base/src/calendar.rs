@@ -58,6 +58,12 @@ impl Calendar {
         Self::new(self.new_year + self.days(), self.leap)
     }
 
+    /// Returns the calendar of the whole year in which a day of the episode lies.
+    #[must_use]
+    pub const fn year_of(self, day: u32) -> Self {
+        if day < self.first_day { self.following() } else { self.first_year() }
+    }
+
     /// Returns whether there is a 29 February.
     pub const fn is_leap(self) -> bool {
         self.leap

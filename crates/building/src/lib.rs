@@ -23,7 +23,7 @@ pub mod user_file;
 mod zone_role;
 
 pub use b2b_base::carrier::{Carrier, CarrierEnergy};
-pub use band::{Change, Span, ZoneYear};
+pub use band::{Change, Span, UNNAMED_HOUSE, ZoneYear};
 pub use building_type::{BuildingType, Day, Prototype, TypeData};
 pub use class::Class;
 pub use description::Description;

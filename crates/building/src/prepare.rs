@@ -95,6 +95,16 @@ pub enum Controls {
     Own,
 }
 
+impl Controls {
+    /// Suffix of the names of buildings under [`Controls::Setpoints`].
+    pub const SETPOINTS_SUFFIX: &'static str = "+setpoints";
+
+    /// Returns the name of a building, which is the same under all controls.
+    pub fn common_name(building: &str) -> &str {
+        building.strip_suffix(Self::SETPOINTS_SUFFIX).unwrap_or(building)
+    }
+}
+
 /// A zone of a prepared building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Zone {

@@ -17,6 +17,15 @@ pub enum Error {
         /// Number of its actuators.
         actuators: usize,
     },
+    /// A task with faults for the controller `own`, whose sensors and actuators are the engine's.
+    #[error(
+        "task `{task}` has faults, which have no effect under the controller `own`: its sensors and actuators are \
+         EnergyPlus's; leave the faults out, or compare with `guideline36`"
+    )]
+    FaultsWithoutEffect {
+        /// The task.
+        task: String,
+    },
     /// A parameter of a controller outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),

@@ -36,6 +36,10 @@ impl kind::Kind for Kind {
     }
 
     fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        let task = &case.spaces.episode.task;
+        if !task.faults.is_none() {
+            return Err(Error::FaultsWithoutEffect { task: task.to_string() });
+        }
         match case.action.len() {
             0 => Ok(Box::new(Own)),
             actuators => Err(Error::OwnControls { building: case.spaces.building.name.clone(), actuators }),

@@ -44,7 +44,7 @@ impl Control {
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Actuators => "",
-            Self::Setpoints => "+setpoints",
+            Self::Setpoints => Controls::SETPOINTS_SUFFIX,
         }
     }
 }

@@ -5,8 +5,8 @@
 
 use b2b_base::digest::seed_of;
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
+use b2b_building::{Controls, PreparedBuilding};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::within;
@@ -71,7 +71,7 @@ impl Faults {
         if !self.own {
             return *self;
         }
-        let seed = self.seed.wrapping_add(seed_of(building));
+        let seed = self.seed.wrapping_add(seed_of(Controls::common_name(building)));
         Self { seed, fouling: self.fouling * uniform(&mut stream(seed, FOULING)), ..*self }
     }
 }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use b2b_base::digest::sha256;
-use b2b_building::Class;
+use b2b_building::{Class, Controls};
 use b2b_climate::{EpwFile, Place};
-use b2b_dataset::{BuildingName, Catalog, Found, Placement};
+use b2b_dataset::{BuildingName, Catalog, Control, Found, Placement};
 use b2b_energyplus::install::Progress;
 
 use crate::Result;
@@ -68,7 +68,10 @@ impl Subject {
             BuildingName::Model(path) => format!("{}#{IMPORT_REVISION}", hash_of_model(path)?),
             BuildingName::Type(_) | BuildingName::Id(_) => self.name.to_string(),
         };
-        let interface = self.placement.control.suffix();
+        let interface = match self.placement.control {
+            Control::Actuators => String::new(),
+            Control::Setpoints => format!("{}#{IMPORT_REVISION}", Controls::SETPOINTS_SUFFIX),
+        };
         let identity = match (&self.placement.weather, self.placement.place, &self.name) {
             (Some(weather), _, _) => format!("{what}@{}", hash_of(weather)?),
             (None, Some(place), _) => format!("{what}@{}", place.name),
@@ -80,7 +83,7 @@ impl Subject {
             Some(folder) => format!("+transition-{}", &digest_of_listing(folder)?[..12]),
             None => String::new(),
         };
-        Ok(identity + interface + days + &programs)
+        Ok(identity + &interface + days + &programs)
     }
 
     /// Finds the site of the building.
@@ -154,7 +157,7 @@ mod tests {
         subject.placement.place = Some(Place::find("Denver").unwrap());
         assert_eq!(subject.identity().unwrap(), "OfficeSmall@Denver");
         subject.placement.control = Control::Setpoints;
-        assert_eq!(subject.identity().unwrap(), "OfficeSmall@Denver+setpoints");
+        assert_eq!(subject.identity().unwrap(), format!("OfficeSmall@Denver+setpoints#{IMPORT_REVISION}"));
         assert_eq!(Control::split_name(&subject.label()), ("OfficeSmall", Control::Setpoints));
         let id = Subject::at_home("OfficeSmall-42".parse().unwrap());
         assert_eq!(id.identity().unwrap(), "OfficeSmall-0042");

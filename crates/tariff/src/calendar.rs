@@ -79,6 +79,7 @@ pub(crate) fn quarters(calendar: Calendar) -> usize {
 /// time, by the rule of the United States and Canada: from the second Sunday of March, 2:00, to the first Sunday of
 /// November, 2:00 daylight time.
 pub(crate) fn advance(calendar: Calendar, quarter: u32) -> u32 {
+    let calendar = calendar.year_of(quarter / DAY + 1);
     let start = (nth(calendar, 6, 1, 2) - 1) * DAY + 2 * 4;
     let end = (nth(calendar, 6, 0, 10) - 1) * DAY + 4;
     if (start..end).contains(&quarter) { 4 } else { 0 }
@@ -88,11 +89,13 @@ pub(crate) fn advance(calendar: Calendar, quarter: u32) -> u32 {
 pub(crate) fn is_on(holiday: Holiday, calendar: Calendar, day: u32) -> bool {
     match holiday {
         Holiday::Fixed(date) => calendar.date(day) == COMMON.date(date.day),
-        Holiday::Nth { ordinal, weekday, month } => day == nth(calendar, weekday, ordinal, month),
+        Holiday::Nth { ordinal, weekday, month } => {
+            day == nth(calendar.year_of(day), weekday, ordinal, month)
+        }
     }
 }
 
-/// Returns the day of the year of the nth weekday (from 0; 4 is the last) of a month (from 0).
+/// Returns the day of the year of the nth weekday (from 0; 4 is the last) of a month (from 0) of a whole year.
 fn nth(calendar: Calendar, weekday: u32, ordinal: u32, month: usize) -> u32 {
     let first = calendar.month_start(month);
     let days = first..first + calendar.month_days(month);
@@ -175,6 +178,11 @@ mod tests {
         assert_eq!(in_calendar(of_2020, "last Monday of May"), of_2020.day([5, 25]).unwrap());
         let winter = Calendar::default().passing_new_year(361);
         assert_eq!(in_calendar(winter, "third Monday of January"), 15, "of 2018");
+        // From 2 November 2017 to January 2018: 1 November is a day of 2018.
+        let autumn = Calendar::default().passing_new_year(306);
+        assert_eq!(in_calendar(autumn, "fourth Thursday of November"), 327, "23 November");
+        let [before, after] = [4, 5].map(|day| advance(autumn, (304 + day - 1) * DAY + 48));
+        assert_eq!((before, after), (4, 0), "daylight time ends on 5 November");
     }
 
     #[test]

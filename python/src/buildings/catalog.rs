@@ -212,10 +212,12 @@ impl Building {
 
     /// Returns the model as epJSON text; sized and controllable once an environment of it was created.
     fn to_epjson(&self) -> String {
-        match &*self.inner.source() {
-            Source::Prepared(building) => building.model().to_epjson(),
-            Source::Model { model, .. } => model.to_epjson(),
-        }
+        let mut model = match &*self.inner.source() {
+            Source::Prepared(building) => building.model().clone(),
+            Source::Model { model, .. } => (**model).clone(),
+        };
+        model.name_house(&self.inner.name);
+        model.to_epjson()
     }
 
     fn __repr__(&self) -> String {

@@ -16,9 +16,15 @@ use b2b_base::random::{stream, uniform};
 use rand_chacha::ChaCha8Rng;
 
 use super::{Span, ZoneYear, schedules::PER_DAY};
+use crate::{Controls, Model};
+
+/// Name of the `Building` object of a generated house that is not in a file of its own.
+pub const UNNAMED_HOUSE: &str = "House";
 
 /// Setpoints at or below the first (heating) and at or above the second (cooling), °C, are out of reach.
 const OUT_OF_REACH: [f64; 2] = [10.0, 40.0];
+/// Class of the object with the name of a model.
+const CLASS: &str = "Building";
 /// Name of the random stream.
 const STREAM: &str = "household band";
 /// Share of the households that lower heating at night.
@@ -77,6 +83,22 @@ fn share(random: &mut ChaCha8Rng, share: f64, low: f64, count: u32) -> f64 {
     if saves { value } else { 0.0 }
 }
 
+/// Returns the name from which a household is drawn: the model's own, wherever its file is, or the building's, under all
+/// controls.
+pub(super) fn name<'a>(building: &'a str, model: &'a Model) -> &'a str {
+    let own = model.objects(CLASS).into_iter().next().map(|(name, _)| name);
+    own.filter(|name| *name != UNNAMED_HOUSE).unwrap_or_else(|| Controls::common_name(building))
+}
+
+impl Model {
+    /// Gives a generated house a name, from which its household is drawn wherever its file is.
+    pub fn name_house(&mut self, name: &str) {
+        if let Some(fields) = self.remove(CLASS, UNNAMED_HOUSE) {
+            self.insert(CLASS, Controls::common_name(name), fields.into());
+        }
+    }
+}
+
 /// Gives the household's setpoints to the zones whose thermostat is always out of reach.
 pub(super) fn furnish(building: &str, years: Vec<ZoneYear>) -> Vec<ZoneYear> {
     let household = Household::of(building);
@@ -128,6 +150,19 @@ mod tests {
         }
         assert_eq!(Household::of("A"), Household::of("A"));
         assert_ne!(Household::of("A"), Household::of("B"));
+    }
+
+    #[test]
+    fn a_household_is_the_same_under_all_controls_and_in_a_file_of_any_name() {
+        let mut model = Model::default();
+        model.insert(CLASS, UNNAMED_HOUSE, serde_json::json!({"north_axis": 30}));
+        assert_eq!(name("SingleFamilyHouse-0018", &model), "SingleFamilyHouse-0018");
+        assert_eq!(name("SingleFamilyHouse-0018+setpoints", &model), "SingleFamilyHouse-0018");
+        model.name_house("SingleFamilyHouse-0018");
+        assert_eq!(name("mine", &model), "SingleFamilyHouse-0018");
+        model.name_house("other");
+        assert_eq!(name("mine", &model), "SingleFamilyHouse-0018", "it keeps its name");
+        assert_eq!(model.require(CLASS, "SingleFamilyHouse-0018").unwrap()["north_axis"], 30);
     }
 
     #[test]

@@ -8,6 +8,8 @@ mod household;
 mod schedules;
 mod thermostat;
 
+pub use household::UNNAMED_HOUSE;
+
 use b2b_base::calendar::Calendar;
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
@@ -199,7 +201,7 @@ pub(crate) fn year(
             Span { from: 0.0, heating, cooling, people: people > 0.0 && people >= least }
         })
     });
-    let zones = household::furnish(building, zones.collect());
+    let zones = household::furnish(household::name(building, model), zones.collect());
     let off = switches.iter().map(|name| sampled.of_schedule(name).share_off(years[0])).collect();
     Ok(Year { zones, off, holidays: sampled.into_holidays() })
 }

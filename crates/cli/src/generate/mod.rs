@@ -111,7 +111,8 @@ pub fn generate(arguments: &Arguments) -> Result<()> {
     let done = parallel::map(arguments.jobs.count()?, &missing, |(name, building)| {
         interrupt::check()?;
         let generated = catalog.generate(building, &mut Quiet);
-        let (model, _) = generated.with_context(|| format!("cannot generate {name}"))?;
+        let (mut model, _) = generated.with_context(|| format!("cannot generate {name}"))?;
+        model.name_house(name);
         folder.write(name, &model.to_epjson())?;
         bar.inc(1);
         anyhow::Ok(())

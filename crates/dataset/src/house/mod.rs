@@ -36,7 +36,7 @@ mod zones;
 pub use geometry::Geometry;
 pub use household::Household;
 pub use hvac::capacities::Capacities;
-pub use hvac::thermostat::add_thermostat;
+pub use hvac::thermostat::{add_thermostat, lacks_thermostat};
 pub use parameters::bounds::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};

@@ -1,6 +1,6 @@
 //! Simulation settings: site, run period and time step.
 
-use b2b_building::Model;
+use b2b_building::{Model, UNNAMED_HOUSE};
 use b2b_climate::Site;
 use serde_json::json;
 
@@ -53,7 +53,7 @@ fn building(model: &mut Model, house: &House) {
         "minimum_number_of_warmup_days": 1,
         "maximum_number_of_warmup_days": 25,
     });
-    model.insert("Building", "House", building);
+    model.insert("Building", UNNAMED_HOUSE, building);
     let rules = json!({
         "starting_vertex_position": "UpperLeftCorner",
         "vertex_entry_direction": "Counterclockwise",

@@ -68,7 +68,7 @@ impl Preparation {
     fn run_anew(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
         let Self { name, model, .. } = self;
         let unsupported = if self.own { Unsupported::LeftAlone } else { Unsupported::Refused };
-        let is_house = self.class.is_some_and(|class| class.building_type.is_house());
+        let is_house = house::lacks_thermostat(&model);
         let complete = |model: &mut Model, years: &[ZoneYear]| {
             if is_house {
                 house::add_thermostat(model, years);

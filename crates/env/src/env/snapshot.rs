@@ -11,6 +11,7 @@ use crate::{Error, Result};
 pub struct Snapshot {
     building: String,
     episode: EpisodeConfig,
+    steps: usize,
     /// The given actions, concatenated.
     actions: Vec<f64>,
 }
@@ -26,8 +27,8 @@ impl Env {
     /// The current point of the episode. `None` without [`Env::keep_history`] or an episode in progress.
     pub fn snapshot(&self) -> Option<Snapshot> {
         let actions = self.history.clone().filter(|_| self.engine.is_some())?;
-        let spaces = &self.spaces;
-        Some(Snapshot { building: spaces.building.name.clone(), episode: spaces.episode.clone(), actions })
+        let (building, episode) = (self.spaces.building.name.clone(), self.spaces.episode.clone());
+        Some(Snapshot { building, episode, steps: self.metrics.steps, actions })
     }
 
     /// Returns to a snapshot, bit for bit, by restarting and replaying the actions. This works on every system and in
@@ -43,8 +44,9 @@ impl Env {
             return Err(Error::OtherSnapshot { taken, here });
         }
         self.reset()?;
-        for action in snapshot.actions.chunks_exact(self.spaces.action.len()) {
-            self.step(action)?;
+        let width = self.spaces.action.len();
+        for step in 0..snapshot.steps {
+            self.step(&snapshot.actions[step * width..][..width])?;
         }
         Ok(&self.observation)
     }

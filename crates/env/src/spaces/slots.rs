@@ -187,7 +187,7 @@ impl Slots {
                 "electricity price",
                 Owner::Energy,
                 Observed::PriceAhead,
-                Range::new("1/kWh", price, "tariff, by the hour"),
+                Range::new("1/kWh", price, "tariff, by the hour; the first is the current one"),
             ),
             (
                 "outdoor temperature",

@@ -17,7 +17,7 @@ use axum::routing::{any, get, post, put};
 use b2b_workers::WorkerOptions;
 use serde_json::{Value, json};
 
-use sessions::{Sessions, no_test};
+use sessions::{CLASSIC, Sessions, no_test};
 
 use crate::calls::{Answer, Arguments, Call, Refusal};
 use crate::subject::Subject;
@@ -88,7 +88,11 @@ fn router(sessions: Arc<Sessions>, name: Arc<str>) -> Router {
             }),
         )
         .route("/status/{testid}", get(status))
-        .route("/stop/{testid}", put(stop))
+        .route("/stop", put(|State(sessions): Shared| async move { stop(&sessions, CLASSIC) }))
+        .route(
+            "/stop/{testid}",
+            put(|State(sessions): Shared, Path(id): Path<String>| async move { stop(&sessions, &id) }),
+        )
         .route("/{call}", any(classic))
         .route("/{call}/{testid}", any(of_test))
         .fallback(no_route)
@@ -120,10 +124,10 @@ async fn status(State(sessions): Shared, Path(id): Path<String>) -> Response {
     }
 }
 
-async fn stop(State(sessions): Shared, Path(id): Path<String>) -> Response {
-    match sessions.stop(&id) {
+fn stop(sessions: &Sessions, id: &str) -> Response {
+    match sessions.stop(id) {
         true => "OK".into_response(),
-        false => envelope(&no_test(&id).into()),
+        false => envelope(&no_test(id).into()),
     }
 }
 

@@ -17,7 +17,7 @@ use crate::subject::Subject;
 /// Idle time after which a new test may replace a test, as in BOPTEST.
 const IDLE: Duration = Duration::from_secs(15 * 60);
 /// Id of the test for clients that do not select one.
-const CLASSIC: &str = "";
+pub(super) const CLASSIC: &str = "";
 /// Memory for warmed-up engines from which a test can begin again, bytes.
 const TEMPLATES: u64 = 512 << 20;
 
@@ -26,6 +26,23 @@ struct Request {
     call: Call,
     arguments: Arguments,
     reply: oneshot::Sender<Answer>,
+    work: Work,
+}
+
+/// Counts as work in progress until it is dropped, which the test does, because a client may leave before.
+struct Work(Arc<AtomicUsize>);
+
+impl Work {
+    fn begin(in_progress: &Arc<AtomicUsize>) -> Self {
+        in_progress.fetch_add(1, Ordering::Relaxed);
+        Self(Arc::clone(in_progress))
+    }
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 /// A test and its thread, which ends when the last sender is dropped.
@@ -33,8 +50,8 @@ struct Session {
     requests: Sender<Request>,
     thread: JoinHandle<()>,
     last_request: Instant,
-    /// Requests without an answer.
-    waiting: Arc<AtomicUsize>,
+    /// Number of requests in progress.
+    in_progress: Arc<AtomicUsize>,
 }
 
 /// The tests in progress by id.
@@ -85,30 +102,28 @@ impl Sessions {
     /// Passes a request to a test and waits for its answer. Without an id, passes it to the classic test.
     pub(super) async fn ask(&self, id: Option<&str>, call: Call, arguments: Arguments) -> Answer {
         let id = id.unwrap_or(CLASSIC);
-        let (reply, answer) = oneshot::channel();
-        let waiting = match self.send(id, Request { call, arguments, reply }) {
-            Ok(waiting) => waiting,
+        let answer = match self.send(id, call, arguments) {
+            Ok(answer) => answer,
             Err(refusal) => return refusal.into(),
         };
-        let answer = answer.await;
-        waiting.fetch_sub(1, Ordering::Relaxed);
-        answer.unwrap_or_else(|_| {
+        answer.await.unwrap_or_else(|_| {
             self.stop(id);
             Refusal::with_status(500, "the test ended while it worked on the request; begin another").into()
         })
     }
 
-    fn send(&self, id: &str, request: Request) -> Result<Arc<AtomicUsize>, Refusal> {
+    fn send(&self, id: &str, call: Call, arguments: Arguments) -> Result<oneshot::Receiver<Answer>, Refusal> {
         let mut open = self.lock();
         if id == CLASSIC && !open.contains_key(id) {
             self.add(&mut open, id, false)?;
         }
         let session = open.get_mut(id).ok_or_else(|| no_test(id))?;
         session.last_request = Instant::now();
-        session.waiting.fetch_add(1, Ordering::Relaxed);
+        let (reply, answer) = oneshot::channel();
+        let work = Work::begin(&session.in_progress);
         // A thread that has ended drops the request and the sender of its reply, which ends the caller's wait.
-        let _ = session.requests.send(request);
-        Ok(Arc::clone(&session.waiting))
+        let _ = session.requests.send(Request { call, arguments, reply, work });
+        Ok(answer)
     }
 
     fn add(
@@ -119,7 +134,7 @@ impl Sessions {
     ) -> Result<(), Refusal> {
         if open.len() >= self.limit {
             let idle = |session: &Session| {
-                session.waiting.load(Ordering::Relaxed) == 0 && session.last_request.elapsed() > IDLE
+                session.in_progress.load(Ordering::Relaxed) == 0 && session.last_request.elapsed() > IDLE
             };
             let oldest = open.iter().filter(|(_, session)| idle(session));
             let oldest = oldest.min_by_key(|(_, session)| session.last_request).map(|(id, _)| id.clone());
@@ -129,8 +144,8 @@ impl Sessions {
         let (requests, received) = channel();
         let (subject, workers) = (Arc::clone(&self.subject), self.workers.clone());
         let thread = std::thread::spawn(move || run(subject, workers, begins_itself, &received));
-        let (last_request, waiting) = (Instant::now(), Arc::default());
-        open.insert(id.to_owned(), Session { requests, thread, last_request, waiting });
+        let (last_request, in_progress) = (Instant::now(), Arc::default());
+        open.insert(id.to_owned(), Session { requests, thread, last_request, in_progress });
         Ok(())
     }
 
@@ -139,7 +154,10 @@ impl Sessions {
         let tests = if limit == 1 { "test is" } else { "tests are" };
         Refusal::with_status(
             503,
-            format!("{limit} {tests} in progress; end one with PUT /stop/TESTID, or serve more (`--tests`)"),
+            format!(
+                "{limit} {tests} in progress; end one with PUT /stop/TESTID (PUT /stop ends the test without an id), or serve more \
+                 (`--tests`)"
+            ),
         )
     }
 
@@ -156,13 +174,14 @@ pub(super) fn no_test(id: &str) -> Refusal {
 /// Answers requests until the last sender is dropped.
 fn run(subject: Arc<Subject>, workers: WorkerOptions, begins_itself: bool, requests: &Receiver<Request>) {
     let mut simulation = Simulation::new(subject, workers, begins_itself);
-    while let Ok(Request { call, arguments, reply }) = requests.recv() {
+    while let Ok(Request { call, arguments, reply, work }) = requests.recv() {
         let answer = match &mut simulation {
             Ok(simulation) => simulation.answer(call, &arguments),
             Err(error) => Refusal::with_status(500, format!("the test cannot begin: {error}")).into(),
         };
         // The client may be gone.
         let _ = reply.send(answer);
+        drop(work);
     }
 }
 

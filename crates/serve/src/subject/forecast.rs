@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::DAYS;
 use super::forecast_errors::Uncertainty;
-use super::points::point_name;
+use super::points::Names;
 use super::prices::{AllPrices, PriceScenario};
 use super::units::ZERO_CELSIUS;
 use crate::{Error, Result};
@@ -179,9 +179,10 @@ fn points(spaces: &Spaces) -> Vec<Point> {
         let description = format!("Price of electricity, scenario {}", scenario.name());
         point(scenario.point(), Quantity::Price(scenario), PRICE, &description)
     }));
+    let mut names = Names::default();
     for (index, zone) in spaces.controlled_zones().enumerate() {
         let zone = &spaces.building.zones[zone];
-        let name = point_name(&zone.name);
+        let name = names.unique(&zone.name);
         let mut give = |word: &str, quantity, unit, description: &str| {
             let description = format!("{description} of {}", zone.name);
             points.push(point(&format!("{word}[{name}]"), quantity, unit, &description));

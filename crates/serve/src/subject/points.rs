@@ -100,10 +100,10 @@ impl Points {
 
 /// Names made of letters, digits and underscores, each used once.
 #[derive(Default)]
-struct Names(HashSet<String>);
+pub(super) struct Names(HashSet<String>);
 
 impl Names {
-    fn unique(&mut self, text: &str) -> String {
+    pub(super) fn unique(&mut self, text: &str) -> String {
         let name = point_name(text);
         let numbered = (2..).map(|number| format!("{name}_{number}"));
         let mut candidates = std::iter::once(name.clone()).chain(numbered);

@@ -106,5 +106,7 @@ fn invalid_requests_are_refused_and_the_server_keeps_running() {
     let beyond = client.envelope("POST", "advance", &format!(r#"{{"{input}": 1e9, "{activation}": true}}"#));
     assert!(beyond["message"].as_str().unwrap().contains("is used"), "{beyond}");
     assert_eq!(beyond["payload"]["time"], 7200.0, "the second step, after the one without activation");
+    assert_eq!(client.send("PUT", "/stop", "").status, 200, "the test without an id");
+    assert_eq!(client.send("POST", "/testcases/OfficeSmall/select", "").status, 200, "its slot is free");
     server.stop();
 }

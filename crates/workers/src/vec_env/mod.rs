@@ -227,19 +227,20 @@ impl VecEnv {
     /// [`Error::ActionLength`], [`Error::ActionNotFinite`], [`Error::NotReset`] and [`Error::Busy`] before any action
     /// is sent; [`Error::Interrupted`].
     pub fn step(&mut self, actions: &[f64]) -> Result<()> {
-        let width = self.widths.0;
-        // Determined by the first reset.
-        if width == 0 {
+        let (width, observed) = self.widths;
+        // Determined by the first reset. A building under its own controls has no actions.
+        if observed == 0 {
             return Err(Error::NotReset);
         }
         if actions.len() != width * self.len() {
             return Err(Error::ActionLength { given: actions.len(), expected: width * self.len() });
         }
-        for (index, action) in actions.chunks_exact(width).enumerate() {
-            self.check(index, action)?;
+        let action = |index: usize| &actions[index * width..][..width];
+        for index in 0..self.len() {
+            self.check(index, action(index))?;
         }
-        for (index, action) in actions.chunks_exact(width).enumerate() {
-            self.act(index, action)?;
+        for index in 0..self.len() {
+            self.act(index, action(index))?;
         }
         self.wait(self.len())
     }

@@ -308,6 +308,33 @@ fn a_building_of_the_dataset_runs_at_its_own_place() {
     }
 }
 
+/// Its people's setpoints follow from the house, not from the controls or the name of the file.
+#[test]
+fn a_house_in_a_file_has_the_thermostat_and_the_band_of_the_house() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    json(path, "generate SingleFamilyHouse --count 1 --out g");
+    let file = files(&path.join("g")).into_iter().find(|(name, _)| name.ends_with(".epJSON")).unwrap();
+    std::fs::write(path.join("mine.epJSON"), &file.1).unwrap();
+    let run = |model: &str, arguments: &str, out: &str| {
+        let at = "--place Montréal --period 01-09..01-09";
+        let said = json(path, &format!("run {model} {at} {arguments} --out {out}"));
+        let heated = ["ener_tot", "tdis_tot"].map(|name| said[name].as_f64().unwrap());
+        assert!(heated[0] > 0.1 && heated[1] < 5.0, "{model} {arguments}: {heated:?}");
+        said["trajectory_hash"].as_str().unwrap().to_owned()
+    };
+    let original = format!("g/{}", file.0);
+    assert_eq!(run(&original, "", "a"), run("mine.epJSON", "", "b"));
+    let own = run("mine.epJSON", "--controller own", "c");
+    assert_eq!(run(&original, "--controller own", "d"), own);
+    run("mine.epJSON", "--control setpoints", "e");
+    assert_rejected(
+        path,
+        "run mine.epJSON --place Montréal --controller own --task operate+fouling0.5 --out f",
+        &["`operate+fouling0.5` has faults", "no effect under the controller `own`"],
+    );
+}
+
 /// The floor that is conditioned follows the parameters.
 #[test]
 fn show_describes_the_building_of_the_id() {

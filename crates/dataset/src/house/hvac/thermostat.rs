@@ -13,6 +13,14 @@ use crate::house::zones::LIVING;
 /// Days of a year.
 const DAYS: u32 = 365;
 
+/// Returns whether a model is a generated house that lacks a thermostat: its unit follows the flow of its terminal.
+pub fn lacks_thermostat(model: &Model) -> bool {
+    let control = model.get("AirLoopHVAC:UnitarySystem", UNIT).and_then(|unit| unit.get("control_type"));
+    control.and_then(Value::as_str).is_some_and(|control| control.eq_ignore_ascii_case("SetPoint"))
+        && model.get("Zone", LIVING).is_some()
+        && model.get("Schedule:Constant", &schedules::supply_air_flow_fraction(LIVING)).is_some()
+}
+
 /// Puts the unit of a house under a thermostat with its people's setpoints, given the years of the zones in model
 /// order.
 pub fn add_thermostat(model: &mut Model, years: &[ZoneYear]) {
