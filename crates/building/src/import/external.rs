@@ -60,23 +60,42 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
 }
 
 /// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values
-/// that look like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile`
-/// opens by default.
+/// that are the name of a file, relative to the folder of the model, and the file that a `Construction:WindowDataFile`
+/// opens by default. Every field counts, because models of other versions and code name files in other fields.
 ///
 /// # Errors
 /// The errors of reading the file.
 pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let text = super::text::decode(&std::fs::read(path)?).0.replace('\\', "/");
+    let text = super::text::decode(&std::fs::read(path)?).0;
     let folder = path.parent().unwrap_or(Path::new(""));
     let defaults = FILES.iter().filter_map(|(_, _, default)| *default);
-    let named: BTreeSet<&str> = text.split(['"', ',', ';', '\n']).map(str::trim).chain(defaults).collect();
-    let is_file_name = |name: &&str| Path::new(name).extension().is_some() && name.parse::<f64>().is_err();
-    Ok(named
-        .into_iter()
-        .filter(is_file_name)
-        .map(|name| folder.join(name))
-        .filter(|file| file.is_file())
-        .collect())
+    let mut named: BTreeSet<String> = defaults.map(str::to_owned).collect();
+    let mut add = |value: &str| _ = named.insert(value.trim().replace('\\', "/"));
+    match super::is_idf(path) {
+        true => text.lines().flat_map(values_of_line).for_each(&mut add),
+        // Import rejects a text that is not JSON.
+        false => texts(&serde_json::from_str(&text).unwrap_or_default(), &mut add),
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    // Outside its folder, a model could name files without an end, such as the kernel's.
+    let is_file_name = |name: &String| Path::new(name).extension().is_some() || within(here, name).is_ok();
+    let files = named.into_iter().filter(|name| folder.join(name).is_file()).filter(is_file_name);
+    Ok(files.map(|name| folder.join(name)).collect())
+}
+
+/// Returns the values in a line of an IDF, without its comment.
+fn values_of_line(line: &str) -> impl Iterator<Item = &str> {
+    line.split('!').next().unwrap_or_default().split([',', ';'])
+}
+
+/// Calls `add` with every text of a JSON value.
+fn texts(value: &Value, add: &mut impl FnMut(&str)) {
+    match value {
+        Value::String(text) => add(text),
+        Value::Array(items) => items.iter().for_each(|item| texts(item, add)),
+        Value::Object(fields) => fields.values().for_each(|field| texts(field, add)),
+        _ => {}
+    }
 }
 
 fn code(model: &Model) -> Vec<String> {
@@ -154,6 +173,23 @@ mod tests {
         std::fs::rename(path("people.csv"), path("data/people.csv")).unwrap();
         assert_eq!(named_in_text(&path("a.epJSON")).unwrap()[1], path("data/people.csv"));
         assert!(named_in_text(&path("none.idf")).is_err());
+    }
+
+    #[test]
+    fn a_file_is_found_in_an_epjson_whatever_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("a.epJSON");
+        for name in ["büro.csv", "people, 2023.csv", "people;\u{a0}old", "gains"] {
+            let file = folder.path().join(name);
+            std::fs::write(&file, "1").unwrap();
+            let ascii: String = name.encode_utf16().map(|unit| format!("\\u{unit:04x}")).collect();
+            for written in [name, &ascii] {
+                let text = format!(r#"{{"Schedule:File": {{"S": {{"file_name": "{written}"}}}}}}"#);
+                std::fs::write(&model, text).unwrap();
+                assert_eq!(named_in_text(&model).unwrap(), std::slice::from_ref(&file), "{written}");
+            }
+            std::fs::remove_file(file).unwrap();
+        }
     }
 
     fn resolved(model: Value, folder: &Path, allow: bool) -> Result<Model, String> {
