@@ -2,6 +2,7 @@
 
 mod notes;
 mod outdoor_air;
+mod programs;
 
 use std::collections::HashSet;
 
@@ -28,6 +29,7 @@ use super::zone_equipment::{
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
 use notes::Thermostats;
+use programs::Programs;
 
 /// What happens to a system that cannot be made controllable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +49,7 @@ pub struct Discovery {
     pub uncontrolled: Vec<Uncontrolled>,
     /// Outdoor air of each air loop without actuators of its own, with the zones that it serves.
     pub outdoor_air: Vec<(Ventilation, Vec<String>)>,
-    /// What was changed in the thermostats of a model.
+    /// What was changed in the thermostats and the EMS programs of a user's model.
     pub notes: Vec<String>,
 }
 
@@ -154,12 +156,15 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Returns the systems that a search finds, with notes on what it changes in the thermostats.
+    /// Returns the systems that a search finds, with notes on what it changes in the thermostats and the EMS programs.
     fn run(mut self, find: impl FnOnce(&mut Self) -> Result<()>) -> Result<Discovery> {
         zone_controls::split(self.model);
-        let thermostats = Thermostats::of(self.model);
+        let (thermostats, programs) = (Thermostats::of(self.model), Programs::of(self.model));
         find(&mut self)?;
-        let notes = thermostats.notes(self.model, &self.found.systems);
+        let mut notes = thermostats.notes(self.model, &self.found.systems);
+        if self.unsupported == Unsupported::LeftAlone {
+            notes.extend(programs.notes(self.model));
+        }
         Ok(Discovery { notes, ..self.found })
     }
 
@@ -201,12 +206,16 @@ impl Search<'_> {
         let has_air_system = self.found.system_of(zone).is_some();
         for item in equipment.iter().filter(|item| !is_distribution(&item.class)) {
             let candidate = Candidate::Equipment { zone, object: item };
+            let own = with_parts(self.model, item);
             let made = match self.objection(candidate, &equipment, has_air_system)? {
                 Some(reason) => Err(Error::unsupported(&item.class, &item.name, &reason)),
                 None => self.make_controllable(candidate),
             };
             match made {
-                Ok(system) => self.found.systems.push(system),
+                Ok(system) => {
+                    remove_ems_programs(self.model, |actuator| acts_on(actuator, &own));
+                    self.found.systems.push(system);
+                }
                 Err(error) => self.leave(item.clone(), vec![zone.to_owned()], error)?,
             }
         }
@@ -406,6 +415,13 @@ fn belongings(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
         }
     }
     Ok(names)
+}
+
+/// Returns the names of a piece of equipment, its parts and theirs, in lower case.
+fn with_parts(model: &Model, object: &Reference) -> HashSet<String> {
+    let own = model.get(&object.class, &object.name).map(parts).unwrap_or_default();
+    let of_parts = own.iter().flat_map(|part| with_parts(model, part));
+    [object.name.to_lowercase()].into_iter().chain(of_parts).collect()
 }
 
 fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {

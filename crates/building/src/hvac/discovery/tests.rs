@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::*;
 use crate::hvac::KINDS;
+use crate::hvac::energy_management::PROGRAM;
 
 /// A zone with a unit heater, and one with this equipment beside a unit heater.
 fn two_zones(class: &str) -> Model {
@@ -150,4 +151,32 @@ fn equipment_that_is_off_all_year_does_not_prevent_the_control_of_other_equipmen
     assert_eq!(kind, "heating_only");
     let [left] = &uncontrolled[..] else { panic!("{uncontrolled:?}") };
     assert!(left.object == ideal && left.reason.contains("0 all year"), "{left:?}");
+}
+
+/// Programs that act on a heater's zone and on its coil, one of them also on lights.
+#[test]
+fn programs_that_act_on_a_heater_are_removed_and_reported_with_what_else_they_set() {
+    const ACTUATOR: &str = "EnergyManagementSystem:Actuator";
+    let mut model = two_zones("Fan:ZoneExhaust");
+    let mut actuator = |name: &str, [class, what, of]: [&str; 3]| {
+        let fields = json!({"actuated_component_type": class, "actuated_component_control_type": what,
+            "actuated_component_unique_name": of});
+        model.insert(ACTUATOR, name, fields);
+    };
+    actuator("Heat_A", ["Zone Temperature Control", "Heating Setpoint", "a"]);
+    actuator("Coil_Off", ["Coil", "Capacity", "coil"]);
+    actuator("Lamp", ["Lights", "Electricity Rate", "A"]);
+    for (name, line) in [("P", "SET Heat_A = 12"), ("Q", "SET Coil_Off = 0"), ("R", "SET Lamp = 0")] {
+        let lines = if name == "P" { vec![line, "SET Lamp = 1"] } else { vec![line] };
+        let lines: Vec<_> = lines.iter().map(|line| json!({"program_line": line})).collect();
+        model.insert(PROGRAM, name, json!({"lines": lines}));
+    }
+    let found = left_alone(&mut model);
+    assert_eq!((model.names(PROGRAM), model.names(ACTUATOR)), (vec!["R".into()], vec!["Lamp".into()]));
+    let expected = [
+        "removed EMS program `P`, which set Heating Setpoint of `a`, and with it what it sets of others: \
+         Electricity Rate of `A`",
+        "removed EMS program `Q`, which set Capacity of `coil`",
+    ];
+    assert_eq!(found.notes, expected);
 }

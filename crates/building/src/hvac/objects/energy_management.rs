@@ -7,6 +7,11 @@ use serde_json::json;
 use crate::Model;
 use crate::model::{Fields, items, text};
 
+/// Class of the programs.
+pub const PROGRAM: &str = "EnergyManagementSystem:Program";
+const ACTUATOR: &str = "EnergyManagementSystem:Actuator";
+/// Field of the component or the zone on which an actuator acts.
+const UNIQUE_NAME: &str = "actuated_component_unique_name";
 const SENSOR: &str = "EnergyManagementSystem:Sensor";
 /// Field of the object that a sensor reads.
 const KEY: &str = "output_variable_or_output_meter_index_key_name";
@@ -21,23 +26,23 @@ const SCHEDULE_VALUE: &str = "Schedule Value";
 /// calls of these programs. They would override controlled actuators.
 pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool) {
     let actuators: Vec<String> = model
-        .objects("EnergyManagementSystem:Actuator")
+        .objects(ACTUATOR)
         .into_iter()
         .filter(|(_, fields)| unwanted(fields))
         .map(|(name, _)| name.to_owned())
         .collect();
     let programs: Vec<String> = model
-        .objects("EnergyManagementSystem:Program")
+        .objects(PROGRAM)
         .into_iter()
         .filter(|(_, fields)| actuators.iter().any(|actuator| mentions(fields, actuator)))
         .map(|(name, _)| name.to_owned())
         .collect();
     for program in &programs {
         remove_calls(model, program);
-        model.remove("EnergyManagementSystem:Program", program);
+        model.remove(PROGRAM, program);
     }
     for actuator in &actuators {
-        model.remove("EnergyManagementSystem:Actuator", actuator);
+        model.remove(ACTUATOR, actuator);
     }
 }
 
@@ -69,6 +74,36 @@ pub fn silence_sensors(model: &mut Model, before: &HashSet<(String, String)>) {
     }
 }
 
+/// Returns the EMS sensors whose equipment was removed or replaced, by [`silence_sensors`].
+pub fn silenced_sensors(model: &Model) -> Vec<String> {
+    schedule_sensors(model).into_iter().filter(|(_, read)| read == ZERO).map(|(sensor, _)| sensor).collect()
+}
+
+/// An EMS actuator: its name, and what it sets.
+pub struct Setting {
+    /// Name of the actuator.
+    pub actuator: String,
+    /// The quantity and the component or the zone.
+    pub what: String,
+}
+
+/// Returns what the EMS actuators that a program mentions set.
+pub fn settings(model: &Model, program: &Fields) -> Vec<Setting> {
+    let mut actuators = model.objects(ACTUATOR);
+    actuators.retain(|(name, _)| mentions(program, name));
+    let setting = |(name, fields): (&str, &Fields)| {
+        let field = |field| text(fields, field).unwrap_or_default();
+        let what = format!("{} of `{}`", field("actuated_component_control_type"), field(UNIQUE_NAME));
+        Setting { actuator: name.to_owned(), what }
+    };
+    actuators.into_iter().map(setting).collect()
+}
+
+/// Returns whether a model has an EMS actuator by this name.
+pub fn has_actuator(model: &Model, name: &str) -> bool {
+    model.contains(ACTUATOR, name)
+}
+
 /// Returns the EMS sensors that read the value of a schedule, each with the schedule.
 pub fn schedule_sensors(model: &Model) -> Vec<(String, String)> {
     let read = |(name, fields): (&str, &Fields)| {
@@ -94,14 +129,15 @@ pub fn sets_a_schedule(actuator: &Fields) -> bool {
     text(actuator, "actuated_component_type").is_some_and(|class| class.starts_with("Schedule:"))
 }
 
+/// Returns whether an EMS actuator acts on a component or a zone by this name.
+pub fn acts_on(actuator: &Fields, name: &str) -> bool {
+    text(actuator, UNIQUE_NAME).is_some_and(|acted_on| acted_on.eq_ignore_ascii_case(name))
+}
+
 /// Returns whether an EMS actuator sets a schedule by this name.
 pub fn sets(model: &Model, schedule: &str) -> bool {
-    let sets = |(_, fields): (&str, &Fields)| {
-        sets_a_schedule(fields)
-            && text(fields, "actuated_component_unique_name")
-                .is_some_and(|name| name.eq_ignore_ascii_case(schedule))
-    };
-    model.objects("EnergyManagementSystem:Actuator").into_iter().any(sets)
+    let sets = |(_, fields): (&str, &Fields)| sets_a_schedule(fields) && acts_on(fields, schedule);
+    model.objects(ACTUATOR).into_iter().any(sets)
 }
 
 /// Returns whether an EMS program uses a variable.

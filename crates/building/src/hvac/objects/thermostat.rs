@@ -2,11 +2,11 @@
 
 use serde_json::json;
 
-use super::energy_management::read_instead;
+use super::energy_management::{acts_on, read_instead, remove_ems_programs};
 use super::given_thermostat::{controls, thermostat};
 use super::schedules::constant_schedule;
 use super::zone_controls;
-use crate::model::Fields;
+use crate::model::{Fields, text};
 use crate::{Error, Model, Result};
 
 /// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
@@ -30,13 +30,14 @@ pub struct Setpoints {
 /// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C). A name that is taken gets a
 /// suffix.
 ///
-/// What else sets or shifts its setpoints is removed ([`zone_controls`]). EMS sensors that read the schedule of a
-/// setpoint read its new one, unless it is out of reach.
+/// What else sets or shifts its setpoints is removed ([`zone_controls`], EMS programs). EMS sensors that read the schedule
+/// of a setpoint read its new one, unless it is out of reach.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
     zone_controls::remove(model, zone)?;
+    remove_ems_programs(model, |actuator| sets_setpoint_of(actuator, zone));
     let thermostat = match thermostat(model, zone) {
         None => {
             return Err(Error::unsupported("Zone", zone, "it has no thermostat"));
@@ -76,6 +77,13 @@ pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64)
     fields.insert("control_1_object_type".into(), "ThermostatSetpoint:DualSetpoint".into());
     fields.insert("control_1_name".into(), dual.into());
     Ok(setpoints)
+}
+
+/// Returns whether an EMS actuator sets a setpoint of a zone's temperature.
+fn sets_setpoint_of(actuator: &Fields, zone: &str) -> bool {
+    const SETPOINTS: [&str; 2] = ["Heating Setpoint", "Cooling Setpoint"];
+    let set = text(actuator, "actuated_component_control_type").unwrap_or_default();
+    acts_on(actuator, zone) && SETPOINTS.iter().any(|setpoint| set.eq_ignore_ascii_case(setpoint))
 }
 
 /// Returns a name for a `Schedule:Constant` that may be replaced.

@@ -7,8 +7,7 @@ use serde_json::{Value, json};
 
 use super::zone_nodes::ZoneNodes;
 use crate::hvac::air_loop_graph::{Component, set_components};
-use crate::hvac::energy_management::remove_ems_programs;
-use crate::hvac::references::{Reference, parts, reference, required};
+use crate::hvac::references::{Reference, reference, required};
 use crate::hvac::schedules::ALWAYS_ON;
 use crate::model::{Fields, number, text};
 use crate::{Error, Model, Result};
@@ -41,7 +40,6 @@ pub(super) fn put_on_air_loop(model: &mut Model, zone: &str, unit: &Reference) -
     let node = |field: &str| required(&old, &unit.class, &unit.name, field);
     let (inlet, outlet) = (node("air_inlet_node_name")?, node("air_outlet_node_name")?);
     let zone = ZoneNodes::find(model, zone)?;
-    release(model, &old, unit);
     refuse_other_paths(model, &zone, unit, [&inlet, &outlet])?;
     let name = name_of_air_loop(&unit.name);
     let terminal = format!("{name} Terminal Inlet");
@@ -66,16 +64,6 @@ pub(super) fn put_on_air_loop(model: &mut Model, zone: &str, unit: &Reference) -
 /// Returns the name of the air loop of a unit.
 pub(super) fn name_of_air_loop(unit: &str) -> String {
     format!("{unit} Air Loop")
-}
-
-/// Removes the EMS programs that act on a unit, its fan or its coils.
-fn release(model: &mut Model, unit: &Fields, object: &Reference) {
-    let names: Vec<String> =
-        parts(unit).into_iter().map(|part| part.name).chain([object.name.clone()]).collect();
-    remove_ems_programs(model, |actuator| {
-        let acted_on = text(actuator, "actuated_component_unique_name").unwrap_or_default();
-        names.iter().any(|name| name.eq_ignore_ascii_case(acted_on))
-    });
 }
 
 /// Rejects a unit that takes or delivers air at other nodes than its zone's.

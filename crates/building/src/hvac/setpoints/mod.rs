@@ -16,11 +16,9 @@ use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::candidate::Candidate;
 use super::capacity::{Capacity, SystemEquipment, air_loop_of};
 use super::distribution::served_zones;
-use super::energy_management::remove_ems_programs;
 use super::sequence::Sequence;
 use super::system::{FromModel, KindName, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
-use crate::model::text;
 use crate::morphology::universe::NodeType;
 use crate::{Conditioning, Model, Result};
 pub(super) use equipment::{has_own_temperatures, passes_regardless};
@@ -143,11 +141,6 @@ impl FromModel for SetpointZone {
         let cools = equipment::cools(model, zone, &equipment)?;
         let schedules =
             own_thermostat(model, zone, INITIAL[0], if cools { INITIAL[1] } else { OUT_OF_REACH })?;
-        remove_ems_programs(model, |actuator| {
-            let field = |field| text(actuator, field).unwrap_or_default();
-            field("actuated_component_type").eq_ignore_ascii_case("Zone Temperature Control")
-                && field("actuated_component_unique_name").eq_ignore_ascii_case(zone)
-        });
         let actuator = |schedule: String, quantity| actuator(zone, schedule, quantity);
         Ok(Self {
             zone: zone.to_owned(),

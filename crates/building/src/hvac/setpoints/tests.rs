@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::*;
 use crate::hvac::KINDS;
 use crate::hvac::discovery::{Discovery, Uncontrolled, Unsupported, discover, discover_setpoints};
+use crate::model::text;
 
 /// A zone with this equipment under a thermostat that only heats.
 fn model(class: &str, more: Value) -> Model {
@@ -114,7 +115,8 @@ fn comfort_control_and_programs_that_set_the_thermostat_give_way() {
     let more = json!({
         "ZoneControl:Thermostat:ThermalComfort": {"Comfort": {"zone_or_zonelist_name": "z"}},
         "EnergyManagementSystem:Actuator": {"A": {
-            "actuated_component_type": "Zone Temperature Control", "actuated_component_unique_name": "Z"}},
+            "actuated_component_type": "Zone Temperature Control", "actuated_component_unique_name": "Z",
+            "actuated_component_control_type": "Heating Setpoint"}},
         "EnergyManagementSystem:Program": {"P": {"lines": [{"program_line": "SET A = 25"}]}},
     });
     let mut model = model("ZoneHVAC:IdealLoadsAirSystem", more);
