@@ -90,6 +90,14 @@ pub fn read_with_notes(path: &Path, library: &Library, options: Options<'_>) -> 
         true => read_idf(path, &text, is_original && by_programs.is_none(), library)?,
         false => read_epjson(path, &text, library)?,
     };
+    if let (Found::Converted(by_rules), Some(_), false) = (&found, transition, is_idf(path)) {
+        let why = format!(
+            "--transition converts IDF files only, and this epJSON is of EnergyPlus {}: export it as IDF, or leave out the \
+             option for conversion by b2b's own rules",
+            by_rules.from
+        );
+        return Err(refused(path, vec![why]));
+    }
     let found = by_programs.map_or(found, Found::Converted);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let exchange = exchange::replace(&mut model);
@@ -195,7 +203,7 @@ fn is_idf(path: &Path) -> bool {
 /// Checks a model for problems that the engine silently accepts.
 fn check(model: &Model, schema: &Schema) -> std::result::Result<(), Vec<String>> {
     let mut problems = Vec::new();
-    problems.extend(model.classes().find_map(templates::problem));
+    problems.extend(model.classes().find_map(templates::problem_in_epjson));
     problems.extend(like_named(model));
     if model.objects("Zone").is_empty() {
         problems.push("it has no Zone".into());
@@ -244,6 +252,8 @@ mod tests {
     #[test]
     fn templates_and_a_model_without_zones_are_rejected() {
         let said = problems(json!({"HVACTemplate:Zone:IdealLoadsAirSystem": {"T": {}}}));
-        assert!(said.contains("ExpandObjects") && said.contains("no Zone"), "{said}");
+        for words in ["ExpandObjects", "export the model as IDF", "no Zone"] {
+            assert!(said.contains(words), "{said}");
+        }
     }
 }

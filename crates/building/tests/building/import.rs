@@ -388,6 +388,46 @@ fn the_calendar_follows_the_run_period_or_else_the_measured_year() {
 #[test]
 fn a_model_for_another_program_keeps_the_initial_values_of_its_schedules() {
     let stock = Stock::new();
+/// The run period of the model is a year, of which the weather file has June.
+#[test]
+fn a_weather_file_of_a_month_is_enough_for_sizes() {
+    let stock = Stock::new();
+    let folder = tempfile::tempdir().unwrap();
+    let june = folder.path().join("june.epw");
+    let text = String::from_utf8_lossy(&std::fs::read(&stock.weather).unwrap()).into_owned();
+    let line = |(index, line): (usize, &str)| match index {
+        7 => Some("DATA PERIODS,1,1,Data,Sunday, 6/ 1, 6/30\n".to_owned()),
+        0..7 => Some(format!("{line}\n")),
+        _ => (line.split(',').nth(1) == Some("6")).then(|| format!("{line}\n")),
+    };
+    std::fs::write(&june, text.lines().enumerate().filter_map(line).collect::<String>()).unwrap();
+    let mut model = room();
+    let heater = |model: &Value, weather: &Path| {
+        let model = read_room(&stock, model).unwrap().model;
+        let room = PreparedBuilding::as_far_as_possible("room", model, weather, &stock.library).unwrap();
+        room.model().get("ZoneHVAC:Baseboard:Convective:Electric", "Heater").cloned()
+    };
+    let expected = heater(&model, &stock.weather);
+    assert_eq!(heater(&model, &june), expected);
+    model.as_object_mut().unwrap().remove("RunPeriod");
+    assert_eq!(heater(&model, &stock.weather), expected);
+}
+
+#[test]
+fn programs_that_convert_idf_are_refused_for_an_old_epjson() {
+    let stock = Stock::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.epJSON");
+    let options = import::Options { transition: Some(folder.path()), ..Default::default() };
+    let mut model = room();
+    std::fs::write(&path, model.to_string()).unwrap();
+    import::read_with_notes(&path, &stock.library, options).unwrap();
+    model["Version"]["V"]["version_identifier"] = json!("24.2");
+    std::fs::write(&path, model.to_string()).unwrap();
+    let error = import::read_with_notes(&path, &stock.library, options).unwrap_err().to_string();
+    assert_says(&error, &["--transition", "24.2", "export it as IDF"]);
+}
+
     let mut model = room();
     model["Schedule:Constant"].as_object_mut().unwrap().remove("Warm");
     model["ExternalInterface"] = json!({"I": {"name_of_external_interface": "PtolemyServer"}});
