@@ -69,7 +69,7 @@ def edit_model(
     allow_external: bool,
 ) -> str: ...
 def calibrate(
-    model: tuple[str, str | None, str | PathLike[str] | None, bool],
+    model: tuple[str, str | None, str | PathLike[str] | None, bool, bool],
     energy: str | PathLike[str],
     out: str | PathLike[str],
     parameters: Sequence[str],

@@ -181,6 +181,8 @@ def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
     with pytest.raises(errors.BuildingError, match="unknown column `kwh`; expected the columns month"):
         b2b.calibrate(warehouse, {"month": [1, 2], "kwh": [3, 4]}, tmp_path / "other.epJSON", place="Denver")
     assert not (tmp_path / "other.epJSON").exists()
+    with pytest.raises(errors.BuildingError, match="warehouse.epJSON is the model itself"):
+        b2b.calibrate(warehouse, metered, warehouse, keep_design_days=True, **options)
 
 
 def test_a_weather_file_that_was_replaced_is_read_again(tmp_path):

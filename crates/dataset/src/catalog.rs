@@ -338,6 +338,14 @@ impl BuildingName {
     }
 }
 
+    /// Returns the file of a user's model; `None` for other buildings.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Model(path) => Some(path),
+            Self::Type(_) | Self::Id(_) => None,
+        }
+    }
+
 impl fmt::Display for BuildingName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

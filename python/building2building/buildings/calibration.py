@@ -25,6 +25,7 @@ def calibrate(
     iterations: int = 12,
     jobs: int | None = None,
     allow_external: bool = False,
+    keep_design_days: bool = False,
 ) -> dict[str, Any]:
     """Fits a model to monthly metered energy, like ``b2b calibrate``, and writes the calibrated model as epJSON.
 
@@ -33,7 +34,8 @@ def calibrate(
     the columns ``month`` (1 to 12), ``electricity_kwh`` and ``gas_kwh``, of which one fuel may be missing.
     ``parameters`` are ``"infiltration"``, ``"lights"``, ``"equipment"``, ``"people"``, ``"wall_u"``, ``"roof_u"`` or
     ``"window_u"``; the default is infiltration, lights, equipment and walls. ``jobs`` simulations run at a time, by
-    default one per core.
+    default one per core. ``allow_external`` and ``keep_design_days`` are as for
+    :func:`~building2building.import_building`.
 
     Returns what ``b2b calibrate --json`` prints: ``parameters``, each with its ``multiplier``; ``fuels``, each with
     metered and simulated energy and the agreement by ASHRAE Guideline 14 before and after; and ``warnings``. Raises
@@ -42,7 +44,7 @@ def calibrate(
     """
     with temporary_folder("calibrate") as folder:
         table = energy if isinstance(energy, str | os.PathLike) else _write(energy, folder / "metered.csv")
-        key = (os.fspath(model), place, weather, allow_external)
+        key = (os.fspath(model), place, weather, allow_external, keep_design_days)
         printed = _core.calibrate(key, table, out, parameters, iterations, jobs)
     report: dict[str, Any] = json.loads(printed)
     return report

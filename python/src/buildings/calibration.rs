@@ -13,8 +13,8 @@ use crate::evaluation::{running, wait_for};
 use crate::interpreter::error::{Exception, of_building};
 use crate::interpreter::signals::Signals;
 
-/// A model: name, place, weather file and permission of external code.
-type ModelKey = (String, Option<String>, Option<PathBuf>, bool);
+/// A model: name, place, weather file, permission of external code, and whether it keeps its design days.
+type ModelKey = (String, Option<String>, Option<PathBuf>, bool, bool);
 
 /// Fits a model to a table of metered energy, writes the calibrated model, and returns the report as JSON text.
 #[pyfunction]
@@ -28,10 +28,10 @@ pub fn calibrate(
     jobs: Option<usize>,
 ) -> PyResult<String> {
     let _running = running()?;
-    let (name, place, weather, allow_external) = model;
+    let (name, place, weather, allow_external, keep_design_days) = model;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
-    let placement = Placement { place, weather, allow_external, ..Placement::default() };
+    let placement = Placement { place, weather, allow_external, keep_design_days, ..Placement::default() };
     let parameters = parameters.iter().map(|text| parameter(text)).collect::<PyResult<Vec<_>>>()?;
     let jobs = jobs.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let report = py.detach(|| -> PyResult<Report> {
@@ -41,6 +41,8 @@ pub fn calibrate(
         let calibration = Calibration {
             name: &name.to_string(),
             model: &found.model,
+            source: name.file(),
+            notes: &found.notes,
             place: &found.place,
             weather: &found.weather,
             metered: &metered,

@@ -8,6 +8,7 @@ use b2b_energyplus::Library;
 use super::report::{Calibrated, Report};
 use super::{DEFAULT_PARAMETERS, MULTIPLIERS, Metered, Options, fit};
 use crate::edit::{self, Change, Edits};
+use crate::import::Notes;
 use crate::{Error, Model, MonthlyEnergy, Result};
 
 /// A calibration of a model.
@@ -17,6 +18,10 @@ pub struct Calibration<'a> {
     pub name: &'a str,
     /// The model.
     pub model: &'a Model,
+    /// The file of the model, if it is a user's.
+    pub source: Option<&'a Path>,
+    /// Notes on how it was read, which begin the warnings of the report.
+    pub notes: &'a Notes,
     /// Name of the place, or of the weather file.
     pub place: &'a str,
     /// The weather file.
@@ -50,10 +55,10 @@ impl Calibration<'_> {
     /// Finds the multipliers, and writes the calibrated model to `out` (epJSON).
     ///
     /// # Errors
-    /// [`Error::OutputName`]; [`Error::FewMeteredValues`] for more parameters than metered values; [`Error::Edit`] and
+    /// [`Error::OutputName`]; [`Error::OutputIsModel`]; [`Error::FewMeteredValues`] for more parameters than metered values; [`Error::Edit`] and
     /// [`Error::NothingToChange`] for a parameter that the model does not have; errors from [`MonthlyEnergy::of`].
     pub fn run(&self, library: &Library, out: &Path, progress: &dyn Progress) -> Result<Report> {
-        edit::check_output(out)?;
+        self.check_output(out)?;
         let parameters = self.distinct_parameters()?;
         let bounds = parameters.iter().map(|change| bounds(self.model, *change)).collect::<Result<_>>()?;
         let options = Options { bounds, max_iterations: self.max_iterations };
@@ -69,8 +74,16 @@ impl Calibration<'_> {
         let parts = Calibrated { metered, parameters, fit: &fit, before, after };
         let mut report = Report::new(self.name, self.place, parts);
         report.simulations = simulations.done.len();
-        report.warnings.extend(edited.warnings);
+        let read = self.notes.lines().chain(edited.warnings);
+        let elsewhere = edit::names_files_elsewhere(&calibrated, out);
+        report.warnings = read.chain(elsewhere).chain(report.warnings).collect();
         Ok(report)
+    }
+
+    /// Checks that the calibrated model is an epJSON and not the model itself.
+    fn check_output(&self, out: &Path) -> Result<()> {
+        edit::check_output(out)?;
+        self.source.map_or(Ok(()), |source| edit::check_other_file(source, out))
     }
 
     /// Returns the parameters, each once.
@@ -179,4 +192,32 @@ fn bounds(model: &Model, change: Change) -> Result<[f64; 2]> {
         bound
     };
     Ok(MULTIPLIERS.map(widest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_itself_is_not_a_name_for_the_calibrated_one() {
+        let source = tempfile::Builder::new().suffix(".epJSON").tempfile().unwrap();
+        let (model, notes) = (Model::default(), Notes::default());
+        let metered = Metered { months: Vec::new(), fuels: Vec::new() };
+        let of = |source| Calibration {
+            name: "office",
+            model: &model,
+            source,
+            notes: &notes,
+            place: "Denver",
+            weather: Path::new("denver.epw"),
+            metered: &metered,
+            parameters: &[],
+            max_iterations: 1,
+            jobs: 1,
+        };
+        let error = of(Some(source.path())).check_output(source.path()).unwrap_err();
+        assert!(matches!(error, Error::OutputIsModel { .. }), "{error}");
+        of(Some(source.path())).check_output(Path::new("other.epJSON")).unwrap();
+        of(None).check_output(source.path()).unwrap();
+    }
 }

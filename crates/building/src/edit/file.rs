@@ -67,7 +67,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// Returns a warning if a model names files that are not in its folder, which [`import::read`] rejects.
-fn names_files_elsewhere(model: &Model, path: &Path) -> Option<String> {
+pub(crate) fn names_files_elsewhere(model: &Model, path: &Path) -> Option<String> {
     let folder = folder_of(path).canonicalize().ok()?;
     let file = external::files(model).into_iter().find(|file| !file.starts_with(&folder))?;
     Some(format!(

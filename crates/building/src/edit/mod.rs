@@ -22,6 +22,7 @@ use serde::Serialize;
 
 pub use change::{Change, Edits};
 pub use envelope::{glazing, infiltration, opaque, windows};
+pub(crate) use file::names_files_elsewhere;
 pub use file::{check_other_file, check_output, edit_file, write_aside};
 
 use crate::{Error, Model, Result};

@@ -4,7 +4,7 @@ mod text;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, bail};
 use b2b_building::calibration::{Calibration, Metered, PARAMETERS, Progress, Report};
 use b2b_building::edit::{self, Change};
 use b2b_dataset::BuildingName;
@@ -78,10 +78,12 @@ pub fn calibrate(arguments: &Arguments) -> Result<()> {
 
 impl Arguments {
     fn calibrated(&self) -> Result<Report> {
-        edit::check_output(&self.out)?;
-        if let BuildingName::Model(path) = &self.model {
-            edit::check_other_file(path, &self.out).map_err(|error| anyhow!("--out {error}"))?;
+        if self.location.control.is_some() {
+            bail!(
+                "--control is not for calibration: the model is simulated with its own controls; leave it out"
+            );
         }
+        edit::check_output(&self.out)?;
         let metered = Metered::read(&self.energy)?;
         let (name, mut download) = (self.model.to_string(), Download::new(self.json));
         let catalog = program::catalog(&mut download)?;
@@ -93,6 +95,8 @@ impl Arguments {
         let calibration = Calibration {
             name: &name,
             model: &found.model,
+            source: self.model.file(),
+            notes: &found.notes,
             place: &found.place,
             weather: &found.weather,
             metered: &metered,

@@ -164,12 +164,15 @@ fn replace_layers(
 ) -> Result<String> {
     let class = other_class(model, construction).unwrap_or("Construction").to_owned();
     let (Some(Amount::Value(_)), Some(_)) = (u, shgc) else {
-        return Err(Error::edit(
-            &class,
-            construction,
-            "its glazing is given layer by layer, so its U-factor and solar heat gain are unknown; set window_u (to a \
-             value) and window_shgc",
-        ));
+        let remedy = match u {
+            Some(Amount::Times(_)) => {
+                "give it a WindowMaterial:SimpleGlazingSystem first (`b2b edit --window-u … --window-shgc …`), or calibrate \
+                 other parameters"
+            }
+            _ => "set window_u and window_shgc",
+        };
+        let why = "its glazing is given layer by layer, so its U-factor and solar heat gain are unknown";
+        return Err(Error::edit(&class, construction, &format!("{why}; {remedy}")));
     };
     let name = spelled(model, &class, construction);
     let glazing = unused_name(model, "WindowMaterial", &format!("{name} Glazing"));
@@ -280,6 +283,8 @@ mod tests {
     fn layered_glazing_is_replaced_if_both_properties_are_given() {
         let mut model = model("Dome");
         model.remove(GLAZING, "Glass");
+        let error = glaze(&mut model, Some(Amount::Times(1.5)), None).unwrap_err().to_string();
+        assert!(error.contains("`b2b edit --window-u") && error.contains("other parameters"), "{error}");
         model.insert("WindowMaterial:Glazing", "Glass", json!({"thickness": 0.003}));
         let error = glaze(&mut model, Some(Amount::Value(1.5)), None).unwrap_err().to_string();
         assert!(error.contains("Construction `window`") && error.contains("window_shgc"), "{error}");

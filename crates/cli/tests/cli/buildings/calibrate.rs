@@ -85,6 +85,7 @@ fn bad_arguments_are_reported_with_the_line_and_write_nothing() {
         ("calibrate Warehouse --energy metered.csv --out out.idf", [".epJSON", "out.idf"]),
         ("calibrate Warehouse --out out.epJSON", ["--energy", "required"]),
         ("calibrate Warehouse --energy none.csv --out out.epJSON", ["none.csv", "No such file"]),
+        (&format!("{calibrate} --control setpoints"), ["--control", "its own controls"]),
         (&format!("{calibrate} --parameter x_scale"), ["`x_scale`", "expected one of infiltration"]),
     ] {
         assert_rejected(folder.path(), arguments, &words);
