@@ -63,13 +63,13 @@ fn replace_variables(model: &mut Model, class: &str) -> usize {
     for (number, name) in (1..).zip(&names) {
         let Some(fields) = model.remove(class, name) else { continue };
         let variable = text(&fields, "variable_name").unwrap_or(name).to_owned();
-        let object = format!("Initial value {number} of {class}").replace(':', " ");
+        let object = free(model, format!("Initial value {number} of {class}").replace(':', " "));
         model.insert(
             "EnergyManagementSystem:GlobalVariable",
             &object,
             json!({"variables": [{"erl_variable_name": variable}]}),
         );
-        let program = format!("Set_{variable}");
+        let program = free(model, format!("Set_{variable}"));
         let line = format!("SET {variable} = {}", initial(&fields));
         model.insert("EnergyManagementSystem:Program", &program, json!({"lines": [{"program_line": line}]}));
         let manager = json!({
@@ -79,6 +79,17 @@ fn replace_variables(model: &mut Model, class: &str) -> usize {
         model.insert("EnergyManagementSystem:ProgramCallingManager", &object, manager);
     }
     names.len()
+}
+
+/// Returns a name that no object of the EMS has: programs and subroutines share theirs.
+fn free(model: &Model, mut name: String) -> String {
+    let is_taken = |name: &str| {
+        model.classes().any(|class| begins(class, "EnergyManagementSystem:") && model.contains(class, name))
+    };
+    while is_taken(&name) {
+        name.push_str("_initially");
+    }
+    name
 }
 
 fn initial(fields: &Fields) -> Value {
@@ -115,6 +126,24 @@ mod tests {
         assert_eq!(program["lines"][0]["program_line"], "SET fan = 0.5");
         assert!(!model.classes().any(|class| class.starts_with("ExternalInterface")));
         assert!(note.unwrap().contains("2 schedules and 1 variables"));
+    }
+
+    #[test]
+    fn objects_of_the_model_are_not_replaced() {
+        const INITIAL: &str = "Initial value 1 of ExternalInterface Variable";
+        let theirs = json!({"lines": [{"program_line": "SET Fan = 1"}]});
+        let (model, _) = replaced(json!({
+            "ExternalInterface:Variable": {"fan": {"initial_value": 0.5}},
+            "EnergyManagementSystem:Program": {"SET_Fan": theirs.clone()},
+            "EnergyManagementSystem:Subroutine": {"Set_fan_initially": {}},
+            "EnergyManagementSystem:ProgramCallingManager": {(INITIAL): {"programs": []}},
+        }));
+        let program = |name| model.get("EnergyManagementSystem:Program", name);
+        assert_eq!(program("Set_fan").unwrap()["lines"], theirs["lines"]);
+        assert!(program("Set_fan_initially_initially").is_some());
+        let managers = model.objects("EnergyManagementSystem:ProgramCallingManager");
+        let calls: Vec<_> = managers.iter().map(|(_, fields)| &fields["programs"]).collect();
+        assert_eq!(calls, [&json!([]), &json!([{"program_name": "Set_fan_initially_initially"}])]);
     }
 
     #[test]
