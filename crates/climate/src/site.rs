@@ -33,6 +33,8 @@ pub struct Site {
     pub year: Option<u32>,
     /// Whether the file has a 29 February and its header says so; otherwise the engine skips it.
     pub has_leap_day: bool,
+    /// Whether the file has a 29 February that the engine skips, because its header does not say so.
+    pub skips_leap_day: bool,
     /// Whether the header has a period of daylight saving time.
     pub has_daylight_saving: bool,
     /// Number of holidays in the header.
@@ -87,6 +89,7 @@ impl Site {
             monthly_dry_bulbs,
             year: record.year(),
             has_leap_day: record.has_leap_day() && observes_leap_days(header),
+            skips_leap_day: record.has_leap_day() && !observes_leap_days(header),
             has_daylight_saving: of_calendar(header, 2).is_some_and(|day| day != "0"),
             holidays: of_calendar(header, 4).and_then(|count| count.parse().ok()).unwrap_or(0),
             heating,

@@ -216,6 +216,7 @@ impl Catalog {
         let Imported { mut model, mut notes } = import::read_with_notes(path, &self.library, options)?;
         design_days::of_imported(&mut model, site, placement.keep_design_days, &mut notes);
         notes.calendar = import::calendar::note(&model, site);
+        notes.warnings.extend(import::calendar::skipped_leap_day(site));
         Ok((model, notes))
     }
 
@@ -336,7 +337,6 @@ impl BuildingName {
             Self::Model(_) => None,
         }
     }
-}
 
     /// Returns the file of a user's model; `None` for other buildings.
     pub fn file(&self) -> Option<&Path> {
@@ -345,6 +345,7 @@ impl BuildingName {
             Self::Type(_) | Self::Id(_) => None,
         }
     }
+}
 
 impl fmt::Display for BuildingName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,6 +1,6 @@
 //! The calendar of a user's model: the days of the week of its run period or of a measured year, and 29 February.
 
-use b2b_base::calendar::{Calendar, weekday_of_new_year};
+use b2b_base::calendar::{Calendar, is_leap_year, weekday_of_new_year};
 use b2b_climate::Site;
 
 use crate::model::{Fields, Model, number, text};
@@ -43,6 +43,22 @@ pub fn note(model: &Model, site: &Site) -> Option<String> {
     let leap = calendar.is_leap().then(|| "the year has a 29 February, like the weather file".to_owned());
     let notes: Vec<String> = ignored.into_iter().chain(weekdays).chain(leap).collect();
     (!notes.is_empty()).then(|| notes.join("; "))
+}
+
+/// Returns a warning if the engine skips the 29 February of a weather file.
+pub fn skipped_leap_day(site: &Site) -> Option<String> {
+    let later = match site.year {
+        Some(year) if is_leap_year(year) => {
+            format!(", and weekdays after it are a day earlier than in {year}")
+        }
+        _ => String::new(),
+    };
+    site.skips_leap_day.then(|| {
+        format!(
+            "the weather file has a 29 February, but its header says that leap days are not observed: the day is \
+             skipped{later}; to keep it, set the first field of HOLIDAYS/DAYLIGHT SAVINGS to Yes"
+        )
+    })
 }
 
 /// Returns the day of the week of 1 January by the run periods of a model, if one gives it.

@@ -375,6 +375,9 @@ fn the_calendar_follows_the_run_period_or_else_the_measured_year() {
     let (weekday, _, notes) = said(&model, &site);
     assert_eq!(weekday, 3);
     assert_says(&notes, &["1 January is a Thursday, by the model's run period"]);
+    let skipping = Site { year: Some(2020), skips_leap_day: true, ..site.clone() };
+    assert_says(&import::calendar::skipped_leap_day(&skipping).unwrap(), &["29 February", "2020", "to Yes"]);
+    assert_eq!(import::calendar::skipped_leap_day(&site), None);
     let measured = Site { year: Some(2020), has_leap_day: true, ..site };
     let (weekday, is_leap, notes) = said(&model, &measured);
     assert_eq!((weekday, is_leap), (3, true));

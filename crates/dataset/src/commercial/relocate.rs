@@ -86,6 +86,7 @@ mod tests {
             monthly_dry_bulbs: None,
             year: None,
             has_leap_day: false,
+            skips_leap_day: false,
             has_daylight_saving: false,
             holidays: 0,
             heating,
