@@ -140,6 +140,33 @@ fn a_shading_control_names_its_windows_by_zone() {
 }
 
 #[test]
+fn a_fraction_of_the_load_becomes_a_schedule_and_1_is_blank() {
+    let text = "ZoneHVAC:EquipmentList,L,SequentialLoad,A,a,1,1,1.0,0.50,B,b,2,2,,0.5;\
+                Schedule:Compact,sequential fraction 0.5;";
+    let (document, report) = idf("9.1", text);
+    const NAME: &str = "Sequential Fraction 0.5 of Load";
+    let list = values(&document, "ZoneHVAC:EquipmentList")[0];
+    assert_eq!(list[2..], ["A", "a", "1", "1", "", NAME, "B", "b", "2", "2", "", NAME]);
+    assert_eq!(values(&document, "Schedule:Constant"), [[NAME, "", "0.5"]]);
+    assert!(report.changed.iter().any(|change| change.what.contains("fractions of the load")));
+
+    let (document, _) = idf("9.0", "ZoneHVAC:EquipmentList,L,SequentialLoad,A,a,1,1,B,b,2,2;");
+    let list = values(&document, "ZoneHVAC:EquipmentList")[0];
+    assert_eq!(list[2..], ["A", "a", "1", "1", "", "", "B", "b", "2", "2", "", ""]);
+
+    let item = json!({"zone_equipment_sequential_cooling_fraction": 1.0,
+                      "zone_equipment_sequential_heating_fraction": 0.25});
+    let (model, _) = epjson("9.1", json!({"ZoneHVAC:EquipmentList": {"L": {"equipment": [item]}}}));
+    let name = "Sequential Fraction 0.25";
+    let list = model.get("ZoneHVAC:EquipmentList", "L").unwrap();
+    assert_eq!(
+        list["equipment"],
+        json!([{"zone_equipment_sequential_heating_fraction_schedule_name": name}])
+    );
+    assert_eq!(model.get("Schedule:Constant", name).unwrap()["hourly_value"], 0.25);
+}
+
+#[test]
 fn a_table_of_one_variable_is_a_lookup_table_in_order() {
     let table = "Table:OneIndependentVariable,T,Linear,LinearInterpolationOfTable,0,1,,,Dimensionless,Dimensionless,,\
                  1,0.5,0,0.2;";

@@ -1,6 +1,7 @@
 //! Conversions that need other objects or arithmetic. A step names those that it needs; they run before its rules.
 
 mod heat_recovery;
+mod sequential_fractions;
 mod shading_controls;
 mod tables;
 mod uncontrolled_terminals;
@@ -20,6 +21,8 @@ pub enum Special {
     TablesOfOneVariable,
     /// Terminals that were connected directly become terminals of constant volume in a distribution unit.
     UncontrolledTerminals,
+    /// Fractions of the load of a zone's equipment become schedules.
+    SequentialFractions,
     /// Effectiveness at 75 % of the flow becomes a curve.
     HeatRecoveryEffectiveness,
 }
@@ -31,6 +34,7 @@ impl Special {
             Self::ShadingControls => shading_controls::convert(document, version, report),
             Self::TablesOfOneVariable => tables::convert(document, version, report),
             Self::UncontrolledTerminals => uncontrolled_terminals::convert(document, version, report),
+            Self::SequentialFractions => sequential_fractions::convert(document, version, report),
             Self::HeatRecoveryEffectiveness => heat_recovery::convert(document, version, report),
         }
     }
