@@ -32,12 +32,31 @@ pub(super) fn spelled(model: &Model, class: &str, name: &str) -> String {
     names.find(|known| known.eq_ignore_ascii_case(name)).unwrap_or_else(|| name.to_owned())
 }
 
-/// Returns how many objects refer to a construction in `construction_name`.
+/// Returns how many objects are made of a construction: they name it in `construction_name`. A class of properties, such
+/// as `ConstructionProperty:InternalHeatSource`, describes what others are made of.
 pub(super) fn users_of(model: &Model, construction: &str) -> usize {
-    let refers = |fields: &Fields| {
+    let is_property = |class: &&str| family(class).ends_with("Property");
+    let users = model.classes().filter(|class| !is_property(class));
+    users.map(|class| naming(model, class, construction).len()).sum()
+}
+
+/// Checks that a construction has no heat source, which is at a layer of this construction.
+///
+/// # Errors
+/// [`Error::Edit`] with the reason and the remedy.
+pub(super) fn require_no_source(model: &Model, construction: &str, reason: &str) -> Result<()> {
+    const SOURCE: &str = "ConstructionProperty:InternalHeatSource";
+    let Some(source) = naming(model, SOURCE, construction).into_iter().next() else { return Ok(()) };
+    Err(Error::edit("Construction", construction, &format!("the {SOURCE} `{source}` is in it, and {reason}")))
+}
+
+/// Returns the objects of a class that name a construction.
+fn naming<'a>(model: &'a Model, class: &str, construction: &str) -> Vec<&'a str> {
+    let names_it = |fields: &Fields| {
         text(fields, "construction_name").is_some_and(|name| name.eq_ignore_ascii_case(construction))
     };
-    model.classes().map(|class| model.objects(class).iter().filter(|(_, f)| refers(f)).count()).sum()
+    let objects = model.objects(class).into_iter();
+    objects.filter(|(_, fields)| names_it(fields)).map(|(name, _)| name).collect()
 }
 
 /// Returns the class of a construction that is not given by layers.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::copies::{copy, layered, spelled, users_of};
+use super::copies::{copy, layered, require_no_source, spelled, users_of};
 use super::envelope::roof::roof_surfaces;
 use super::geometry::{OTHER_WALLS, require_corners};
 use crate::zone::{Surface, SurfaceKind, surfaces};
@@ -45,6 +45,10 @@ fn separate(model: &mut Model, surfaces: &[(String, String)], kind: &str) -> Res
     let mut users: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
     for (surface, construction) in surfaces {
         users.entry(construction.to_lowercase()).or_default().insert(surface);
+        let shared = format!(
+            "other surfaces share it; give each {kind} another construction with its own source first"
+        );
+        require_no_source(model, &construction, &shared)?;
     }
     for (construction, own) in users {
         layered(model, &construction)?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::roof::roof_surfaces;
 use crate::construction::{INSULATION, LAYERS, ROOF_FILMS, WALL_FILMS, insulation_of, layers, resistance};
 use crate::edit::Amount;
-use crate::edit::copies::{copy, layered, spelled, unused_name, users_of};
+use crate::edit::copies::{copy, layered, require_no_source, spelled, unused_name, users_of};
 use crate::model::{Fields, number};
 use crate::zone::{self, Surface, SurfaceKind};
 use crate::{Error, Model, Result};
@@ -227,6 +227,8 @@ fn copy_for(model: &mut Model, class: &str, material: &str, group: &[&Requiremen
 
 /// Adds a layer of insulation outside, or behind the last layer, with the surface of the layer that was there.
 fn add_layer(model: &mut Model, requirement: &Requirement, is_last: bool) -> Result<()> {
+    let moved = "a new layer would move the source's; add a layer of insulation and number the source's layers by it first";
+    require_no_source(model, &requirement.construction, moved)?;
     let construction = model.require("Construction", &requirement.construction)?;
     let mut all: Vec<String> = layers(construction).map(str::to_owned).collect();
     let wanted = format!("Insulation of {}", spelled(model, "Construction", &requirement.construction));
@@ -369,6 +371,20 @@ mod tests {
         };
         assert_eq!(layers("Roof Con"), ["Insulation of Roof Con", "Slab"]);
         assert_eq!(layers("Roof Floor Con"), ["Slab", "Insulation of Roof Floor Con"]);
+    }
+
+    #[test]
+    fn a_heat_source_stays_in_its_construction_or_is_named() {
+        const SOURCE: &str = "ConstructionProperty:InternalHeatSource";
+        let mut model = model();
+        let source = json!({"construction_name": "Wall con", "thermal_source_present_after_layer_number": 1});
+        model.insert(SOURCE, "Tubes", source);
+        assert_eq!(users_of(&model, "Wall Con"), 1);
+        insulate_to(&mut model, 0.5, 0.2).unwrap();
+        assert!((u(&model, "Wall Con", WALL_FILMS) - 0.5).abs() < 1e-12);
+        model.require_mut("Construction", "Wall Con").unwrap().remove("layer_2");
+        let error = insulate(&mut model, Some(Amount::Value(0.5)), None).unwrap_err().to_string();
+        assert!(error.contains("`Tubes`") && error.contains("add a layer of insulation"), "{error}");
     }
 
     #[test]
