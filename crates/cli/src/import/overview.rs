@@ -72,7 +72,7 @@ fn row(name: &str, report: &Report) -> Vec<String> {
     cells.extend([
         report.actuators().to_string(),
         report.not_controlled.len().to_string(),
-        of_trial(|trial| format!("{:.2}", trial.rms_deviation_k)),
+        of_trial(|trial| if trial.cools { format!("{:.2}", trial.rms_deviation_k) } else { "–".to_owned() }),
         of_trial(|trial| format!("{:.2}", trial.worst_zone_rms_k)),
         of_trial(|trial| trial.severes.to_string()),
     ]);

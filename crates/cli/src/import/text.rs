@@ -122,6 +122,19 @@ fn changes(title: &str, changes: &[Change]) -> Vec<String> {
     if changes.is_empty() { Vec::new() } else { [format!("  {title}:")].into_iter().chain(lines).collect() }
 }
 
+/// Returns the deviations of the zones with heating and cooling, and of those without cooling, as far as there are any.
+fn deviations(trial: &Trial) -> String {
+    let both = trial
+        .cools
+        .then(|| format!("{:.2} K over the zones with heating and cooling", trial.rms_deviation_k));
+    let below = match (trial.rms_heating_only_k, trial.cools) {
+        (rms, true) if rms > 0.0 => Some(format!("{rms:.2} K below target over those without cooling")),
+        (_, true) => None,
+        (rms, false) => Some(format!("{rms:.2} K below target over the zones without cooling")),
+    };
+    both.into_iter().chain(below).collect::<Vec<_>>().join(", ")
+}
+
 fn trial_text(trial: &Trial) -> String {
     let severe: String =
         trial.severe_message.iter().map(|m| format!("\n  severe: {}", m.replace('\n', " "))).collect();
@@ -129,17 +142,13 @@ fn trial_text(trial: &Trial) -> String {
         [] => String::new(),
         zones => format!("\n  warning: never within the comfort band of the target: {}", zones.join(", ")),
     };
-    let below = match trial.rms_heating_only_k {
-        rms if rms > 0.0 => format!(", {rms:.2} K below target over those without cooling"),
-        _ => String::new(),
-    };
     format!(
-        "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {:.2} K over the zones with heating \
-         and cooling{below}; worst zone {}, {:.2} K{far}\n  HVAC energy \
+        "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {}; worst zone {}, {:.2} K{far}\n  \
+         HVAC energy \
          {:.2} kWh/m² of electricity, {:.2} kWh/m² of gas and other carriers\n  engine messages: {} warnings, {} \
          severe{severe}",
         trial.period,
-        trial.rms_deviation_k,
+        deviations(trial),
         trial.worst_zone,
         trial.worst_zone_rms_k,
         trial.electricity_kwh_m2,
@@ -166,4 +175,21 @@ fn next_steps(model: &Path, location: &Location) -> String {
 
 fn quoted(word: &str) -> String {
     if word.contains([' ', '(', ')', '\'', '&', ';']) { format!("{word:?}") } else { word.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deviations_are_of_the_zones_that_there_are() {
+        let of = |cools, rms_deviation_k, rms_heating_only_k| {
+            deviations(&Trial { cools, rms_deviation_k, rms_heating_only_k, ..Trial::default() })
+        };
+        assert_eq!(of(true, 0.5, 0.0), "0.50 K over the zones with heating and cooling");
+        let both =
+            "0.50 K over the zones with heating and cooling, 0.20 K below target over those without cooling";
+        assert_eq!(of(true, 0.5, 0.2), both);
+        assert_eq!(of(false, -0.0, 0.2), "0.20 K below target over the zones without cooling");
+    }
 }

@@ -10,11 +10,14 @@ use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
 
 /// Temperature deviations and engine messages of a trial episode.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct Trial {
     pub period: String,
-    /// Over the controlled zones with heating and cooling.
+    /// Over the controlled zones with heating and cooling; 0 if there are none.
     pub rms_deviation_k: f64,
+    /// Whether a controlled zone has heating and cooling.
+    #[serde(skip)]
+    pub cools: bool,
     /// Below target, over the controlled zones without cooling; 0 if there are none.
     pub rms_heating_only_k: f64,
     /// The controlled zones that were never within the comfort band of their target.
@@ -45,6 +48,7 @@ impl Trial {
         Ok(Self {
             period: period.to_string(),
             rms_deviation_k: metrics.rms_deviation(),
+            cools: metrics.zones.iter().any(|zone| zone.fully_conditioned),
             rms_heating_only_k: metrics.rms_heating_only(),
             never_near_target: far.map(name).collect(),
             worst_zone: name(worst),
