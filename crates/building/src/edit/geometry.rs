@@ -11,7 +11,7 @@ use crate::{Error, Model, Result};
 
 /// Classes of surfaces that are given by azimuth, length and height instead of corners.
 const WITHOUT_CORNERS: [&str; 17] = [
-    "Wall:Exterior",
+    WALL_WITHOUT_CORNERS,
     "Wall:Adiabatic",
     "Wall:Underground",
     "Wall:Interzone",
@@ -30,8 +30,8 @@ const WITHOUT_CORNERS: [&str; 17] = [
     "Shading:Building",
 ];
 
-/// Classes of exterior walls other than `BuildingSurface:Detailed`.
-pub(super) const OTHER_WALLS: [&str; 2] = ["Wall:Exterior", "Wall:Detailed"];
+/// The class of exterior walls without corners.
+pub(super) const WALL_WITHOUT_CORNERS: &str = "Wall:Exterior";
 
 /// Angles that the engine counts from true north instead of the building's axes, 0 by default, and their periods.
 const FROM_TRUE_NORTH: [(&str, &str, f64); 2] = [

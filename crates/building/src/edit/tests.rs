@@ -126,6 +126,31 @@ fn other_surfaces_keep_the_construction_that_they_shared() {
 }
 
 #[test]
+fn surfaces_of_every_class_with_corners_change_alike() {
+    let mut detailed = room();
+    for (class, surface) in [
+        ("Wall:Detailed", "South"),
+        ("Wall:Detailed", "East"),
+        ("Floor:Detailed", "Floor"),
+        ("RoofCeiling:Detailed", "Roof"),
+    ] {
+        let mut fields = detailed.remove("BuildingSurface:Detailed", surface).unwrap();
+        fields.remove("surface_type");
+        detailed.insert(class, surface, fields.into());
+    }
+    let edits = edits(&[
+        (Change::XScale, 2.0),
+        (Change::WallU, 0.3),
+        (Change::RoofU, 0.2),
+        (Change::WindowU, 1.2),
+        (Change::WindowToWall, 0.2),
+    ]);
+    assert_eq!(apply(&mut detailed, &edits).unwrap(), apply(&mut room(), &edits).unwrap());
+    let construction = |surface| &detailed.get("Wall:Detailed", surface).unwrap()["construction_name"];
+    assert_ne!(construction("South"), construction("East"));
+}
+
+#[test]
 fn a_change_without_an_object_is_an_error_and_leaves_the_model_unchanged() {
     let shipped = room();
     let mut model = shipped.clone();

@@ -33,7 +33,7 @@ pub(super) struct FloorAreas {
 
 impl Floors {
     pub(super) fn of(model: &Model) -> Self {
-        let part = |(class, fields): (&str, &Fields)| {
+        let part = |(class, _, fields): (&str, &str, &Fields)| {
             let is_floor = kind(class, fields).starts_with("floor");
             Some(Part {
                 zone: text(fields, "zone_name")?.to_owned(),
@@ -108,7 +108,7 @@ pub(crate) fn enter(model: &mut Model) {
 fn with_ceilings_below(model: &Model) -> BTreeMap<(&'static str, String), f64> {
     let floors = Floors::of(model);
     let mut areas = BTreeMap::new();
-    for (class, fields) in surfaces(model) {
+    for (class, _, fields) in surfaces(model) {
         let kind = kind(class, fields);
         if !kind.starts_with("ceiling") && !kind.starts_with("roof") {
             continue;
@@ -149,14 +149,19 @@ pub(super) fn spaces<'a>(model: &'a Model, zone: &str) -> Vec<(&'a str, &'a Fiel
     spaces
 }
 
-/// Returns the surfaces of a model with their classes.
-fn surfaces(model: &Model) -> impl Iterator<Item = (&str, &Fields)> {
-    let classes = model.classes().filter(|class| SURFACES.iter().any(|beginning| begins(class, beginning)));
-    classes.flat_map(|class| model.objects(class).into_iter().map(move |(_, fields)| (class, fields)))
+/// Returns the surfaces of a model: class, name and fields.
+pub(super) fn surfaces(model: &Model) -> impl Iterator<Item = (&str, &str, &Fields)> {
+    let of_class = |class| model.objects(class).into_iter().map(move |(name, fields)| (class, name, fields));
+    classes(model).flat_map(of_class)
+}
+
+/// Returns the classes of surfaces that a model has.
+pub(super) fn classes(model: &Model) -> impl Iterator<Item = &str> {
+    model.classes().filter(|class| SURFACES.iter().any(|beginning| begins(class, beginning)))
 }
 
 /// Returns the kind of a surface in lower case: its type, or the class of one without a type.
-fn kind(class: &str, fields: &Fields) -> String {
+pub(super) fn kind(class: &str, fields: &Fields) -> String {
     text(fields, "surface_type").unwrap_or(class).to_ascii_lowercase()
 }
 

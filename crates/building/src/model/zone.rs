@@ -6,8 +6,6 @@ use crate::model::floors::{self, Floors};
 use crate::model::{Fields, Model, items, number, text};
 use crate::{Error, Result};
 
-const DETAILED: &str = "BuildingSurface:Detailed";
-
 /// A zone of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zone {
@@ -46,6 +44,8 @@ pub enum SurfaceKind {
 /// A heat-transfer surface with its corners.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
+    /// Its class, such as `BuildingSurface:Detailed`.
+    pub class: String,
     /// Name.
     pub name: String,
     /// Zone it belongs to.
@@ -138,7 +138,8 @@ pub(crate) fn place(fields: &Fields) -> Option<&str> {
 
 /// Returns whether a surface belongs to a space.
 pub(crate) fn is_in_space(model: &Model, surface: &str, space: &str) -> bool {
-    model.get(DETAILED, surface).is_some_and(|fields| names(fields, "space_name", space))
+    let mut found = floors::classes(model).filter_map(|class| model.get(class, surface));
+    found.any(|fields| names(fields, "space_name", space))
 }
 
 /// Returns whether a name refers to the zone, or to a list that contains it.
@@ -171,35 +172,43 @@ pub fn has_equipment(model: &Model, zone: &str) -> bool {
     zones.into_iter().any(|name| name.eq_ignore_ascii_case(zone))
 }
 
-/// Returns the surfaces of a model, in model order (`BuildingSurface:Detailed`).
+/// Returns the surfaces of a model that are given by their corners, by class and in model order:
+/// `BuildingSurface:Detailed`, `Floor:Detailed`, `RoofCeiling:Detailed` and `Wall:Detailed`.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when a surface has no type or fewer than three corners.
 pub fn surfaces(model: &Model) -> Result<Vec<Surface>> {
-    model
-        .objects(DETAILED)
-        .into_iter()
-        .map(|(name, fields)| {
-            surface(name, fields).ok_or_else(|| Error::Unsupported {
-                class: DETAILED.into(),
-                name: name.into(),
-                why: "it needs a surface type and at least three corners".into(),
-            })
+    let is_detailed = |(class, ..): &(&str, &str, &Fields)| class.to_ascii_lowercase().ends_with(":detailed");
+    let surface = |(class, name, fields): (&str, &str, &Fields)| {
+        surface(class, name, fields).ok_or_else(|| Error::Unsupported {
+            class: class.into(),
+            name: name.into(),
+            why: "it needs a surface type and at least three corners".into(),
         })
-        .collect()
+    };
+    floors::surfaces(model).filter(is_detailed).map(surface).collect()
 }
 
-fn surface(name: &str, fields: &Fields) -> Option<Surface> {
-    let kind = match text(fields, "surface_type")?.to_ascii_lowercase().as_str() {
-        "wall" => SurfaceKind::Wall,
-        "floor" => SurfaceKind::Floor,
-        "ceiling" => SurfaceKind::Ceiling,
-        "roof" => SurfaceKind::Roof,
-        _ => return None,
-    };
+/// Returns the kind of a surface by its type, or else by its class. As in the engine, the class of roofs and ceilings
+/// does not tell them apart; a roof is outdoors.
+fn kind(class: &str, fields: &Fields) -> Option<SurfaceKind> {
+    let is_outdoors = || names(fields, "outside_boundary_condition", "Outdoors");
+    match floors::kind(class, fields).split(':').next()? {
+        "wall" => Some(SurfaceKind::Wall),
+        "floor" => Some(SurfaceKind::Floor),
+        "roof" => Some(SurfaceKind::Roof),
+        "roofceiling" if is_outdoors() => Some(SurfaceKind::Roof),
+        "ceiling" | "roofceiling" => Some(SurfaceKind::Ceiling),
+        _ => None,
+    }
+}
+
+fn surface(class: &str, name: &str, fields: &Fields) -> Option<Surface> {
+    let kind = kind(class, fields)?;
     let part = |field: &str| text(fields, field).unwrap_or_default().to_owned();
     let corners: Vec<_> = fields.get("vertices")?.as_array()?.iter().map(corner).collect::<Option<_>>()?;
     (corners.len() >= 3).then(|| Surface {
+        class: class.to_owned(),
         name: name.to_owned(),
         zone: part("zone_name"),
         kind,
@@ -237,6 +246,37 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    const DETAILED: &str = "BuildingSurface:Detailed";
+
+    #[test]
+    fn surfaces_of_every_class_with_corners_count() {
+        let corner = |x: f64, z: f64| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": 0.0, "vertex_z_coordinate": z});
+        let corners = [corner(0.0, 3.0), corner(0.0, 0.0), corner(2.0, 0.0), corner(2.0, 3.0)];
+        let surface = |boundary: &str| json!({"zone_name": "A", "space_name": "West", "vertices": corners, "outside_boundary_condition": boundary});
+        let mut model = Model::default();
+        for (class, boundary) in [
+            ("Floor:Detailed", "Ground"),
+            ("ROOFCEILING:DETAILED", "outdoors"),
+            ("RoofCeiling:Detailed", "Adiabatic"),
+            ("Wall:Detailed", "Outdoors"),
+        ] {
+            model.insert(class, boundary, surface(boundary));
+        }
+        model.insert("Wall:Exterior", "E", json!({"zone_name": "A"}));
+        let surfaces = surfaces(&model).unwrap();
+        let found: Vec<_> =
+            surfaces.iter().map(|each| (each.name.as_str(), each.kind, each.area())).collect();
+        let expected = [
+            ("Ground", SurfaceKind::Floor, 6.0),
+            ("Adiabatic", SurfaceKind::Ceiling, 6.0),
+            ("outdoors", SurfaceKind::Roof, 6.0),
+            ("Outdoors", SurfaceKind::Wall, 6.0),
+        ];
+        assert_eq!(found, expected);
+        assert!(surfaces[3].is_exterior_wall() && surfaces[3].class == "Wall:Detailed");
+        assert!(is_in_space(&model, "ground", "west") && !is_in_space(&model, "E", "West"));
+    }
 
     #[test]
     fn floors_of_every_class_count() {

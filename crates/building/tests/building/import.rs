@@ -388,9 +388,6 @@ fn the_calendar_follows_the_run_period_or_else_the_measured_year() {
     assert_says(&notes, &["1 January is a Wednesday, as in 2020, the year of the weather file"]);
 }
 
-#[test]
-fn a_model_for_another_program_keeps_the_initial_values_of_its_schedules() {
-    let stock = Stock::new();
 /// The run period of the model is a year, of which the weather file has June.
 #[test]
 fn a_weather_file_of_a_month_is_enough_for_sizes() {
@@ -431,6 +428,9 @@ fn programs_that_convert_idf_are_refused_for_an_old_epjson() {
     assert_says(&error, &["--transition", "24.2", "export it as IDF"]);
 }
 
+#[test]
+fn a_model_for_another_program_keeps_the_initial_values_of_its_schedules() {
+    let stock = Stock::new();
     let mut model = room();
     model["Schedule:Constant"].as_object_mut().unwrap().remove("Warm");
     model["ExternalInterface"] = json!({"I": {"name_of_external_interface": "PtolemyServer"}});

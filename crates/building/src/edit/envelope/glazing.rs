@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::construction::SIMPLE_GLAZING as GLAZING;
 use crate::edit::Amount;
 use crate::edit::copies::{copy, other_class, spelled, unused_name};
-use crate::edit::geometry::OTHER_WALLS;
+use crate::edit::geometry::WALL_WITHOUT_CORNERS;
 use crate::model::{Fields, items, number, text};
 use crate::opening::{FENESTRATION, is_glass, parent};
 use crate::zone::{self, Surface};
@@ -121,10 +121,7 @@ fn is_in_wall(model: &Model, surfaces: &[Surface], fields: &Fields) -> Option<bo
         return Some(surface.is_exterior_wall());
     }
     let name = text(fields, "building_surface_name")?;
-    let wall = OTHER_WALLS.iter().find_map(|class| model.get(class, name))?;
-    // `Wall:Exterior` has no boundary.
-    let boundary = text(wall, "outside_boundary_condition");
-    Some(boundary.is_none_or(|boundary| boundary.eq_ignore_ascii_case("Outdoors")))
+    model.contains(WALL_WITHOUT_CORNERS, name).then_some(true)
 }
 
 /// Returns the glazing of a construction, in lower case; `None` if it is given layer by layer.
@@ -283,11 +280,11 @@ mod tests {
     fn layered_glazing_is_replaced_if_both_properties_are_given() {
         let mut model = model("Dome");
         model.remove(GLAZING, "Glass");
-        let error = glaze(&mut model, Some(Amount::Times(1.5)), None).unwrap_err().to_string();
-        assert!(error.contains("`b2b edit --window-u") && error.contains("other parameters"), "{error}");
         model.insert("WindowMaterial:Glazing", "Glass", json!({"thickness": 0.003}));
         let error = glaze(&mut model, Some(Amount::Value(1.5)), None).unwrap_err().to_string();
         assert!(error.contains("Construction `window`") && error.contains("window_shgc"), "{error}");
+        let error = glaze(&mut model, Some(Amount::Times(1.5)), None).unwrap_err().to_string();
+        assert!(error.contains("`b2b edit --window-u") && error.contains("other parameters"), "{error}");
         glaze_to(&mut model, 1.5, 0.4).unwrap();
         assert_eq!(glazing_of(&model, "W")["u_factor"], 1.5);
         assert_eq!(glazing_of(&model, "S")["u_factor"], 3.0);
