@@ -55,8 +55,8 @@ impl Calibration<'_> {
     /// Finds the multipliers, and writes the calibrated model to `out` (epJSON).
     ///
     /// # Errors
-    /// [`Error::OutputName`]; [`Error::OutputIsModel`]; [`Error::FewMeteredValues`] for more parameters than metered values; [`Error::Edit`] and
-    /// [`Error::NothingToChange`] for a parameter that the model does not have; errors from [`MonthlyEnergy::of`].
+    /// [`Error::OutputName`]; [`Error::OutputIsModel`]; [`Error::FewMeteredValues`] for more parameters than metered
+    /// values; [`Error::Edit`] and [`Error::NothingToChange`] for a parameter that the model does not have; errors from [`MonthlyEnergy::of`].
     pub fn run(&self, library: &Library, out: &Path, progress: &dyn Progress) -> Result<Report> {
         self.check_output(out)?;
         let parameters = self.distinct_parameters()?;
@@ -67,6 +67,7 @@ impl Calibration<'_> {
         let fit = fit(&options, |batch| simulations.residuals(batch))?;
         let mut calibrated = self.model.clone();
         let edited = edit::apply(&mut calibrated, &edits(&parameters, &fit.point))?;
+        calibrated.name_house(self.name);
         edit::write_aside(&calibrated, out)?;
         let before = simulations.energy_at(&vec![0.0; parameters.len()])?;
         let after = simulations.energy_at(&fit.point)?;

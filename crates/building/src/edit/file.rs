@@ -28,6 +28,10 @@ pub fn edit_file(
         import::read_with_notes(model, library, import::Options { allow_external, ..Default::default() })?;
     let mut report = apply(&mut edited, edits)?;
     report.warnings.extend(notes.lines());
+    // A house keeps its band.
+    if let Some(stem) = model.file_stem() {
+        edited.name_house(&stem.to_string_lossy());
+    }
     write_aside(&edited, output)?;
     report.warnings.extend(names_files_elsewhere(&edited, output));
     Ok(report)
