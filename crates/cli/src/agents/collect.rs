@@ -35,7 +35,8 @@ pub struct Arguments {
     name: String,
     #[command(flatten)]
     episodes: Episodes,
-    /// Policies: reactive, random, constant, folders of agents or ONNX files; several make a mixed dataset
+    /// Policies: guideline36, own, reactive, random or another name of `b2b evaluate`, folders of agents or ONNX files;
+    /// several make a mixed dataset
     #[arg(long = "policy", value_name = "POLICY", num_args = 1.., default_values = ["reactive"])]
     policies: Vec<String>,
     /// Task (see `b2b run --help`); constant by default, as in training

@@ -24,8 +24,8 @@ use trial::Trial;
 /// Import your own model and report what an agent can control in it
 ///
 /// Converts a model of an older EnergyPlus and sizes it for the design days of the weather file. Then makes every
-/// supported system controllable: unitary and rooftop units that serve one zone, central air loops with reheat boxes,
-/// and zone heaters. Zones with other equipment are controlled through the setpoints of their thermostats. The agent
+/// supported system controllable: unitary and rooftop units of one or several zones, room units, central air loops,
+/// and zone heaters (docs/import.md). Zones with other equipment are controlled through the setpoints of their thermostats. The agent
 /// observes all zones; the reward counts the zones it controls; energy use covers all HVAC.
 ///
 /// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it

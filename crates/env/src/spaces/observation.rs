@@ -22,7 +22,7 @@ const MAX_POWER: f64 = 1000.0;
 /// preview: the next setpoints of every controlled zone with the hours until then, and 24 electricity prices, outdoor
 /// temperatures and solar radiations of the hours ahead.
 ///
-/// Occupancy and target are for the next step, whose reward uses them.
+/// The target is for the next step, whose reward uses it; occupancy is by the people at the end of the last step.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
