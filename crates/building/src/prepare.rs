@@ -2,6 +2,7 @@
 
 mod calendar;
 mod episode_edits;
+mod make_up_air;
 
 use std::path::Path;
 
@@ -186,7 +187,8 @@ impl PreparedBuilding {
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported, &absent)?;
         notes.switched_off = switched_off(&switches, &off, &discovery);
         notes.changed.extend_from_slice(&discovery.notes);
-        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery)? }.of_years(years))
+        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery, Exhaust::Balanced)? }
+            .of_years(years))
     }
 
     /// Prepares a model whose zones are controlled through the setpoints of their thermostats, and nothing else.
@@ -209,7 +211,8 @@ impl PreparedBuilding {
         complete(&mut model, &years);
         let discovery = hvac::discover_setpoints(&mut model, air_density)?;
         notes.changed.extend_from_slice(&discovery.notes);
-        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery)? }.of_years(years))
+        Ok(Self { calendar, holidays, notes, ..Self::with(name, model, discovery, Exhaust::Predicted)? }
+            .of_years(years))
     }
 
     /// Prepares a model that keeps its own controls. The building has the same zones, meters and years as when it is
@@ -227,7 +230,7 @@ impl PreparedBuilding {
     ) -> Result<Self> {
         let (_, mut notes) = size(name, &mut model, weather, library, unsupported)?;
         let exhaust = match unsupported {
-            Unsupported::Refused => Exhaust::Balanced,
+            Unsupported::Refused => Exhaust::Predicted,
             Unsupported::LeftAlone => Exhaust::AsGiven,
         };
         notes.changed = changes(&model, weather, unsupported, exhaust)?;
@@ -248,12 +251,12 @@ impl PreparedBuilding {
     }
 
     /// Completes a sized model whose systems have been made controllable.
-    fn with(name: &str, mut model: Model, discovery: Discovery) -> Result<Self> {
+    fn with(name: &str, mut model: Model, discovery: Discovery, exhaust: Exhaust) -> Result<Self> {
         if discovery.systems.is_empty() {
             return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
         let Discovery { systems, uncontrolled, outdoor_air, .. } = discovery;
-        for_episodes(&mut model, Exhaust::Balanced);
+        for_episodes(&mut model, exhaust);
         let zones = zone::zones(&model)?;
         let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
         let layouts = SystemLayout::of_all(&systems, &names)?;

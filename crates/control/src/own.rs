@@ -5,6 +5,10 @@ use b2b_building::Controls;
 use crate::kind::{self, AnyController, Case};
 use crate::{Controller, Error, Result};
 
+/// Revision of the controls of generated buildings. 2: the load of a thermostat includes the air that makes up for
+/// exhaust fans.
+const REVISION: u32 = 2;
+
 /// Does nothing, in a building under its own controls.
 #[derive(Clone, Debug)]
 pub struct Own;
@@ -25,6 +29,10 @@ impl kind::Kind for Kind {
 
     fn help(&self) -> &'static str {
         "the model's own thermostats and schedules, run by the engine"
+    }
+
+    fn identity(&self) -> String {
+        format!("{}#{REVISION}", self.name())
     }
 
     fn controls(&self) -> Controls {

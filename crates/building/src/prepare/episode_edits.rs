@@ -3,6 +3,7 @@
 use b2b_climate::Site;
 use serde_json::json;
 
+use super::make_up_air;
 use crate::model::{Fields, Model, text};
 use crate::{outputs, sizing};
 
@@ -19,8 +20,10 @@ const DAYLIGHT_SAVING: &str = "RunPeriodControl:DaylightSavingTime";
 /// What makes up for the air that exhaust fans remove beyond the supply air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exhaust {
-    /// Infiltration.
+    /// Infiltration, added while the equipment is simulated.
     Balanced,
+    /// The same infiltration, in time for the loads of thermostats.
+    Predicted,
     /// As the original model specifies.
     AsGiven,
 }
@@ -29,7 +32,8 @@ pub(super) enum Exhaust {
 pub(super) fn for_episodes(model: &mut Model, exhaust: Exhaust) {
     outputs::write_only(model, &[]);
     keep_standard_time(model);
-    if exhaust == Exhaust::Balanced {
+    let is_predicted = exhaust == Exhaust::Predicted && make_up_air::predict(model);
+    if exhaust != Exhaust::AsGiven && !is_predicted {
         balance_exhaust(model);
     }
     one_system_step(model);
@@ -52,7 +56,7 @@ pub(super) fn changes(model: &Model, site: &Site, exhaust: Exhaust) -> Vec<Strin
             site.holidays, "RunPeriodControl:SpecialDays"
         )
     });
-    let balance = (exhaust == Exhaust::Balanced && !model.objects(EXHAUST_FAN).is_empty()).then(|| {
+    let balance = (exhaust != Exhaust::AsGiven && !model.objects(EXHAUST_FAN).is_empty()).then(|| {
         "exhaust fans that remove more than the supply air draw the rest through infiltration, not at room temperature"
             .to_owned()
     });

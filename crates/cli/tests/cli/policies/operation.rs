@@ -56,3 +56,18 @@ fn nobody_gains_by_freezing_people_or_by_holding_one_temperature() {
     // The model's own thermostats cost no more in January, but let people freeze in the morning, which does not pay.
     assert!(own[0].cost < 1.0 && own[0].marked && own[0].score > 1.1, "{} {}", own[0].cost, own[0].score);
 }
+
+/// Exhaust fans draw outdoor air, which the load of a thermostat includes.
+#[test]
+fn thermostats_hold_a_kitchen_with_exhaust_fans_at_its_setpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    for controls in ["--controller own", "--control setpoints"] {
+        let day = "run RestaurantFastFood --period 01-09..01-09 --out x";
+        let said = json(folder.path(), &format!("{day} {controls}"));
+        for zone in said["zones"].as_array().unwrap() {
+            let discomfort = zone["discomfort_k_h"].as_f64().unwrap();
+            assert!(discomfort < 2.0, "{controls}: {discomfort} K·h in {}", zone["name"]);
+        }
+        assert!(said["heating_wh_m2"].as_f64().unwrap() > 500.0, "{controls}: the air is heated");
+    }
+}
