@@ -108,6 +108,11 @@ impl Aggregate {
     }
 }
 
+/// Formats a number with two decimals, such as a ratio of energies; a dash if there is none.
+pub fn ratio_text(value: Option<f64>) -> String {
+    value.map_or("–".to_owned(), |value| format!("{value:.2}"))
+}
+
 /// Returns a score as tables show it: with three decimals near the baseline, fewer from 10 on.
 pub fn score_text(score: f64) -> String {
     let decimals = match score.abs() {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::result::rows_of;
 use super::scores::{SeedScores, by_building, samples};
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
@@ -32,8 +33,7 @@ pub struct Point {
 impl Adaptation {
     /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
     pub(super) fn of(stages: &[(Stage, Vec<EpisodeResult>)], test: &[SeedScores<'_>]) -> Option<Self> {
-        let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
-        let untrained = by_building(&untrained?.1, EpisodeResult::score);
+        let untrained = by_building(rows_of(stages, Stage::Untrained)?, EpisodeResult::score);
         let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
             Stage::Adapted(steps) => Some((*steps, by_building(rows, EpisodeResult::score))),
             _ => None,

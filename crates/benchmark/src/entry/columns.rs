@@ -1,5 +1,6 @@
 //! What tables show beside the statistics of a score.
 
+use b2b_evaluate::statistics::ratio_text;
 use b2b_evaluate::{EpisodeResult, OperationComfort, relative_energy, relative_resource, resource_heading};
 
 use super::scores::mean_deviation;
@@ -55,27 +56,22 @@ impl Columns {
     /// Returns the cells after the scores.
     pub fn other_cells(&self, rows: &[&EpisodeResult]) -> Vec<String> {
         let all = || rows.iter().copied();
-        let energy = ratio(relative_energy(all()));
+        let energy = ratio_text(relative_energy(all()));
         match self {
             Self::Targets => vec![format!("{:.2}", mean_deviation(all())), energy],
             Self::Operation(_) => {
                 let comfort = OperationComfort::of(all());
                 let comfort = comfort.as_ref();
                 vec![
-                    ratio(relative_resource(all())),
-                    ratio(comfort.map(|comfort| comfort.discomfort_k_h)),
-                    ratio(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+                    ratio_text(relative_resource(all())),
+                    ratio_text(comfort.map(|comfort| comfort.discomfort_k_h)),
+                    ratio_text(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
                     comfort.map_or_else(String::new, OperationComfort::mark),
                     energy,
                 ]
             }
         }
     }
-}
-
-/// Formats a number with two decimals; a dash if there is none.
-fn ratio(value: Option<f64>) -> String {
-    value.map_or("–".to_owned(), |value| format!("{value:.2}"))
 }
 
 #[cfg(test)]

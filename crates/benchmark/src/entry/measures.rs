@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::adaptation::Adaptation;
 use super::episode_curve::EpisodeCurve;
+use super::result::rows_of;
 use super::scores::{Performance, Score, building_scores, by_building, from_random, samples};
 use crate::problem::Stage;
 use b2b_evaluate::EpisodeResult;
@@ -65,20 +66,17 @@ impl Measures {
     /// Returns the measures over the rows of every stage; `None` if the test stage has no score. `consecutive` are the
     /// run periods of [`Protocol::consecutive`](crate::problem::Protocol::consecutive).
     pub fn of(stages: &[(Stage, Vec<EpisodeResult>)], consecutive: &[Period]) -> Option<Self> {
-        let rows_of = |wanted: Stage| {
-            stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())
-        };
-        let test_rows = rows_of(Stage::Test)?;
+        let test_rows = rows_of(stages, Stage::Test)?;
         let test = by_building(test_rows, EpisodeResult::score);
         let test_samples = samples(&test);
         let gap = |rows| difference(&test_samples, &samples(&by_building(rows, EpisodeResult::score)));
-        let performance_of = |stage| rows_of(stage).and_then(|rows| Performance::of(stage, rows));
+        let performance_of = |stage| rows_of(stages, stage).and_then(|rows| Performance::of(stage, rows));
         Some(Self {
             test: performance_of(Stage::Test)?,
             strata: Stratum::all(&test_samples, test_rows),
             profile: profile(&test_samples, &bounds()),
             scores: building_scores(test_rows),
-            generalization_gap: rows_of(Stage::Train).and_then(gap),
+            generalization_gap: rows_of(stages, Stage::Train).and_then(gap),
             train: performance_of(Stage::Train),
             upper_bound: performance_of(Stage::UpperBound),
             adaptation: Adaptation::of(stages, &test),

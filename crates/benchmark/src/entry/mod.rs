@@ -26,7 +26,7 @@ pub use entry_policy::{EntryPolicy, PolicyDescription};
 pub use episode_curve::{EpisodeCurve, EpisodeDifference, EpisodePoint};
 pub use external::External;
 pub use measures::{Measures, Stratum, mean_from_random, measure_scores};
-pub use result::{RunResult, Stages, read_result};
+pub use result::{RunResult, Stages, read_result, rows_of};
 pub use run::RunOutcome;
 pub use scores::{Performance, Score};
 pub use verify::{Check, Sample, TOLERANCE, check, verify};

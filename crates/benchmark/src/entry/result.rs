@@ -162,6 +162,11 @@ fn table(stages: &[(Stage, Vec<EpisodeResult>)], versions: &Versions) -> Result<
 /// The rows of each stage, in order.
 pub type Stages = Vec<(Stage, Vec<EpisodeResult>)>;
 
+/// Returns the rows of a stage; `None` if it did not run.
+pub fn rows_of(stages: &[(Stage, Vec<EpisodeResult>)], stage: Stage) -> Option<&[EpisodeResult]> {
+    stages.iter().find(|(each, _)| *each == stage).map(|(_, rows)| rows.as_slice())
+}
+
 /// Returns the result of a folder, and its rows by stage.
 ///
 /// # Errors

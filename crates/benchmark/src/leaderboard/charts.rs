@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::Ranked;
-use crate::entry::{Measures, Stages};
+use crate::entry::{Measures, Stages, rows_of};
 use crate::problem::Stage;
 use b2b_evaluate::report::{
     Chart, Series, color, has_several_tasks, horizontal_line, label_logarithmic, labels, make_logarithmic,
@@ -171,7 +171,7 @@ fn profile_beyond(mut scores: Vec<f64>, color: &str) -> Option<Value> {
 
 /// Returns the rows of the test stage; none of a result's rows is lost.
 fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
-    let rows = stages.iter().filter(|(stage, _)| *stage == Stage::Test).flat_map(|(_, rows)| rows);
+    let rows = rows_of(stages, Stage::Test).unwrap_or_default().iter();
     rows.filter_map(|row| Some((&row.info, row.scored()?))).collect()
 }
 

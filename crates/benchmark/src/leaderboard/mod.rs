@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::entry::{
     Columns, EpisodeCurve, EpisodeDifference, Measures, Performance, PolicyDescription, RunResult, Stages,
-    Stratum, mean_from_random,
+    Stratum, mean_from_random, rows_of,
 };
 use crate::problem::Stage;
 use b2b_evaluate::BuiltIn;
@@ -131,7 +131,7 @@ fn remark(result: &RunResult) -> String {
 
 /// Returns the test episodes of a result.
 fn test_rows((_, stages): &Ranked) -> &[EpisodeResult] {
-    stages.iter().find(|(stage, _)| *stage == Stage::Test).map_or(&[], |(_, rows)| rows)
+    rows_of(stages, Stage::Test).unwrap_or_default()
 }
 
 /// Returns the test episodes under random actions, from a result of the random policy or a result that measures

@@ -56,7 +56,8 @@ impl Calibration<'_> {
     ///
     /// # Errors
     /// [`Error::OutputName`]; [`Error::OutputIsModel`]; [`Error::FewMeteredValues`] for more parameters than metered
-    /// values; [`Error::Edit`] and [`Error::NothingToChange`] for a parameter that the model does not have; errors from [`MonthlyEnergy::of`].
+    /// values; [`Error::Edit`] and [`Error::NothingToChange`] for a parameter that the model does not have; errors from
+    /// [`MonthlyEnergy::of`].
     pub fn run(&self, library: &Library, out: &Path, progress: &dyn Progress) -> Result<Report> {
         self.check_output(out)?;
         let parameters = self.distinct_parameters()?;

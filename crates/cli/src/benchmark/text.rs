@@ -1,6 +1,6 @@
 //! The text report of a result.
 
-use b2b_benchmark::entry::{Columns, EpisodePoint, Measures, Performance, RunResult, Score, Stages};
+use b2b_benchmark::entry::{Columns, EpisodePoint, Measures, Performance, RunResult, Score, Stages, rows_of};
 use b2b_benchmark::problem::Stage;
 use b2b_evaluate::EpisodeResult;
 use b2b_evaluate::statistics::{Aggregate, score_text};
@@ -14,8 +14,11 @@ pub fn text(result: &RunResult, stages: &Stages) -> String {
         Some(changes) => format!(", modified: {}", changes.join(", ")),
         None => ", custom problem".to_owned(),
     };
-    let tables =
-        Tables { measures: &result.measures, stages, columns: Columns::of(rows(stages, Stage::Test)) };
+    let tables = Tables {
+        measures: &result.measures,
+        stages,
+        columns: Columns::of(rows_of(stages, Stage::Test).unwrap_or_default()),
+    };
     format!(
         "{} on {}{modified}\n{}: interquartile means (lower is better, baseline = 1)\n\n{}\n\n{}\n\n{}  \
          [95 % confidence intervals: bootstrap over buildings within each type, and over seeds]",
@@ -26,11 +29,6 @@ pub fn text(result: &RunResult, stages: &Stages) -> String {
         tables.aggregates(),
         generalization_text(&result.measures),
     )
-}
-
-/// Returns the rows of a stage.
-fn rows(stages: &Stages, stage: Stage) -> &[EpisodeResult] {
-    stages.iter().find(|(each, _)| *each == stage).map_or(&[], |(_, rows)| rows)
 }
 
 /// A group of episodes.
@@ -50,7 +48,7 @@ struct Tables<'a> {
 
 impl<'a> Tables<'a> {
     fn rows(&self, stage: Stage) -> Vec<&'a EpisodeResult> {
-        rows(self.stages, stage).iter().collect()
+        rows_of(self.stages, stage).unwrap_or_default().iter().collect()
     }
 
     fn scores(&self) -> String {

@@ -31,18 +31,15 @@ impl Metric {
         runs.iter().map(|run| run.metric(self.column).map(|value| value * scale + 0.0)).collect()
     }
 
-    /// Returns the label. In operation, `thermal discomfort` counts everything outside the band; these do not.
+    /// Returns the label. In operation, `thermal discomfort` counts from the band on, and two others from beyond it.
     pub fn label(&self, runs: &[Recorded]) -> String {
         let task = &runs[0].described.task_definition;
-        let unit = match self.column {
-            "discomfort_k_h" => "K·h",
-            "hours_outside_band" => "h",
-            _ => return self.display.label.to_owned(),
-        };
-        if !task.is_operation() {
-            return self.display.label.to_owned();
+        let outside = |unit| format!("more than {} K outside ({unit})", task.comfort_band);
+        match self.column {
+            "discomfort_k_h" if task.is_operation() => outside("K·h"),
+            "hours_outside_band" if task.is_operation() => outside("h"),
+            _ => self.display.label.to_owned(),
         }
-        format!("more than {} K outside ({unit})", task.comfort_band)
     }
 
     fn text(&self, value: Option<f64>) -> String {

@@ -137,8 +137,3 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     let files: Vec<_> = files.iter().map(|file| format!("  {}", file.display())).collect();
     text + &files.join("\n")
 }
-
-/// Formats a number with two decimals, such as a ratio of energies; a dash if there is none.
-fn ratio(relative_energy: Option<f64>) -> String {
-    relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
-}

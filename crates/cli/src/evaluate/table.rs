@@ -1,9 +1,8 @@
 //! The text tables of an evaluation.
 
-use b2b_evaluate::statistics::{Aggregate, score_text};
+use b2b_evaluate::statistics::{Aggregate, ratio_text, score_text};
 use b2b_evaluate::{Group, OperationComfort, Window, resource_heading};
 
-use super::ratio;
 use crate::terminal::table::Table;
 
 /// Returns the scores of one run period and task.
@@ -60,10 +59,10 @@ fn tracking<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
             cell(|scores| score_text(scores.max)),
             cell(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
-            ratio(group.relative_energy),
+            ratio_text(group.relative_energy),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
-            ratio(group.relative_resource),
+            ratio_text(group.relative_resource),
             percent(group.occupied_too_cold_share),
             percent(group.occupied_too_warm_share),
         ]);
@@ -101,10 +100,10 @@ fn operation<'a>(groups: impl Iterator<Item = &'a Group>, task: &str) -> String 
             cell(|scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.median.to_string()),
             cell(Aggregate::beats_baseline_text),
-            ratio(group.relative_resource),
-            ratio(group.relative_energy),
-            ratio(comfort.map(|comfort| comfort.discomfort_k_h)),
-            ratio(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
+            ratio_text(group.relative_resource),
+            ratio_text(group.relative_energy),
+            ratio_text(comfort.map(|comfort| comfort.discomfort_k_h)),
+            ratio_text(comfort.and_then(|comfort| comfort.baseline_discomfort_k_h)),
             comfort.map_or("–".to_owned(), |comfort| format!("{:.1}", 1000.0 * comfort.pele_tot)),
             comfort.map_or_else(String::new, OperationComfort::mark),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),

@@ -25,8 +25,8 @@ use trial::Trial;
 ///
 /// Converts a model of an older EnergyPlus and sizes it for the design days of the weather file. Then makes every
 /// supported system controllable: unitary and rooftop units of one or several zones, room units, central air loops,
-/// and zone heaters (docs/import.md). Zones with other equipment are controlled through the setpoints of their thermostats. The agent
-/// observes all zones; the reward counts the zones it controls; energy use covers all HVAC.
+/// and zone heaters (docs/import.md). Zones with other equipment are controlled through the setpoints of their
+/// thermostats. The agent observes all zones; the reward counts the zones it controls; energy use covers all HVAC.
 ///
 /// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it
 /// in the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or

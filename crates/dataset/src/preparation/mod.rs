@@ -68,9 +68,9 @@ impl Preparation {
     fn run_anew(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
         let Self { name, model, .. } = self;
         let unsupported = if self.own { Unsupported::LeftAlone } else { Unsupported::Refused };
-        let is_house = house::lacks_thermostat(&model);
+        let lacks_thermostat = house::lacks_thermostat(&model);
         let complete = |model: &mut Model, years: &[ZoneYear]| {
-            if is_house {
+            if lacks_thermostat {
                 house::add_thermostat(model, years);
             }
         };

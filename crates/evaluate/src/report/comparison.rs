@@ -12,7 +12,7 @@ use crate::evaluation::{
     EpisodeInfo, EpisodeResult, Scored, relative_energy, relative_resource, resource_heading,
 };
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
-use crate::statistics::score_text;
+use crate::statistics::{ratio_text, score_text};
 use crate::summary::OperationComfort;
 use crate::{Error, Result};
 
@@ -162,7 +162,7 @@ fn tracking_row(compared: &Compared) -> Vec<String> {
         compared.score(|scored| scored.resolved_score),
         compared.score(|scored| scored.score),
         format!("{:.2}", compared.mean(|scored| scored.metrics.rms_deviation)),
-        ratio(relative_energy(&compared.rows)),
+        ratio_text(relative_energy(&compared.rows)),
         format!("{:.2}", compared.mean(|scored| scored.metrics.energy() / 1000.0)),
         format!("{:.1}", compared.mean(|scored| scored.metrics.daily_travel)),
     ]
@@ -177,18 +177,14 @@ fn operation_row(compared: &Compared) -> Vec<String> {
         compared.name.clone(),
         compared.score(|scored| scored.score),
         number(|comfort| comfort.cost_tot, 3),
-        ratio(relative_resource(&compared.rows)),
+        ratio_text(relative_resource(&compared.rows)),
         number(|comfort| comfort.discomfort_k_h, 2),
-        ratio(comfort.as_ref().and_then(|comfort| comfort.baseline_discomfort_k_h)),
+        ratio_text(comfort.as_ref().and_then(|comfort| comfort.baseline_discomfort_k_h)),
         comfort.as_ref().map_or_else(String::new, OperationComfort::mark),
         number(|comfort| 1000.0 * comfort.pele_tot, 1),
         format!("{:.2}", compared.mean(|scored| scored.metrics.energy() / 1000.0)),
         format!("{:.1}", compared.mean(|scored| scored.metrics.daily_travel)),
     ]
-}
-
-fn ratio(ratio: Option<f64>) -> String {
-    ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }
 
 #[cfg(test)]

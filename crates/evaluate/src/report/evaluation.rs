@@ -11,7 +11,7 @@ use super::hourly_chart;
 use crate::evaluation::{EpisodeResult, Finished, RESOURCE, resource_heading};
 use crate::results::Results;
 use crate::scores::{DISCOMFORT_COST, FREE_DISCOMFORT, RESOLUTION};
-use crate::statistics::{Aggregate, score_text};
+use crate::statistics::{Aggregate, ratio_text, score_text};
 use crate::summary::{Group, OperationComfort, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
@@ -229,7 +229,6 @@ fn cells(group: &Group) -> [String; COLUMNS.len()] {
         scores.as_ref().map_or("–".to_owned(), text)
     };
     let of = |text: fn(&Aggregate) -> String| cell(&group.scores, text);
-    let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"));
     let percent =
         |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{:.1}", 100.0 * share));
     let [heating, cooling, fans] = end_uses(group);
@@ -249,13 +248,13 @@ fn cells(group: &Group) -> [String; COLUMNS.len()] {
         format!("{:.2}", group.rms_deviation_k),
         percent(group.occupied_too_cold_share),
         percent(group.occupied_too_warm_share),
-        ratio(group.relative_energy),
-        ratio(group.relative_resource),
+        ratio_text(group.relative_energy),
+        ratio_text(group.relative_resource),
         format!("{:.2}", group.energy_wh_m2 / 1000.0),
-        ratio(heating),
-        ratio(cooling),
-        ratio(fans),
-        ratio(others.map(|energy| energy.max(0.0))),
+        ratio_text(heating),
+        ratio_text(cooling),
+        ratio_text(fans),
+        ratio_text(others.map(|energy| energy.max(0.0))),
         format!("{:.1}", group.daily_travel),
     ]
 }
