@@ -45,7 +45,12 @@ Examples:
 )]
 struct ExploreArguments {
     /// HTML file to write, or the folder for dataset.html
-    #[arg(long, value_name = "FILE", default_value = "b2b-out/dataset.html")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        default_value = "b2b-out/dataset.html",
+        value_parser = crate::arguments::page::path
+    )]
     out: PathBuf,
 }
 
