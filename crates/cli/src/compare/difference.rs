@@ -31,7 +31,8 @@ impl Metric {
         runs.iter().map(|run| run.metric(self.column).map(|value| value * scale + 0.0)).collect()
     }
 
-    /// Returns the label. In operation, `thermal discomfort` counts from the band on, and two others from beyond it.
+    /// Returns the label. In operation, `thermal discomfort` counts from the edge of the band, and these two from
+    /// `comfort_band` beyond it.
     pub fn label(&self, runs: &[Recorded]) -> String {
         let task = &runs[0].described.task_definition;
         let outside = |unit| format!("more than {} K outside ({unit})", task.comfort_band);

@@ -58,9 +58,14 @@ const LOCATION: [Parameter; 3] = [
     ("heating_degree_days", "heating degree days (18 °C)", "K·d"),
 ];
 
-/// Returns the file to write for a path: in a folder, `dataset.html`.
-pub fn file(out: &Path) -> PathBuf {
-    if out.is_dir() || out.extension().is_none() { out.join(NAME) } else { out.to_owned() }
+/// Parses the file to write: in a folder, `dataset.html`. Errors for another format than HTML.
+pub fn file(text: &str) -> Result<PathBuf, String> {
+    let out = Path::new(text);
+    if out.is_dir() || out.extension().is_none() {
+        Ok(out.join(NAME))
+    } else {
+        crate::arguments::page::path(text)
+    }
 }
 
 /// Returns the page.
@@ -130,6 +135,16 @@ fn index(manifest: &Manifest, column: &str) -> usize {
 mod tests {
     use super::*;
     use b2b_dataset::BUILDINGS_PER_TYPE;
+
+    #[test]
+    fn a_folder_gets_a_page_and_a_file_of_another_format_is_refused() {
+        let folder = tempfile::Builder::new().suffix(".d").tempdir().unwrap();
+        let dotted = folder.path().to_str().unwrap();
+        assert_eq!(file(dotted), Ok(folder.path().join(NAME)));
+        assert_eq!(file("new/folder"), Ok(Path::new("new/folder").join(NAME)));
+        assert_eq!(file("buildings.html"), Ok(PathBuf::from("buildings.html")));
+        assert!(file("data.csv").unwrap_err().contains(".html"));
+    }
 
     #[test]
     fn the_page_needs_no_network_and_is_small() {

@@ -45,12 +45,7 @@ Examples:
 )]
 struct ExploreArguments {
     /// HTML file to write, or the folder for dataset.html
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "b2b-out/dataset.html",
-        value_parser = crate::arguments::page::path
-    )]
+    #[arg(long, value_name = "FILE", default_value = "b2b-out/dataset.html", value_parser = explore::file)]
     out: PathBuf,
 }
 
@@ -90,8 +85,7 @@ pub fn dataset(arguments: &Arguments) -> Result<()> {
 }
 
 fn explore(arguments: &ExploreArguments) -> Result<()> {
-    let path = explore::file(&arguments.out);
     let page = explore::page(&b2b_dataset::manifest(b2b_dataset::all()));
-    OutputFolder::write_file(&path, |file| Ok(file.write_all(page.as_bytes())?))?;
-    stdout::print(&path.display().to_string())
+    OutputFolder::write_file(&arguments.out, |file| Ok(file.write_all(page.as_bytes())?))?;
+    stdout::print(&arguments.out.display().to_string())
 }
