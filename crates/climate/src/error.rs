@@ -17,7 +17,7 @@ pub enum Error {
     },
     /// A place without a known weather file.
     #[error(
-        "unknown place `{name}`{}; expected one of {}, or the path of an EPW file",
+        "unknown place `{name}`{}; expected one of {}; other places are given by their EPW file, as weather",
         did_you_mean(near.unwrap_or_default()),
         known.join(", ")
     )]

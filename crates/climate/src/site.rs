@@ -4,8 +4,11 @@ use std::path::Path;
 
 use super::clear_sky;
 use crate::design_day::DesignDay;
-use crate::epw::{Header, Record};
+use crate::epw::{Header, Line, Record};
 use crate::{EpwFile, Result, ground};
+
+/// The largest difference between the clock and the sun, h; 3.1 in the west of China.
+const LATEST_NOON: f64 = 4.0;
 
 /// A site: its location, its ground temperatures and its design days.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +60,8 @@ impl Site {
     /// Without design conditions in the header, they are computed from the hours.
     ///
     /// # Errors
-    /// [`crate::Error::Malformed`] naming the line and the value when a row is malformed, or LOCATION, DESIGN
-    /// CONDITIONS or GROUND TEMPERATURES is missing, truncated or not numeric.
+    /// [`crate::Error::Malformed`] naming the line and the value when a row is malformed, LOCATION, DESIGN CONDITIONS or
+    /// GROUND TEMPERATURES is missing, truncated or not numeric, or the time zone is of another longitude.
     pub fn from_epw(text: &str, path: &Path) -> Result<Self> {
         Self::of(&Header { text, path }, &Record::of(text, path)?)
     }
@@ -74,6 +77,7 @@ impl Site {
                 DesignDay::cooling(&design.after("Cooling")?)?,
             ],
         };
+        let [longitude, time_zone] = of_clock(&location)?;
         let optical_depths = clear_sky::optical_depths(location.text(5)?);
         let monthly_dry_bulbs = record.monthly_dry_bulbs();
         let estimated =
@@ -81,8 +85,8 @@ impl Site {
         Ok(Self {
             name: location.text(1)?.to_owned(),
             latitude: location.within(6, 90.0)?,
-            longitude: location.within(7, 180.0)?,
-            time_zone: location.within(8, 14.0)?,
+            longitude,
+            time_zone,
             elevation: location.number(9)?,
             ground_temperatures: ground::of_header(&header.line("GROUND TEMPERATURES")?)?
                 .unwrap_or_else(estimated),
@@ -102,6 +106,20 @@ impl Site {
     pub fn pressure(&self) -> f64 {
         101_325.0 * libm::pow(1.0 - 2.25577e-05 * self.elevation, 5.2559)
     }
+}
+
+/// Returns the longitude (degrees east) and the hours ahead of UTC.
+fn of_clock(location: &Line) -> Result<[f64; 2]> {
+    let [longitude, time_zone] = [location.within(7, 180.0)?, location.within(8, 14.0)?];
+    let noon = (longitude / 15.0 - time_zone + 36.0) % 24.0 - 12.0;
+    if noon.abs() <= LATEST_NOON {
+        return Ok([longitude, time_zone]);
+    }
+    Err(location.malformed(format!(
+        "longitude {longitude} and time zone {time_zone} are {:.1} h apart, so that the sun would be highest at night; \
+         expected degrees east and hours ahead of UTC, both negative in America",
+        noon.abs()
+    )))
 }
 
 /// Returns whether a header says that its file has leap days.
@@ -135,7 +153,8 @@ mod tests {
         let mut text = String::new();
         for (month, days) in (1..).zip(b2b_base::calendar::MONTH_DAYS) {
             for (day, hour) in (1..=days).flat_map(|day| (1..=24).map(move |hour| (day, hour))) {
-                let (dry_bulb, rest) = (dry_bulb(month, hour - 1), ",1".repeat(28));
+                let dry_bulb = dry_bulb(month, hour - 1);
+                let rest = format!(",{dry_bulb},1,1e5{}", ",1".repeat(25));
                 text += &format!("1999,{month},{day},{hour},60,flags,{dry_bulb}{rest}\n");
             }
         }
@@ -195,6 +214,14 @@ mod tests {
         let text = text.replace("GROUND TEMPERATURES,0\n", one_depth);
         let site = Site::from_epw(&text, Path::new("a.epw")).unwrap();
         assert_eq!((site.ground_temperatures[0], site.ground_temperatures[11]), (1.0, 12.0));
+    }
+
+    #[test]
+    fn a_longitude_of_another_time_zone_is_an_error() {
+        let west = why(&MONTREAL.replace(",-73.75,", ",73.75,"));
+        assert!(west.contains("LOCATION: longitude 73.75 and time zone -5 are 9.9 h apart"), "{west}");
+        let date_line = MONTREAL.replace(",-73.75,-5.0,", ",-176.6,12.8,");
+        assert_eq!(Site::from_epw(&date_line, Path::new("a.epw")).unwrap().time_zone, 12.8);
     }
 
     #[test]

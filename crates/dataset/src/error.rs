@@ -85,7 +85,8 @@ pub enum Error {
     },
     /// A climate zone without prescriptive requirements.
     #[error(
-        "unknown climate zone `{zone}`; expected 1 to 8 with the letter of the moisture regime, for example 5B"
+        "no envelope of the code for climate zone `{zone}`; expected 1 to 6 with the letter of the moisture regime, for \
+         example 5B, or 7 or 8; a weather file may take the nearest one"
     )]
     ClimateZone {
         /// The text.

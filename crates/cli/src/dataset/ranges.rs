@@ -35,7 +35,7 @@ fn commercial() -> anyhow::Result<String> {
     {
         for zone in ZONES {
             let buildings = in_zone(building_type, zone);
-            let code = Prescriptive::of(&zone.to_string())?;
+            let code = Prescriptive::of(&format!("{zone}A"))?;
             let of = |value: &dyn Fn(&CommercialParameters) -> f64| {
                 buildings.iter().map(|each| value(each)).collect()
             };

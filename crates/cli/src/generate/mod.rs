@@ -24,8 +24,8 @@ use model_folder::{MANIFEST, ModelFolder};
 
 /// Generate buildings as EnergyPlus models
 ///
-/// Writes one epJSON file per building, before sizing, and manifest.csv with the parameters of all buildings. Existing
-/// files are kept if the manifest describes the same building: the same command resumes an interrupted generation.
+/// Writes one epJSON file per building, before sizing, and manifest.csv with the parameters of all buildings. The same
+/// command resumes an interrupted generation; a folder with another building of the same name is an error.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use b2b_base::aside::write_whole;
 use b2b_base::folder_lock::FolderLock;
 use b2b_dataset::manifest::Manifest;
@@ -14,24 +14,30 @@ use crate::output_folder;
 pub const MANIFEST: &str = "manifest.csv";
 
 /// A folder of models, written by one process at a time. Each file is staged and moved into place, so it is always
-/// complete. A file whose row in the manifest has changed is removed before the manifest is updated, so that an
-/// interrupted generation can resume.
+/// complete. The manifest is written first, so that an interrupted generation can resume.
 pub struct ModelFolder {
     root: PathBuf,
     _lock: FolderLock,
 }
 
 impl ModelFolder {
-    /// Updates the manifest in the folder and removes the models that no longer match it. Rows of other names are kept.
+    /// Adds the rows of a manifest to the manifest in the folder.
+    ///
+    /// # Errors
+    /// An error with a name, if the folder has another model of that name.
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
         let folder = Self { root: root.to_owned(), _lock: output_folder::lock(root)? };
         let text = manifest.to_csv();
         let (header, wanted) = rows(&text);
         let mut described = folder.described(header)?;
         for (name, row) in wanted {
-            if described.get(name).is_none_or(|old| old != row) {
-                folder.remove(name)?;
-                described.insert(name.to_owned(), row.to_owned());
+            let same = described.insert(name.to_owned(), row.to_owned()).is_some_and(|old| old == row);
+            if !same && folder.contains(name) {
+                bail!(
+                    "{} is of other parameters or of another version of the generator; choose another folder with \
+                     --out, or remove it",
+                    folder.model(name).display()
+                );
             }
         }
         let lines: Vec<_> = described.into_values().collect();
@@ -49,7 +55,7 @@ impl ModelFolder {
         self.write_file(&file_name(name), epjson)
     }
 
-    /// Returns the rows of the existing manifest by name; none if its columns differ.
+    /// Returns the rows of the existing manifest by name.
     fn described(&self, header: &str) -> Result<BTreeMap<String, String>> {
         let path = self.root.join(MANIFEST);
         if !path.exists() {
@@ -58,20 +64,14 @@ impl ModelFolder {
         let text =
             std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let (old_header, old_rows) = rows(&text);
-        let known = old_rows.filter(|_| old_header == header);
-        Ok(known.map(|(name, row)| (name.to_owned(), row.to_owned())).collect())
+        if old_header != header {
+            bail!("{} has the columns of another version; choose another folder with --out", path.display());
+        }
+        Ok(old_rows.map(|(name, row)| (name.to_owned(), row.to_owned())).collect())
     }
 
     fn model(&self, name: &str) -> PathBuf {
         self.root.join(file_name(name))
-    }
-
-    fn remove(&self, name: &str) -> Result<()> {
-        let path = self.model(name);
-        if path.exists() {
-            std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
-        }
-        Ok(())
     }
 
     fn write_file(&self, name: &str, content: &str) -> Result<()> {
@@ -111,18 +111,17 @@ mod tests {
     }
 
     #[test]
-    fn a_model_is_kept_only_while_its_row_is_unchanged() {
+    fn a_model_of_the_same_row_is_kept_and_another_is_not_replaced() {
         let root = tempfile::tempdir().unwrap();
+        let other = |table: &Manifest| ModelFolder::open(root.path(), table).err().unwrap().to_string();
         ModelFolder::open(root.path(), &table("a", 1)).unwrap().write("a", "{}").unwrap();
         assert!(ModelFolder::open(root.path(), &table("a", 1)).unwrap().contains("a"));
-        assert!(!ModelFolder::open(root.path(), &table("a", 2)).unwrap().contains("a"));
-    }
-
-    #[test]
-    fn a_model_without_a_manifest_row_is_removed() {
-        let root = tempfile::tempdir().unwrap();
-        std::fs::write(root.path().join("a.epJSON"), "half").unwrap();
-        assert!(!ModelFolder::open(root.path(), &table("a", 1)).unwrap().contains("a"));
+        let said = other(&table("a", 2));
+        assert!(said.contains("a.epJSON is of other parameters"), "{said}");
+        std::fs::remove_file(root.path().join(MANIFEST)).unwrap();
+        assert_eq!(other(&table("a", 1)), said, "without a row");
+        std::fs::write(root.path().join(MANIFEST), "id\nb\n").unwrap();
+        assert!(other(&table("c", 1)).contains("manifest.csv has the columns of another version"));
     }
 
     #[test]

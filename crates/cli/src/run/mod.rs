@@ -7,7 +7,7 @@ pub mod summary;
 pub mod trajectory_file;
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
@@ -249,9 +249,18 @@ impl Arguments {
     /// Returns the output folder.
     fn folder(&self, place: &str, period: RunPeriod, chosen: &Chosen<'_>, task: &Task) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
-            let place = place.replace(' ', "_");
-            let building = self.location.placement().control.name_of(&self.building);
-            let mut name = format!("{building}-{place}-{period}-{}{}", chosen.name(), chosen.variant());
+            let placement = self.location.placement();
+            let place = placement.weather.as_deref().map_or_else(|| place.replace(' ', "_"), path_in_name);
+            let building = match &self.building {
+                BuildingName::Model(path) => path_in_name(path),
+                BuildingName::Type(_) | BuildingName::Id(_) => self.building.to_string(),
+            };
+            let control = placement.control.suffix();
+            let mut name =
+                format!("{building}{control}-{place}-{period}-{}{}", chosen.name(), chosen.variant());
+            if placement.keep_design_days {
+                name += "-own-design-days";
+            }
             if self.steps_per_hour != STEPS_PER_HOUR {
                 name += &format!("-{}-per-hour", self.steps_per_hour);
             }
@@ -261,4 +270,13 @@ impl Arguments {
             PathBuf::from("b2b-out").join(name)
         })
     }
+}
+
+/// Returns the path of a file as a part of a name, which files of one name in other folders do not share.
+fn path_in_name(path: &Path) -> String {
+    let parts = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_string_lossy().replace(' ', "_")),
+        _ => None,
+    });
+    parts.collect::<Vec<_>>().join("_")
 }

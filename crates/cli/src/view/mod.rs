@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
-use b2b_env::Task;
 use plotly::Plot;
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
+use crate::arguments::task;
 use crate::buildings::facts::{Facts, Served};
 use crate::output_folder::OutputFolder;
 use crate::program::prepare::Prepared;
@@ -61,7 +61,7 @@ pub fn view(arguments: &Arguments) -> Result<()> {
 
 fn page(prepared: &Prepared, facts: &Facts) -> Result<String> {
     let building = &prepared.building;
-    let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
+    let env = prepared.env(RunPeriod::WINTER, 12, task::usual())?;
     let solid = solid::plot(building, &facts.description)?;
     let graph = graph::plot(&facts.morphology, &facts.description);
     let mut lines = facts.lines();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_base::calendar::{Calendar, MONTH_DAYS};
 
-use super::row::Row;
+use super::row::{COLUMNS, RADIATION, Row};
 use crate::{Error, Result};
 
 /// Lines of the header.
@@ -13,14 +13,15 @@ pub(super) const HEADER_LINES: usize = 8;
 const DAYS: usize = 365;
 /// Days before 29 February.
 const BEFORE_LEAP_DAY: usize = 59;
-/// Values that the engine takes before the first one that is not missing: dry bulb (°C), dew point (°C), relative
-/// humidity (%) and wind speed (m/s).
+/// Values of [`COLUMNS`] but the pressure that the engine takes before the first one that is not missing.
 const FIRST: [f64; 4] = [6.0, 3.0, 50.0, 2.5];
+/// Hours in a row in which a value may be missing.
+const LONGEST_GAP: usize = 6;
 
 /// The hours of a weather file.
 ///
 /// A missing temperature, humidity or wind speed takes the last value before it, and missing radiation is 0, as in the
-/// engine. Of a date that the file has in several years, the first one counts.
+/// engine, for at most six hours in a row. Of a date that the file has in several years, the first one counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Rows per hour.
@@ -61,7 +62,8 @@ impl Record {
     ///
     /// # Errors
     /// [`Error::Malformed`] with the line and the reason: a row that the engine cannot read or that is not plausible, a
-    /// row that is shorter than the others, an hour or a day out of sequence, or an incomplete last day.
+    /// row that is shorter than the others, a value that is missing for hours, an hour or a day out of sequence, or an
+    /// incomplete last day.
     pub(crate) fn of(text: &str, path: &Path) -> Result<Self> {
         Self::read(text).map_err(|why| Error::Malformed { path: path.to_owned(), why })
     }
@@ -209,6 +211,7 @@ struct Reader {
     last: [f64; 4],
     /// Global, direct and diffuse radiation of the rows of the current hour.
     radiation: [f64; 3],
+    gaps: Gaps,
 }
 
 impl Reader {
@@ -228,6 +231,7 @@ impl Reader {
             repeated: false,
             last: FIRST,
             radiation: [0.0; 3],
+            gaps: Gaps::default(),
         }
     }
 
@@ -262,6 +266,7 @@ impl Reader {
         self.rows += 1;
         let [earliest, latest] = self.record.years.unwrap_or([row.year; 2]);
         self.record.years = Some([earliest.min(row.year), latest.max(row.year)]);
+        self.gaps.add(row, LONGEST_GAP * intervals)?;
         for (last, value) in self.last.iter_mut().zip(row.air) {
             *last = value.unwrap_or(*last);
         }
@@ -326,6 +331,34 @@ impl Reader {
             "the last day, {month:02}-{day:02}, has {there} of {per_day} rows: the file is truncated after {} rows",
             self.rows
         ))
+    }
+}
+
+/// Numbers of rows since a value was there.
+#[derive(Default)]
+struct Gaps {
+    air: [usize; FIRST.len()],
+    /// Since the last one above 0: what is missing at night ends no gap of days.
+    radiation: [usize; RADIATION.len()],
+}
+
+impl Gaps {
+    fn add(&mut self, row: &Row, longest: usize) -> std::result::Result<(), String> {
+        let air = self.air.iter_mut().zip(COLUMNS.map(|column| column.quantity)).zip(row.air);
+        let radiation = self.radiation.iter_mut().zip(RADIATION.map(|(_, quantity)| quantity));
+        let air = air.map(|(gap, value)| (gap, value.is_none(), value.is_some()));
+        let radiation = radiation.zip(row.radiation);
+        let radiation = radiation.map(|(gap, value)| (gap, value.is_none(), value > Some(0.0)));
+        for ((gap, quantity), is_missing, ends) in air.chain(radiation) {
+            *gap = if ends { 0 } else { *gap + usize::from(is_missing) };
+            if *gap > longest {
+                return Err(format!(
+                    "the {quantity} is missing for more than {LONGEST_GAP} hours, and the engine would invent it; fill \
+                     the gap"
+                ));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -7,12 +7,19 @@ use super::column;
 const NEEDED: usize = 27;
 /// The column of source and uncertainty flags, the only text among them.
 const FLAGS: usize = 5;
-/// The columns of global horizontal, direct normal and diffuse horizontal radiation, W/m². Negative values and values of
-/// 9999 or more are missing.
-const RADIATION: [usize; 3] = [column::GLOBAL, column::BEAM, column::DIFFUSE];
+/// The columns of radiation, W/m². Negative values and values of 9999 or more are missing.
+pub(super) const RADIATION: [(usize, &str); 3] = [
+    (column::GLOBAL, "global horizontal radiation"),
+    (column::BEAM, "direct normal radiation"),
+    (column::DIFFUSE, "diffuse horizontal radiation"),
+];
 pub(super) const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
+/// Above the radiation of the sun with reflections of clouds, and below a day of it in kJ/m², W/m².
+const HIGHEST_RADIATION: f64 = 2000.0;
+/// The largest difference of a dew point above its dry bulb, K: of rounding, instruments and freezing fog.
+const SUPERSATURATION: f64 = 5.0;
 /// The columns of the air, whose values must be plausible.
-pub(super) const COLUMNS: [Column; 4] = [
+pub(super) const COLUMNS: [Column; 5] = [
     Column {
         index: column::DRY_BULB,
         quantity: "dry-bulb temperature (°C)",
@@ -27,12 +34,18 @@ pub(super) const COLUMNS: [Column; 4] = [
         missing: 999.0,
     },
     Column { index: column::WIND, quantity: "wind speed (m/s)", limits: [0.0, 115.0], missing: 999.0 },
+    Column {
+        index: column::PRESSURE,
+        quantity: "pressure (Pa)",
+        limits: [31_000.0, 120_000.0],
+        missing: 999_999.0,
+    },
 ];
 
 /// A column with plausible limits, which are beyond the records on Earth, and the code of a missing value.
 pub(super) struct Column {
     pub index: usize,
-    quantity: &'static str,
+    pub quantity: &'static str,
     pub limits: [f64; 2],
     missing: f64,
 }
@@ -47,17 +60,17 @@ pub(super) struct Row {
     pub hour: u32,
     /// Number of columns.
     pub columns: usize,
-    /// Dry bulb (°C), dew point (°C), relative humidity (%) and wind speed (m/s); `None` if missing.
-    pub air: [Option<f64>; 4],
-    /// Global horizontal, direct normal and diffuse horizontal, W/m²; `None` if missing.
-    pub radiation: [Option<f64>; 3],
+    /// Values of [`COLUMNS`]; `None` if missing.
+    pub air: [Option<f64>; COLUMNS.len()],
+    /// Values of [`RADIATION`]; `None` if missing.
+    pub radiation: [Option<f64>; RADIATION.len()],
 }
 
 impl Row {
     /// Reads a row.
     ///
     /// # Errors
-    /// The reason, if a column that the engine needs is missing, not a finite number or not plausible.
+    /// The reason, if a column that the engine needs is absent, not a finite number or not plausible.
     pub fn read(line: &str) -> Result<Self, String> {
         let mut values = [0.0; NEEDED];
         let mut columns = 0;
@@ -74,10 +87,23 @@ impl Row {
         }
         let air = known(&values)?;
         let [year, month, day, hour] = [0, 1, 2, 3].map(|column| values[column].round() as u32);
-        let radiation =
-            RADIATION.map(|column| Some(values[column]).filter(|value| RADIATIONS.contains(value)));
+        let radiation = radiation(&values)?;
         Ok(Self { year, month, day, hour, columns, air, radiation })
     }
+}
+
+/// Returns the values of [`RADIATION`], `None` for missing ones.
+fn radiation(values: &[f64; NEEDED]) -> Result<[Option<f64>; RADIATION.len()], String> {
+    let mut known = [None; RADIATION.len()];
+    for (known, (index, quantity)) in known.iter_mut().zip(RADIATION) {
+        *known = Some(values[index]).filter(|value| RADIATIONS.contains(value));
+        if let Some(value) = known.filter(|value| *value > HIGHEST_RADIATION) {
+            return Err(format!(
+                "the {quantity} is {value} W/m²; expected 0 to {HIGHEST_RADIATION}, or 9999 if it is missing"
+            ));
+        }
+    }
+    Ok(known)
 }
 
 /// Returns the values of [`COLUMNS`], `None` for the code of a missing value.
@@ -94,6 +120,11 @@ fn known(values: &[f64; NEEDED]) -> Result<[Option<f64>; COLUMNS.len()], String>
             ));
         }
         *known = Some(value);
+    }
+    if let [Some(dry_bulb), Some(dew_point), ..] = known
+        && dew_point > dry_bulb + SUPERSATURATION
+    {
+        return Err(format!("the dew point is {dew_point} °C, above the dry bulb of {dry_bulb} °C"));
     }
     Ok(known)
 }

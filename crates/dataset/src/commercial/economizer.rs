@@ -13,7 +13,7 @@ struct Economizer {
 /// 65 °F in humid zones 2 to 4; differential dry bulb elsewhere.
 fn of_zone(ashrae_zone: &str) -> Economizer {
     match ashrae_zone {
-        "1" | "1A" | "1B" => Economizer { control: "NoEconomizer", limit: None },
+        "1A" | "1B" => Economizer { control: "NoEconomizer", limit: None },
         "2A" | "3A" | "4A" => Economizer { control: "FixedDryBulb", limit: Some(18.3) },
         _ => Economizer { control: "DifferentialDryBulb", limit: None },
     }

@@ -38,7 +38,7 @@ impl Prescriptive {
     /// Returns the requirements in a climate zone, for example `5B` or `7`.
     ///
     /// # Errors
-    /// [`Error::ClimateZone`] when it is outside 1 to 8.
+    /// [`Error::ClimateZone`] when it is outside 1A to 8, or without a letter below 7: economizers depend on it.
     pub fn of(ashrae_zone: &str) -> Result<Self> {
         let row = thermal_zone(ashrae_zone).and_then(|zone| TABLE.get(zone.checked_sub(1)?));
         let &[window_u, window_shgc, wall_u, roof_u, infiltration] =
@@ -56,7 +56,12 @@ impl Prescriptive {
 /// The thermal part of a climate zone: 5 of `5B`.
 fn thermal_zone(ashrae_zone: &str) -> Option<usize> {
     let (digit, moisture) = ashrae_zone.split_at_checked(1)?;
-    matches!(moisture, "" | "A" | "B" | "C").then(|| digit.parse().ok())?
+    let zone = digit.parse().ok()?;
+    let known = match moisture {
+        "" => zone >= 7,
+        letter => ["A", "B", "C"].contains(&letter),
+    };
+    known.then_some(zone)
 }
 
 #[cfg(test)]
@@ -73,7 +78,7 @@ mod tests {
 
     #[test]
     fn an_unknown_zone_is_rejected_by_name() {
-        for zone in ["", "0A", "9", "5D", "B5", "Ω"] {
+        for zone in ["", "0A", "2", "9", "5D", "B5", "Ω"] {
             let error = Prescriptive::of(zone).unwrap_err().to_string();
             assert!(error.contains(&format!("`{zone}`")), "{error}");
         }

@@ -24,11 +24,15 @@ pub fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
     rows.iter().map(label).collect()
 }
 
+/// The smallest RMS deviation that is drawn, K: smaller ones are rounding errors, and would stretch the axis.
+const LEAST_RMS: f64 = 1e-3;
+
 /// Draws violins of RMS deviations with their means, as in the paper's figure.
 pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
+    let rms = |(_, scored): &(&EpisodeInfo, &Scored)| scored.metrics.rms_deviation.max(LEAST_RMS);
     let mut data = Vec::new();
     for (number, Series { name, episodes }) in series.iter().enumerate() {
-        let values: Vec<f64> = episodes.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
+        let values: Vec<f64> = episodes.iter().map(rms).collect();
         data.push(distribution(name, &values, &labels(episodes), color(number)));
         data.push(mean_diamond(name, &values, color(number)));
     }
@@ -36,12 +40,11 @@ pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
         "xaxis": {"type": "category"},
         "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
     });
-    let all =
-        series.iter().flat_map(|series| &series.episodes).map(|(_, scored)| scored.metrics.rms_deviation);
+    let all = series.iter().flat_map(|series| &series.episodes).map(rms);
     make_logarithmic(&mut layout["yaxis"], range(&all.collect::<Vec<_>>()));
     Chart {
         title: "RMS deviation".into(),
-        note: "from target, or beyond the band in operation; one point per episode; diamond: mean".into(),
+        note: "from target, or beyond the band in operation; one point per episode, at 0.001 K or more; diamond: mean".into(),
         height: 340,
         wide: false,
         data: data.into(),

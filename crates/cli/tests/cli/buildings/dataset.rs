@@ -91,20 +91,29 @@ fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
 }
 
 #[test]
-fn files_of_unchanged_buildings_are_kept_and_others_are_replaced() {
+fn files_of_unchanged_buildings_are_kept_and_others_are_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
+    let arguments = |count: u32| format!("generate Warehouse --count {count} --place Denver --out w");
     let generate = |count: u32| {
-        let said = json(folder.path(), &format!("generate Warehouse --count {count} --place Denver --out w"));
+        let said = json(folder.path(), &arguments(count));
         (said["written"].as_u64().unwrap(), said["kept"].as_u64().unwrap())
     };
     assert_eq!(generate(2), (2, 0));
     assert_eq!(generate(2), (0, 2));
+    let refused = |count: u32| {
+        let said = stderr(&b2b(folder.path(), &arguments(count)));
+        assert!(
+            said.contains("w/Warehouse-seed0-0001.epJSON is of other parameters or of another"),
+            "{said}"
+        );
+    };
     // A different count gives a different hypercube, in which the same names mean other buildings.
-    assert_eq!(generate(3), (3, 0));
+    refused(3);
+    assert_eq!(generate(2), (0, 2));
     let manifest = folder.path().join("w/manifest.csv");
     let old = std::fs::read_to_string(&manifest).unwrap().replace(",v1,", ",v0,");
     std::fs::write(&manifest, old).unwrap();
-    assert_eq!(generate(3), (3, 0));
+    refused(2);
 }
 
 #[test]
@@ -163,34 +172,35 @@ fn manifest(folder: &Path) -> Vec<BTreeMap<String, String>> {
 fn the_manifest_records_the_weather_file_and_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let weather = undesigned(folder.path());
-    let out = folder.path().join("o");
     let settings = "--set x_scale=1.25 --set infiltration=0.5..0.6";
-    let generate = |zone: &str| {
+    let generate = |zone: &str, out: &str| {
         let arguments =
             format!("generate RetailStandalone --count 4 --weather somewhere.epw {settings} {zone}");
-        let output = b2b(folder.path(), &format!("{arguments} --out o --json"));
+        let output = b2b(folder.path(), &format!("{arguments} --out {out} --json"));
         assert!(output.status.success(), "{}", stderr(&output));
         let said: Value = serde_json::from_slice(&output.stdout).unwrap();
         (said["written"].as_u64().unwrap(), stderr(&output))
     };
-    let (written, said) = generate("");
+    let (written, said) = generate("", "5");
     assert_eq!(written, 4);
     assert!(said.contains("somewhere: climate zone 5B") && said.contains("--zone"), "{said}");
     assert!(said.contains("no design conditions") && said.contains("99.6 %"), "{said}");
-    for row in manifest(&out) {
+    for row in manifest(&folder.path().join("5")) {
         assert_eq!((row["place"].as_str(), row["climate_zone"].as_str()), ("somewhere", "5B"));
         assert_eq!(row["x_scale"], "1.25");
         assert!((0.5..=0.6).contains(&row["infiltration"].parse::<f64>().unwrap()));
         assert_eq!(row["weather_sha256"].len(), 64);
     }
-    // Nothing is generated twice; another zone, or another file of the same name, gives other buildings.
-    assert_eq!(generate("").0, 0);
-    let (written, said) = generate("--zone 6A");
+    assert_eq!(generate("", "5").0, 0, "nothing is generated twice");
+    let (written, said) = generate("--zone 6A", "6");
     assert!(written == 4 && !said.contains("climate zone"), "{said}");
-    assert_eq!(manifest(&out)[0]["climate_zone"], "6A");
-    let warmer = std::fs::read_to_string(&weather).unwrap() + "\n";
-    std::fs::write(&weather, warmer).unwrap();
-    assert_eq!(generate("--zone 6A").0, 4);
+    assert_eq!(manifest(&folder.path().join("6"))[0]["climate_zone"], "6A");
+    let text = std::fs::read_to_string(&weather).unwrap() + "\n";
+    std::fs::write(&weather, text).unwrap();
+    let again =
+        format!("generate RetailStandalone --count 4 --weather somewhere.epw {settings} --zone 6A --out 6");
+    let said = stderr(&b2b(folder.path(), &again));
+    assert!(said.contains("is of other parameters"), "another weather file of the same name: {said}");
 }
 
 #[test]

@@ -1,5 +1,8 @@
 use super::*;
 
+/// The values after the dry bulb: a low dew point, a pressure of 10⁵ Pa and ones.
+const REST: &str = ",-90,1,1e5,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1";
+
 /// An EPW text with rows of these days, from 0 in a year without 29 February, each with a number of rows an hour.
 fn text(days: impl IntoIterator<Item = usize>, intervals: u32, value: impl Fn(usize) -> String) -> String {
     let mut text = "LOCATION,A\n".to_owned() + &"header\n".repeat(6);
@@ -12,9 +15,8 @@ fn text(days: impl IntoIterator<Item = usize>, intervals: u32, value: impl Fn(us
         }
         for row in 0..24 * intervals {
             let (hour, minute) = (row / intervals + 1, (row % intervals + 1) * 60 / intervals);
-            let rest = ",1".repeat(28);
             let dry_bulb = value(day * 24 * intervals as usize + row as usize);
-            text += &format!("2005,{},{date},{hour},{minute},flags,{dry_bulb}{rest}\n", month + 1);
+            text += &format!("2005,{},{date},{hour},{minute},flags,{dry_bulb}{REST}\n", month + 1);
         }
     }
     text
@@ -63,7 +65,7 @@ fn hours_of_quarter_hourly_rows_end_with_the_fourth() {
 /// A day of rows whose values are the numbers of their columns, from 0.
 fn numbered_columns(intervals: u32) -> String {
     let rest: String = (7..35).map(|column| format!(",{column}")).collect();
-    text(0..1, intervals, |_| "6".to_owned()).replace(&",1".repeat(28), &rest)
+    text(0..1, intervals, |_| "6".to_owned()).replace(REST, &rest.replace(",9,", ",1e5,"))
 }
 
 #[test]
@@ -81,8 +83,8 @@ fn every_value_is_read_from_its_column() {
 #[test]
 fn a_missing_value_before_the_first_is_the_engine_s() {
     let text = numbered_columns(1);
-    let missing = text.replace("6,7,8,", "99.9,99.9,999,").replace(",13,14,15,", ",9999,9999,9999,");
-    let hour = Record::read(&missing.replace(",20,21,", ",20,999,")).unwrap().hours()[0];
+    let missing = text.replacen("6,7,8,", "99.9,99.9,999,", 1).replacen(",13,14,15,", ",9999,9999,9999,", 1);
+    let hour = Record::read(&missing.replacen(",20,21,", ",20,999,", 1)).unwrap().hours()[0];
     assert_eq!([hour.dew_point, hour.relative_humidity, hour.wind_speed], [3.0, 50.0, 2.5]);
     assert_eq!([hour.direct_radiation, hour.diffuse_radiation], [0.0, 0.0]);
 }
@@ -134,9 +136,9 @@ fn a_truncated_file_is_an_error_with_its_last_day() {
 
 #[test]
 fn only_the_columns_of_the_engine_are_needed() {
-    let first_27 = of(0..1, day_number).replace(&",1".repeat(28), &",1".repeat(20));
+    let first_27 = of(0..1, day_number).replace(REST, &REST[..REST.len() - ",1".len() * 8]);
     assert_eq!(Record::read(&first_27).unwrap().hours().len(), 24);
-    let first_26 = why(&first_27.replace(&",1".repeat(20), &",1".repeat(19)));
+    let first_26 = why(&first_27.replace(",1\n", "\n"));
     assert!(first_26.contains("26 columns instead of at least 27"), "{first_26}");
     assert!(why(&of(0..1, |_| "nan".to_owned())).contains("line 9: column 7 is `nan`"));
 }
@@ -148,4 +150,36 @@ fn a_value_that_is_not_plausible_is_an_error_with_its_limits() {
     let hint = why(&of(0..1, |_| "300".to_owned()).replace("LOCATION,A", "a"));
     assert!(hint.ends_with("an EPW file begins with LOCATION"), "{hint}");
     assert!(why(&text(0..0, 7, day_number)).contains("a number that divides 60"));
+}
+
+#[test]
+fn a_value_in_another_unit_is_an_error() {
+    let of = |column: &str, value: &str| why(&numbered_columns(1).replacen(column, value, 1));
+    let dew_point = of(",6,7,", ",6,12,");
+    assert!(dew_point.contains("the dew point is 12 °C, above the dry bulb of 6 °C"), "{dew_point}");
+    let pressure = of(",1e5,", ",1013,");
+    assert!(pressure.contains("the pressure (Pa) is 1013; expected 31000 to 120000"), "{pressure}");
+    let kilojoules = of(",13,14,", ",13,3402,");
+    assert!(
+        kilojoules.contains("the direct normal radiation is 3402 W/m²; expected 0 to 2000"),
+        "{kilojoules}"
+    );
+}
+
+#[test]
+fn a_value_that_is_missing_for_hours_is_an_error() {
+    let between = |rows: std::ops::Range<usize>| {
+        let gap = move |row: usize| if rows.contains(&row) { "99.9".to_owned() } else { "0".to_owned() };
+        Record::read(&of(0..2, gap))
+    };
+    assert!(between(20..26).is_ok());
+    let hours = between(20..27).unwrap_err();
+    let expected = "line 35: the dry-bulb temperature (°C) is missing for more than 6 hours";
+    assert!(hours.starts_with(expected), "{hours}");
+    let sun = |night: &str| {
+        let night = numbered_columns(1).replacen(",15,", night, 4).replacen(",15,", ",9999,", 6);
+        Record::read(&night)
+    };
+    assert!(sun(",0,").is_ok());
+    assert!(sun(",9999,").unwrap_err().starts_with("line 15: the diffuse horizontal radiation is missing"));
 }

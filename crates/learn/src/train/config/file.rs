@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use super::idle;
 use super::preset_choice::PresetChoice;
 use super::train_config::TrainConfig;
 use crate::error::{Error, Result, at};
@@ -147,6 +148,7 @@ impl TrainConfig {
 
     fn with_table(&self, mut changes: Table) -> Read<Self> {
         let said = |error: Error| error.to_string();
+        let is_whole = is_whole(&changes);
         let (mut base, problem) = match changes.remove("preset") {
             // A preset has no problem: this configuration's is applied to it.
             Some(Value::String(name)) => {
@@ -154,7 +156,7 @@ impl TrainConfig {
             }
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),
             // What the file of a run leaves out is `None`, and not this configuration's.
-            None if is_whole(&changes) => {
+            None if is_whole => {
                 let default = Self::default().with_algorithm(self.learner.name()).map_err(said)?;
                 (default, self.training_set.problem.clone())
             }
@@ -174,13 +176,10 @@ impl TrainConfig {
             base = base.with_algorithm(name).map_err(said)?;
         }
         let mut all: Table = toml::from_str(&base.to_toml()).map_err(|error| error.to_string())?;
-        let width = changed_width(&all, &changes);
+        let chosen = if is_whole { Vec::new() } else { idle::chosen(&all, &changes) };
         merge(&mut all, changes);
         let mut config = Self::from_table(all)?;
-        if let Some(width) = width.filter(|_| config.agent.policy.is_graph()) {
-            let remedy = "graph networks have `policy.embedding` and `policy.feed_forward`";
-            return Err(format!("`ppo.{width}` is for other networks; {remedy}"));
-        }
+        idle::check(&config, &chosen)?;
         config.training_set.allow_external = self.training_set.allow_external;
         Ok(config)
     }
@@ -270,19 +269,6 @@ fn is_whole(changes: &Table) -> bool {
     let all: Table = toml::from_str(&TrainConfig::default().to_toml()).expect("what is written can be read");
     let given = [ALGORITHM, "problem", LearnerChoice::default().name()];
     all.keys().all(|key| given.contains(&key.as_str()) || changes.contains_key(key))
-}
-
-/// Returns the option of the hidden layers of PPO that changes set to another value than a table has; none for the file of
-/// a run, which has every option.
-fn changed_width(base: &Table, changes: &Table) -> Option<&'static str> {
-    let count = |table: &Table| table.get("ppo").and_then(Value::as_table).map_or(0, Table::len);
-    if count(changes) >= count(base) {
-        return None;
-    }
-    let of = |table: &Table, name: &str| table.get("ppo")?.get(name).cloned();
-    ["actor_hidden", "critic_hidden"]
-        .into_iter()
-        .find(|name| of(changes, name).is_some_and(|value| of(base, name) != Some(value)))
 }
 
 /// Checks that a table whose `kind` has no options has none, which the readers of such kinds accept.

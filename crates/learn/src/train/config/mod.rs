@@ -8,6 +8,7 @@ mod budget;
 mod checkpoints;
 mod evaluation;
 mod file;
+mod idle;
 mod noise;
 mod one_or_many;
 mod preset_choice;
