@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use b2b_base::folder_lock::FolderLock;
@@ -52,6 +52,15 @@ pub fn refuse_others(folder: &Path, own: &str) -> Result<()> {
         }
         None => Ok(()),
     }
+}
+
+/// Returns a path as a part of the name of an output folder, which files of one name in other folders do not share.
+pub fn path_in_name(path: &Path) -> String {
+    let parts = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_string_lossy().replace(' ', "_")),
+        _ => None,
+    });
+    parts.collect::<Vec<_>>().join("_")
 }
 
 impl OutputFolder {
@@ -153,6 +162,13 @@ mod tests {
     fn names(folder: &Path) -> Vec<String> {
         let entries = std::fs::read_dir(folder).unwrap();
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn files_of_one_name_in_other_folders_have_other_names() {
+        let names = ["office.idf", "a/my office.idf", "../office.idf", "/a/office.epJSON"];
+        let expected = ["office.idf", "a_my_office.idf", "office.idf", "a_office.epJSON"];
+        assert_eq!(names.map(|name| path_in_name(Path::new(name))), expected);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use b2b_env::{Spaces, Task};
 use serde_json::Value;
 
 use super::task;
+use crate::output_folder::path_in_name;
 use crate::program::prepare::Prepared;
 use crate::terminal::suggestion;
 
@@ -114,9 +115,7 @@ impl Chosen<'_> {
         let parameters = match self.parameters {
             Parameters::Tuned => String::new(),
             Parameters::Default => "-default".to_owned(),
-            Parameters::File(path) => {
-                format!("-{}", path.file_stem().unwrap_or_default().to_string_lossy())
-            }
+            Parameters::File(path) => format!("-{}", path_in_name(&path.with_extension(""))),
         };
         match self.seed {
             0 => parameters,

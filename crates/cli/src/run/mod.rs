@@ -7,7 +7,7 @@ pub mod summary;
 pub mod trajectory_file;
 
 use std::io::Write as _;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use anyhow::{Result, bail};
@@ -20,7 +20,7 @@ use serde_json::Value;
 use crate::arguments::controller::{Chosen, ControllerArguments};
 use crate::arguments::location::Location;
 use crate::arguments::task;
-use crate::output_folder::{self, OutputFolder};
+use crate::output_folder::{self, OutputFolder, path_in_name};
 use crate::program::prepare::Prepared;
 use crate::rollout::Rollout;
 use crate::terminal::{interrupt, stdout};
@@ -270,13 +270,4 @@ impl Arguments {
             PathBuf::from("b2b-out").join(name)
         })
     }
-}
-
-/// Returns the path of a file as a part of a name, which files of one name in other folders do not share.
-fn path_in_name(path: &Path) -> String {
-    let parts = path.components().filter_map(|part| match part {
-        Component::Normal(name) => Some(name.to_string_lossy().replace(' ', "_")),
-        _ => None,
-    });
-    parts.collect::<Vec<_>>().join("_")
 }
