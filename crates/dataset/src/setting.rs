@@ -10,6 +10,8 @@ use crate::{Error, Result};
 
 /// Parameters of a house that are integers or words.
 const HOUSE_CHOICES: [&str; 4] = ["year", "storeys", "foundation", "garage"];
+/// Parameters of the heating system of a house.
+const HEATING: [&str; 4] = ["heater", "heater_efficiency", "heat_pump_cop", "heat_pump_cutoff"];
 
 /// A parameter, by its name in the manifest, with a value or a range: `infiltration=0.5..1.2`, `storeys=2` or
 /// `foundation=slab`.
@@ -34,7 +36,8 @@ impl Setting {
     /// Returns the names of the parameters of a type.
     pub fn names(building_type: BuildingType) -> Vec<&'static str> {
         if building_type == BuildingType::SingleFamilyHouse {
-            return HOUSE_CHOICES.into_iter().chain(NUMBERS.map(|number| number.name())).collect();
+            let numbers = NUMBERS.map(|number| number.name());
+            return HOUSE_CHOICES.into_iter().chain(numbers).chain(HEATING).collect();
         }
         CommercialParameters::NAMES.to_vec()
     }
@@ -60,16 +63,17 @@ impl Setting {
         Ok((low + share * (high - low + 1.0)).min(high) as u32)
     }
 
+    /// Returns whether the value is a word.
+    pub(super) fn is(&self, word: &str) -> bool {
+        self.text.eq_ignore_ascii_case(word)
+    }
+
     /// Returns the value of a word.
     pub(super) fn word<T: Copy>(&self, words: &[(&str, T)]) -> Result<T> {
-        words
-            .iter()
-            .find(|(word, _)| word.eq_ignore_ascii_case(&self.text))
-            .map(|(_, value)| *value)
-            .ok_or_else(|| {
-                let words: Vec<_> = words.iter().map(|(word, _)| *word).collect();
-                self.wrong(format!("expected {}", words.join(" or ")))
-            })
+        words.iter().find(|(word, _)| self.is(word)).map(|(_, value)| *value).ok_or_else(|| {
+            let words: Vec<_> = words.iter().map(|(word, _)| *word).collect();
+            self.wrong(format!("expected {}", words.join(" or ")))
+        })
     }
 
     fn within(&self, bound: Parameter) -> Result<[f64; 2]> {
@@ -84,7 +88,8 @@ impl Setting {
         Ok(range)
     }
 
-    fn wrong(&self, remedy: String) -> Error {
+    /// Returns an error with what to do.
+    pub(super) fn wrong(&self, remedy: String) -> Error {
         Error::Setting { name: self.name.clone(), text: self.text.clone(), remedy }
     }
 }

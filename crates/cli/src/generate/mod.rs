@@ -73,6 +73,7 @@ Examples:
   b2b generate SingleFamilyHouse --count 50 --place Estrie --out houses
   b2b generate OfficeSmall --set window_to_wall=0.3 --set infiltration=0.5..1 --out offices
   b2b generate SingleFamilyHouse --set year=1946..1970 --set foundation=slab --out bungalows
+  b2b generate SingleFamilyHouse --set heat_pump_cop=none --set heater=fuel --out furnaces
   b2b generate Warehouse --weather Oslo.epw --out oslo     any place with a weather file
   b2b generate --dataset v1 --out v1                       all 6,000 buildings, 1.5 GB
   b2b generate OfficeSmall --dataset v1 --split test --out v1

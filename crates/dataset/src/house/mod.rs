@@ -37,8 +37,10 @@ pub use geometry::Geometry;
 pub use household::Household;
 pub use hvac::capacities::Capacities;
 pub use hvac::thermostat::{add_thermostat, lacks_thermostat};
+pub(crate) use parameters::bounds::{HEAT_PUMP_COP, HEAT_PUMP_CUTOFF, HEATER_EFFICIENCY};
 pub use parameters::bounds::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
+pub(crate) use sample::{CUTOFF, FUEL};
 pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};
 pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 

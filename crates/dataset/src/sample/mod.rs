@@ -1,5 +1,6 @@
 //! Latin hypercube samples of buildings, with parameters rounded to the decimals of the manifest.
 
+mod heating;
 pub(crate) mod hypercube;
 pub(crate) mod split;
 
@@ -20,6 +21,9 @@ use b2b_base::random::stream;
 
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
 const DECIMALS: [i32; 9] = [4, 4, 4, 4, 5, 4, 4, 4, 1];
+
+/// Coordinate of the heating system of a house.
+const SYSTEM: usize = 15;
 
 /// The stream of the seeds of households, distinct from the hypercube's streams.
 const HOUSEHOLDS: u64 = 2000;
@@ -157,6 +161,7 @@ fn house(
             number.field.set(house, value);
         }
     }
+    house.heating = heating::set(house.heating, point[SYSTEM], settings)?;
     Ok(Building::House(sample))
 }
 

@@ -56,9 +56,9 @@ impl Number {
     }
 }
 
-const HEAT_PUMP_COP: Parameter = Parameter::new("heat_pump_cop", "1", 1.5, 8.0);
-const HEAT_PUMP_CUTOFF: Parameter = Parameter::new("heat_pump_cutoff", "°C", -30.0, 10.0);
-const HEATER_EFFICIENCY: Parameter = Parameter::new("heater_efficiency", "1", 0.5, 1.0);
+pub(crate) const HEAT_PUMP_COP: Parameter = Parameter::new("heat_pump_cop", "1", 1.5, 8.0);
+pub(crate) const HEAT_PUMP_CUTOFF: Parameter = Parameter::new("heat_pump_cutoff", "°C", -30.0, 10.0);
+pub(crate) const HEATER_EFFICIENCY: Parameter = Parameter::new("heater_efficiency", "1", 0.5, 1.0);
 const FLOW: Parameter = Parameter::new("capacities.flow", "m³/s", 0.02, 5.0);
 const COOLING: Parameter = Parameter::new("capacities.cooling", "W", 500.0, 1e5);
 const HEATING: Parameter = Parameter::new("capacities.heating", "W", 500.0, 1e5);

@@ -51,9 +51,9 @@ const RECOVERY: [f64; 2] = [0.55, 0.75];
 const HEATING_OVERSIZING: [f64; 2] = [1.1, 1.7];
 const COOLING_OVERSIZING: [f64; 2] = [1.0, 1.5];
 /// Outdoor temperature under which a single-speed compressor stops, °C (a house of the original data set).
-const CUTOFF: f64 = -12.0;
+pub(crate) const CUTOFF: f64 = -12.0;
 /// Efficiency of a fuel furnace (stock table: 80 % AFUE).
-const FUEL: Heater = Heater::Fuel { efficiency: 0.8 };
+pub(crate) const FUEL: Heater = Heater::Fuel { efficiency: 0.8 };
 /// SEER of cooling in a house with a furnace: the stock's usual heat pump (engineering judgment: the table has central
 /// cooling but not its efficiency).
 const FURNACE_SEER: f64 = 13.0;
