@@ -14,7 +14,7 @@ pub(super) const RADIATION: [(usize, &str); 3] = [
     (column::DIFFUSE, "diffuse horizontal radiation"),
 ];
 pub(super) const RADIATIONS: std::ops::Range<f64> = 0.0..9999.0;
-/// Above the radiation of the sun with reflections of clouds, and below a day of it in kJ/m², W/m².
+/// Highest plausible radiation, W/m²: above the sun with reflections of clouds, below the same in kJ/m² an hour.
 const HIGHEST_RADIATION: f64 = 2000.0;
 /// The largest difference of a dew point above its dry bulb, K: of rounding, instruments and freezing fog.
 const SUPERSATURATION: f64 = 5.0;
