@@ -35,6 +35,7 @@ fn commercial() -> anyhow::Result<String> {
     {
         for zone in ZONES {
             let buildings = in_zone(building_type, zone);
+            // The envelope is the same for every letter.
             let code = Prescriptive::of(&format!("{zone}A"))?;
             let of = |value: &dyn Fn(&CommercialParameters) -> f64| {
                 buildings.iter().map(|each| value(each)).collect()

@@ -62,7 +62,7 @@ pub fn generate(
 /// [`generate`] for a climate zone, for example `5B`.
 ///
 /// # Errors
-/// Same as [`generate`], and [`crate::Error::ClimateZone`] for a zone outside 1 to 8.
+/// Same as [`generate`], and [`crate::Error::ClimateZone`] for a zone outside 1A to 8.
 pub fn generate_in_zone(
     base: &Model,
     building_type: BuildingType,

@@ -42,7 +42,7 @@ const MAX_WINDOW_TO_WALL: f64 = 0.40;
 /// [`CommercialParameters`]. Ranges are from the paper's appendix on dataset generation, except for walls and roofs.
 ///
 /// # Errors
-/// [`Error::ClimateZone`] for a zone outside 1 to 8; [`Error::NotCommercial`] for a house.
+/// [`Error::ClimateZone`] for a zone outside 1A to 8; [`Error::NotCommercial`] for a house.
 pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Parameter; 9]> {
     let code = Prescriptive::of(ashrae_zone)?;
     let windows = prototype_window_to_wall(building_type)?;

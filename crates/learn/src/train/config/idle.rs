@@ -36,7 +36,7 @@ fn of_graph(config: &TrainConfig) -> Option<&'static str> {
     config.agent.policy.is_graph().then_some(remedy)
 }
 
-/// Returns the options of this kind that changes set to a value that neither the table before them nor the default has.
+/// Returns those of [`OPTIONS`] that changes set to a value other than before and than the default.
 pub(super) fn chosen(base: &Table, changes: &Table) -> Vec<&'static str> {
     let default = toml::from_str(&TrainConfig::default().to_toml()).expect("what is written can be read");
     let is_chosen = |option: &str| {
