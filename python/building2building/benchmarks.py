@@ -284,7 +284,9 @@ class Problem:
         Known baselines do not run again. An agent keeps its memory where the problem says so; for other policies with
         memory, there is :meth:`run`.
         """
-        if hasattr(policy, "next_episode") and self._keeps_memory():
+        if "run_period" in arguments:
+            raise SettingError(f"{self.name} has its own run periods; omit run_period, or redefine its windows")
+        if hasattr(policy, "next_episode") and not is_built_in(policy) and self._keeps_memory():
             raise SettingError(
                 f"{name_of(policy)} has the method next_episode, and policies keep their memory in {self.name}; call "
                 "Problem.run, which runs consecutive episodes"

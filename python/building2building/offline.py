@@ -11,7 +11,7 @@ import numpy as np
 from .buildings import Building, Found, PathLike, as_building
 from .env import unwrap
 from .errors import SettingError, need
-from .rollouts import BuiltInController
+from .rollouts import BuiltInController, PhysicalController
 
 
 def collect(
@@ -43,7 +43,9 @@ def collect(
     minari = need("minari", "'minari[hdf5,create]'")
     found = [as_building(each, place, weather, control) for each in buildings]
     types = {each.building_type for each in found}
-    if len(types) != 1 or None in types:
+    if imported := [each.name for each in found if each.building_type is None]:
+        raise SettingError(f"{imported[0]} is an imported model, for which a dataset has no environment")
+    if len(types) != 1:
         raise SettingError("the buildings of a Minari dataset must have one type; collect one dataset per type")
     arguments.setdefault("rescale_action", len(found) > 1)
     env = gymnasium.make(f"b2b/{types.pop()}-v0", **_selection(found[0]), **arguments)
@@ -78,7 +80,9 @@ def collect(
                 done, count = False, 0
                 while not done and (steps is None or count < steps):
                     action = np.asarray(policy(observation), dtype=space.dtype).clip(space.low, space.high)
-                    observation, _, terminated, truncated, _ = collector.step(action)
+                    observation, reward, terminated, truncated, _ = collector.step(action)
+                    if isinstance(policy, PhysicalController):
+                        policy.reward(float(reward))
                     done, count = terminated or truncated, count + 1
         return collector.create_dataset(
             dataset_id=dataset_id,

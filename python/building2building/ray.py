@@ -1,8 +1,9 @@
 """Evaluation, training, tuning and experiments on a Ray cluster, with the same results as on one machine.
 
-Work is divided into Ray tasks of one core each. A task runs in the temporary folder of its node and returns its files,
-which the caller writes into the folder of the results: nodes need no shared file system. A task whose node is lost runs
-again on another. Repeating an interrupted call resumes it: only what the folder does not contain is run.
+Work is divided into Ray tasks of one core each, unless :class:`Resources` says otherwise: a training uses all cores of
+its node. A task runs in the temporary folder of its node and returns its files, which the caller writes into the folder
+of the results: nodes need no shared file system. A task whose node is lost runs again on another. Repeating an
+interrupted call resumes it: only what the folder does not contain is run.
 
 Every node needs this package, and downloads EnergyPlus on first use. Requires ``pip install ray``.
 """
@@ -68,6 +69,8 @@ def evaluate(
     """
     if chunk < 1:
         raise SettingError(f"chunk={chunk}; expected at least 1")
+    if "jobs" in arguments:
+        raise SettingError("jobs has no effect: each task runs one episode at a time; pass chunk and resources")
     request = Request(policy, buildings, tasks, folder=folder, **arguments)
     policy_files: Files = {}
     if isinstance(request.policy, str) and _is_path(request.policy):

@@ -59,10 +59,10 @@ class SB3VecEnv(VecEnv):
     def reset(self) -> Any:
         if not self.envs.rescale_action:
             warn_of_learner()
-        observations, _ = self.envs.reset(seed=self._seed)
+        observations, begun = self.envs.reset(seed=self._seed)
         self._seed = None
         self._returns[:], self._lengths[:] = 0, 0
-        self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        self.reset_infos = [{name: begun[name][index] for name in begun} for index in range(self.num_envs)]
         return self._scaled(observations)
 
     def step_async(self, actions: Any) -> None:
@@ -81,6 +81,7 @@ class SB3VecEnv(VecEnv):
                 "episode": {"r": float(self._returns[index]), "l": int(self._lengths[index]), "t": 0.0},
                 "metrics": all_infos["final_info"]["metrics"][index],
             }
+            self.reset_infos[index] = {name: all_infos[name][index] for name in ("weather", "first_day")}
             self._returns[index], self._lengths[index] = 0, 0
         return self._scaled(observations), rewards.astype(np.float32), dones, infos
 
@@ -101,6 +102,11 @@ class SB3VecEnv(VecEnv):
             return [self.envs.layout_of(index) for index in indices]
         value = getattr(self if attr_name in ("observation_space", "action_space") else self.envs, attr_name)
         return [value for _ in indices]
+
+    def set_options(self, options: Any = None) -> None:
+        """Raises for options, because batches have none."""
+        if options:
+            raise NotImplementedError(f"options of reset are {options!r}; expected none")
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Raises, because the settings of the environments are fixed."""

@@ -27,7 +27,7 @@ parser.add_argument("--building", default="OfficeMedium-0626")
 parser.add_argument("--decisions", type=int, default=57_600)
 parser.add_argument("--every", type=int, default=5_760, help="decisions between evaluations")
 parser.add_argument("--period", default="01-01..01-31")
-parser.add_argument("--held-out", default="01-10..01-23", help="days of the evaluations")
+parser.add_argument("--evaluated", default="01-10..01-23", help="days of the evaluations, among those of training")
 parser.add_argument("--test", nargs="*", default=["02-01..02-28"])
 parser.add_argument("--runners", type=int, default=0, choices=[0, 1, 2, 4, 8], help="processes of Ray; 0: this process")
 parser.add_argument("--seed", type=int, default=0)
@@ -44,6 +44,10 @@ class NextStep(VectorWrapper):
         super().__init__(env)
         self.metadata = {**env.metadata, "autoreset_mode": AutoresetMode.NEXT_STEP}
         self.ended = np.zeros(env.num_envs, bool)
+
+    def reset(self, *, seed=None, options=None):
+        self.ended[:] = False
+        return self.env.reset(seed=seed, options=options)
 
     def step(self, actions):
         seen, rewards, terminated, truncated, infos = self.env.step(actions)
@@ -128,7 +132,7 @@ def main():
     register_env("supervised", make_envs)
     # Small networks are slower with several threads, and the engine needs the processors.
     torch.set_num_threads(1)
-    constraint = ComfortConstraint(arguments.building, arguments.held_out, acting=ACTING)
+    constraint = ComfortConstraint(arguments.building, arguments.evaluated, acting=ACTING)
     algorithm = algorithm_of(arguments)
     module = algorithm.get_module()
 

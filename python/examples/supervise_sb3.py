@@ -23,7 +23,7 @@ parser.add_argument("--building", default="OfficeMedium-0626")
 parser.add_argument("--decisions", type=int, default=9_600)
 parser.add_argument("--every", type=int, default=960, help="decisions between evaluations")
 parser.add_argument("--period", default="01-01..01-31")
-parser.add_argument("--held-out", default="01-10..01-23", help="days of the evaluations")
+parser.add_argument("--evaluated", default="01-10..01-23", help="days of the evaluations, among those of training")
 parser.add_argument("--test", nargs="*", default=["02-01..02-28"])
 parser.add_argument("--seed", type=int, default=0)
 arguments = parser.parse_args()
@@ -32,7 +32,7 @@ every = min(arguments.every, arguments.decisions)
 ACTING, ENVS = "supervisory:60", 8
 # A decision lasts twelve steps, each of which discounts by 0.995.
 GAMMA = 0.995**12
-constraint = ComfortConstraint(arguments.building, arguments.held_out, acting=ACTING)
+constraint = ComfortConstraint(arguments.building, arguments.evaluated, acting=ACTING)
 envs = make_sb3_vec(
     arguments.building,
     ENVS,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use b2b_base::suggestion::did_you_mean;
 use b2b_climate::TwoWeeks;
 
+use crate::RunPeriod;
 use crate::parameter::OutOfBounds;
 
 /// An error of this crate.
@@ -117,12 +118,12 @@ pub enum Error {
         why: &'static str,
     },
     /// A weather file of part of a year, where a year is simulated.
-    #[error("{weather} has {span}; a year of metered energy needs weather of every day", weather = weather.display())]
+    #[error("{weather} has only days of {days}; a year of metered energy needs weather of every day", weather = weather.display())]
     PartOfYear {
         /// The weather file.
         weather: PathBuf,
-        /// The days that it has.
-        span: String,
+        /// Its days, from the first to the last.
+        days: RunPeriod,
     },
     /// Text that is neither a run period nor a named two-week period.
     #[error(

@@ -1,9 +1,11 @@
 //! Run periods: the days of an episode.
 
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 
 use b2b_base::calendar::{Calendar, is_leap_year};
+use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -132,6 +134,18 @@ impl RunPeriod {
 
     const NAMED: [(&str, Self); 3] =
         [("winter", Self::WINTER), ("summer", Self::SUMMER), ("full_year", Self::FULL_YEAR)];
+
+    /// Returns the days of a weather file of part of a year, from the first to the last; `None` for one of a whole year.
+    ///
+    /// # Errors
+    /// [`Error::Climate`] when the file cannot be read or has no hours.
+    pub fn of_part(weather: &Path) -> Result<Option<Self>> {
+        let file = EpwFile::open(weather)?;
+        file.check()?;
+        let record = file.record()?;
+        let span = record.span().filter(|_| !record.is_whole_year());
+        Ok(span.map(|days| days.map(Date::of_day)).map(|[first, last]| Self::new(first, last)))
+    }
 
     const fn between(first: (u32, u32), last: (u32, u32)) -> Self {
         Self {

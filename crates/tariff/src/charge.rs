@@ -3,6 +3,7 @@
 use b2b_base::suggestion::{did_you_mean, nearest};
 use toml::Spanned;
 
+use crate::calendar::DAYS;
 use crate::error::Fault;
 use crate::file::{DemandFile, MAX_CHARGES, Ratchet};
 use crate::span::{Dates, Days, Hours};
@@ -56,6 +57,16 @@ fn charge(entry: &Spanned<DemandFile>, all: &[Spanned<DemandFile>]) -> Result<Ch
         && !(0.0..=1.0).contains(&share)
     {
         return Err(fault(format!("has the ratchet share {share}; expected 0 to 1, such as 0.65")));
+    }
+    if entry.hours.as_ref().is_some_and(Vec::is_empty) {
+        return Err(fault("has no `hours`; expected times such as \"16-20\", or leave `hours` out".into()));
+    }
+    let never =
+        |ratchet: &Ratchet| !(1..=DAYS).any(|day| entry.dates.contain(day) && ratchet.dates.contain(day));
+    if entry.ratchet.as_ref().is_some_and(never) {
+        return Err(fault(
+            "has a ratchet without effect: none of its dates is among the charge's `dates`".into(),
+        ));
     }
     Ok(Charge {
         name: entry.name.clone(),

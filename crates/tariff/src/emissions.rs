@@ -10,6 +10,11 @@ use crate::error::{Fault, Result, read};
 use crate::file::Source;
 use crate::fuel::{FuelValues, Fuels};
 
+/// Limit of an hour's electricity, kg/MWh: a power plant that burns lignite emits about 1200.
+const MOST: f64 = 3000.0;
+/// Limit of fuels, kg/kWh: coal has 0.32. Beyond it, a value is per MWh.
+const MOST_OF_FUELS: f64 = 2.0;
+
 /// An emission profile.
 #[derive(Clone, Debug)]
 pub struct Emissions {
@@ -90,7 +95,7 @@ impl Emissions {
             rate: file.rate,
             source: file.source,
             electricity,
-            fuels: FuelValues::EMISSIONS.with(file.fuels.as_ref())?,
+            fuels: FuelValues::EMISSIONS.with(file.fuels.as_ref(), Some(MOST_OF_FUELS))?,
         })
     }
 
@@ -109,8 +114,8 @@ impl IntensityFile {
             (None, Some(winter), Some(spring), Some(summer), Some(autumn)) => [winter, spring, summer, autumn],
             _ => return Err("[electricity] needs either `flat` or all of `winter`, `spring`, `summer` and `autumn`, in kg/MWh".into()),
         };
-        if let Some(value) = per_mwh.iter().flatten().find(|value| !value.is_finite() || **value < 0.0) {
-            return Err(format!("[electricity] has {value} kg/MWh; expected numbers of at least 0"));
+        if let Some(value) = per_mwh.iter().flatten().find(|value| !(0.0..=MOST).contains(*value)) {
+            return Err(format!("[electricity] has {value} kg/MWh; expected numbers of 0 to {MOST}"));
         }
         Ok(per_mwh.map(|season| season.map(|value| value / 1000.0)))
     }

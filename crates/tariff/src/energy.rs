@@ -109,6 +109,7 @@ impl EnergyTable {
         let first = self.add_entry(entry, blocks, place)?;
         let whole = [Hours { from: 0, to: DAY }];
         let hours = entry.hours.as_deref().unwrap_or(&whole);
+        let mut is_used = false;
         for (day, weekend) in (1..=DAYS).flat_map(|day| [(day, false), (day, true)]) {
             if !(entry.dates.contain(day) && entry.days.contain(weekend)) {
                 continue;
@@ -118,6 +119,7 @@ impl EnergyTable {
                 let class = first + if entry.hourly.is_some() { (quarter / 4) as u16 } else { 0 };
                 if self.grid[at] == NONE {
                     self.grid[at] = class;
+                    is_used = true;
                 } else if !is_rest(entry) || taken[at] == NONE {
                     let other = &self.names[self.classes[usize::from(self.grid[at])].name];
                     let when = when(day, weekend, quarter);
@@ -126,7 +128,8 @@ impl EnergyTable {
                 }
             }
         }
-        Ok(())
+        let unused = || format!("`{}` is the price of no time; give it `hours`, or remove it", entry.name);
+        is_used.then_some(()).ok_or_else(|| Fault::at(place, unused()))
     }
 
     /// Adds the classes of an entry and returns the first: one, or one for each hour.

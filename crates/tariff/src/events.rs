@@ -55,6 +55,14 @@ impl EventRule {
             let why = "[electricity.events] allows no event; expected `hours`, `most_per_day` and `most_hours` above 0";
             return Err(Fault::at(place, why));
         }
+        let mut hours = file.hours.clone();
+        hours.sort_by_key(|hours| hours.from);
+        if hours.iter().all(|hours| hours.length() > given)
+            || hours.windows(2).any(|two| two[1].from < two[0].to)
+        {
+            let why = "[electricity.events] needs `hours` that do not overlap, one of them no longer than `most_hours`";
+            return Err(Fault::at(place, why));
+        }
         Ok(Self {
             class: energy.add("event", Class::flat(file.price, false), place)?,
             dates: file.dates.clone(),

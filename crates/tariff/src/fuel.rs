@@ -62,11 +62,11 @@ impl FuelValues {
         Self { gas, propane, fuel_oil, other_fuel, district_heating: None, district_cooling: None }
     }
 
-    /// Returns these values, replaced by the ones that a file may give.
+    /// Returns these values, replaced by the ones that a file may give, up to a limit.
     ///
     /// # Errors
-    /// A fault at the file's values for one that is negative or not finite.
-    pub(crate) fn with(self, given: Option<&Spanned<Fuels>>) -> Result<Self, Fault> {
+    /// A fault at the file's values for one that is negative, not finite or beyond the limit.
+    pub(crate) fn with(self, given: Option<&Spanned<Fuels>>, most: Option<f64>) -> Result<Self, Fault> {
         let Some(spanned) = given else { return Ok(self) };
         let given = spanned.get_ref();
         let named = [
@@ -78,8 +78,11 @@ impl FuelValues {
             ("district_cooling", given.district_cooling),
         ];
         for (name, value) in named {
-            if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
-                let why = format!("`{name}` is {value}; expected a number of at least 0");
+            let highest = most.unwrap_or(f64::MAX);
+            if let Some(value) = value.filter(|value| !(0.0..=highest).contains(value)) {
+                let expected =
+                    most.map_or("a number of at least 0".into(), |most| format!("0 to {most} kg/kWh"));
+                let why = format!("`{name}` is {value}; expected {expected}");
                 return Err(Fault::at(spanned.span().start, why));
             }
         }

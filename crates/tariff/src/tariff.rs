@@ -10,7 +10,9 @@ use crate::charge::{Charge, charges};
 use crate::energy::{Class, EnergyTable};
 use crate::error::{Fault, Result, read};
 use crate::events::{Event, EventRule};
-use crate::file::{BlocksFile, ColdFile, Customers, ElectricityFile, MAX_BLOCKS, Per, Source, TariffFile};
+use crate::file::{
+    BlocksFile, ColdFile, Customers, ElectricityFile, EnergyFile, MAX_BLOCKS, Per, Price, Source, TariffFile,
+};
 use crate::fuel::FuelValues;
 
 /// A tariff.
@@ -81,6 +83,11 @@ impl Tariff {
         let (place, electricity) = (file.electricity.span().start, file.electricity.into_inner());
         let blocks = Blocks::of(electricity.blocks.as_ref())?;
         let mut energy = EnergyTable::of(&electricity.energy, blocks.count, place)?;
+        let has_list = |entry: &Spanned<EnergyFile>| matches!(entry.get_ref().price, Some(Price::Blocks(_)));
+        if let Some(file) = electricity.blocks.as_ref().filter(|_| !electricity.energy.iter().any(has_list)) {
+            let why = "[electricity.blocks] has no effect: no `price` is a list with one for each block";
+            return Err(Fault::at(file.span().start, why));
+        }
         let events = electricity.events.as_ref();
         let events = events.map(|events| EventRule::of(events, &mut energy)).transpose()?;
         let cold = electricity.cold.as_ref();
@@ -96,7 +103,7 @@ impl Tariff {
             charges: charges(&electricity.demand)?,
             events,
             cold,
-            fuels: FuelValues::PRICES.with(file.fuels.as_ref())?,
+            fuels: FuelValues::PRICES.with(file.fuels.as_ref(), None)?,
             month_days: month_days(&electricity, place)?,
             energy,
             holidays: electricity.holidays,

@@ -152,7 +152,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         """Begins an episode at the end of the building's warm-up; takes milliseconds once the building is ready.
 
         ``seed`` determines the window of days with ``window_days``, the weather with ``weather_years`` and the targets
-        with ``resample_targets``. Everything else is the same in every episode.
+        with ``resample_targets``. Everything else is the same in every episode. ``info`` has the name of the building,
+        the weather file and the first day (of a year without 29 February, from 1).
         """
         super().reset(seed=seed)
         self._open_core()

@@ -75,7 +75,9 @@ class EpisodeContext:
         self.layout = Layout(spaces)
         #: Seed of the episode.
         self.seed = seed
-        self.building = Building(building, Found(building.name, None, None))
+        base = building.name.removesuffix("+setpoints")
+        control = "actuators" if base == building.name else "setpoints"
+        self.building = Building(building, Found(base, None, None, control=control))
         self.rescale_action = rescale_action
         self.metadata = Metadata(self.layout.metadata(), spaces.morphology)
         self.scale: Scale | None = None
@@ -175,8 +177,9 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
     ``policy`` is one of:
 
     - a function from an observation to an action, both as in :func:`make_env`: f32, actions in physical units, or in
-      [-1, 1] with ``rescale_action=True``. ``normalize=True`` normalizes observations as ``make_sb3_vec`` and
-      ``wrap_env_for_rl`` do. It is called once per step, from several threads;
+      [-1, 1] with ``rescale_action=True``. ``normalize=True`` normalizes observations by the bounds of the episode's
+      building, as ``make_sb3_vec`` does for a single building (batches of several have ``envs.scale``). It is called
+      once per step, from several threads;
     - a callable object with a ``reset`` method, which is copied for every episode;
     - a controller class such as :class:`ReactiveController`, which is instantiated for every episode with an
       :class:`EpisodeContext`;

@@ -108,7 +108,8 @@ def train(
     options of a run's ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``config`` is such a
     file, for example of an earlier run; other arguments take precedence. ``out`` is the folder of the run and of the
     agent. If it already has a run with the same options, that run continues from its last checkpoint; with ``resume``,
-    only ``steps`` can be given.
+    only ``steps`` can be given. ``jobs`` is the number of episodes to evaluate in parallel, by default the number of
+    CPU cores; the environments of the training use all of them.
 
     ``callback`` is called with the metrics of every update; when it returns ``False``, or at Ctrl-C, the run writes a
     checkpoint and ends with ``KeyboardInterrupt``. ``progress`` shows the steps and the last score on standard error.

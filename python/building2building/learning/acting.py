@@ -114,6 +114,10 @@ class ActingVectorEnv(VectorWrapper):
         self.action_space = batch_space(self.single_action_space, env.num_envs)
         self.metadata = _named(env.metadata, first)
 
+    def observation_mask(self) -> Array:
+        """Mask of the observations, ``[N, observations]``: none is padding."""
+        return np.ones((self.num_envs, *self.single_observation_space.shape), dtype=bool)
+
     def action_mask(self) -> Array:
         """Mask of the actions, ``[N, actions]``: all are read."""
         return np.ones((self.num_envs, *self.single_action_space.shape), dtype=bool)
@@ -152,6 +156,7 @@ class ActingVectorEnv(VectorWrapper):
             for environments, earlier in ends:
                 _add_ends(infos, earlier, environments)
             self._begin_with_decision(early)
+            self.env.add_begun(infos, ended)
         return self._seen.copy(), total, terminated, ended, infos
 
     def _begin_with_decision(self, environments: Array) -> None:

@@ -52,7 +52,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
       that hundreds of buildings take the memory of a few. Which buildings an environment runs depends on the seed
       alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
     - Infos: the infos of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read.
-      Columns of zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
+      Columns of zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun; then
+      ``weather`` and ``first_day`` are those of the new episodes, which ``_weather`` and ``_first_day`` mark.
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
       describe the end of an episode, as in Gymnasium; ``infos["_final_info"]`` marks the rows that have ended.
     - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
@@ -176,6 +177,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if self._plain:
             self.metadata["observation_names"] = [name for name, _, _ in slots[0]]
             self.metadata["action_names"] = [name for name, _, _ in actuators[0]]
+            self.metadata["observation_units"], self.metadata["action_units"] = core.units()
         #: Number of steps done in every environment's episode.
         self._steps = np.zeros(self.num_envs, dtype=int)
         self._rows = [Row(self.layouts[i % len(self.layouts)].spaces, self._by_role) for i in range(self.num_envs)]
@@ -206,7 +208,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         """Begins an episode in every environment, or with ``options={"reset_mask": mask}`` in some.
 
         ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. A list with a
-        number per environment is used as one seed.
+        number per environment is used as one seed. ``info`` has the name of the building, the weather file and the
+        first day (of a year without 29 February, from 1) of every environment.
         """
         self._open_core()
         number = self._seed_number(seed)
@@ -231,7 +234,13 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             self._begun = True
         self._observations = observations
         self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
-        return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
+        return self._seen(observations), self._episodes()
+
+    def _episodes(self) -> dict[str, Array]:
+        """Returns what identifies the episode of each environment."""
+        buildings, weather, days = zip(*self._open_core().episodes(), strict=True)
+        names = {"building": np.array(buildings, dtype=object), "weather": np.array(weather, dtype=object)}
+        return {**names, "first_day": np.array(days)}
 
     def _restart_after_fork(self, mask: Any) -> None:
         """Abandons the processes of the parent, which still owns them, and starts new ones."""
@@ -305,12 +314,15 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                     observations = self._begin_after_lost(info["_lost"])
                 self._read_rows(truncated)
                 self._steps = np.where(truncated, 0, steps)
+                self.add_begun(info, truncated)
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
             info["step"] = steps.copy()
             if self._reward is not None:
                 # Most rewards read only these.
                 info["reward_terms"] = reward_terms(numbers)
+        if reset.any() and self.autoreset_mode == AutoresetMode.NEXT_STEP:
+            self.add_begun(info, reset)
         if self._reward is not None:
             rewards = np.asarray(self._reward(info), dtype=np.float64)
             if rewards.shape != (self.num_envs,):
@@ -323,6 +335,12 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
                 rewards = np.where(reset, 0.0, rewards)
         terminated = np.zeros(self.num_envs, dtype=bool)
         return self._seen(observations), rewards, terminated, truncated.copy(), info
+
+    def add_begun(self, info: Info, begun: Array) -> None:
+        """Adds the weather files and first days of the episodes that have begun."""
+        episodes = self._episodes()
+        for name in ("weather", "first_day"):
+            info[name], info[f"_{name}"] = episodes[name], begun.copy()
 
     def _begin_after_lost(self, lost: Array) -> Array:
         """Begins the episodes after those that were lost, and returns the observations.

@@ -73,4 +73,4 @@ class GraphObservation(ObservationWrapper):
         for name, values in self._graph.split_observation(observation).items():
             rows, columns = self._observed[name]
             nodes[rows, columns] = values
-        return GraphInstance(nodes, self._edges, self._links)
+        return GraphInstance(nodes, self._edges.copy(), self._links.copy())

@@ -121,6 +121,11 @@ class PreviousStepVectorObservation(VectorWrapper):
         self._ended = ended
         return self._seen(observations), rewards, terminated, truncated, infos
 
+    def observation_mask(self) -> Array:
+        """Mask of the observations, ``[N, slots]``: ``False`` for padding and for slots of padded actions."""
+        always = np.ones((self.num_envs, 2), dtype=bool)
+        return np.concatenate([self.env.observation_mask(), self.env.action_mask(), always], axis=1)
+
     def _begin(self, environments: Array) -> None:
         self._previous[environments, :-1] = 0
         self._previous[environments, -1] = 1

@@ -67,6 +67,8 @@ const KEPT_BUILDINGS: usize = 2;
 /// Maximum number of environments in a batch, because a set of workers has at most that many processes.
 const MAX_ENVIRONMENTS: usize = 2048;
 
+/// An episode: building, weather file, and first day as day of a year without 29 February, from 1.
+type Begun = (String, String, u32);
 /// The end of an episode: last observation, metrics, and the reason if it was lost.
 type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<String>);
 
@@ -152,6 +154,13 @@ impl VecEnv {
             space.names().iter().zip(bounds).map(|(name, (low, high))| (name.clone(), *low, *high)).collect()
         };
         self.actions.iter().map(of).collect()
+    }
+
+    /// Returns the units of the numbers in a row of observations and of actions, for the first of [`VecEnv::spaces`].
+    fn units(&self) -> (Vec<&'static str>, Vec<&'static str>) {
+        let observed = self.slots.iter().take(1).flatten().map(|slot| slot.unit).collect();
+        let quantities = self.actions.iter().take(1).flat_map(ActionSpace::quantities);
+        (observed, quantities.map(|quantity| quantity.unit()).collect())
     }
 
     /// Returns the spaces of the building that an environment simulates.
@@ -281,12 +290,16 @@ impl VecEnv {
         Ok((arrays::row(py, &observation), metrics, lost))
     }
 
-    /// Returns the name of the building that each environment simulates.
-    fn buildings(&self, py: Python<'_>) -> PyResult<Vec<Option<String>>> {
+    /// Returns the name of the building, the weather file and the first day of each environment's episode.
+    fn episodes(&self, py: Python<'_>) -> PyResult<Vec<Begun>> {
         self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
-            let name = |index| envs.spaces(index).map(|spaces| spaces.building.name.clone());
-            Ok((0..envs.len()).map(name).collect())
+            let of = |index| {
+                let b2b_env::Spaces { building, episode, .. } = envs.spaces(index)?;
+                let weather = episode.weather.display().to_string();
+                Some((building.name.clone(), weather, episode.period.first().day_of_year()))
+            };
+            Ok((0..envs.len()).filter_map(of).collect())
         })
     }
 

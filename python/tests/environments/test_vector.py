@@ -134,11 +134,13 @@ def test_a_seed_draws_the_buildings_and_the_days(make_vec):
 
     def sampled(seed):
         observations, info = envs.reset(seed=seed)
-        return list(info["building"]), observations[:, -3].tolist()
+        days = info["first_day"].tolist()
+        assert all(1 <= day <= 8 and path.endswith(".epw") for day, path in zip(days, info["weather"], strict=True))
+        return list(info["building"]), observations[:, -3].tolist(), days
 
     episodes = [sampled(seed) for seed in range(4)]
     assert episodes == [sampled(seed) for seed in range(4)]
-    assert len({str(each) for each in episodes}) > 1
+    assert len({str(each) for each in episodes}) > 1 and len({str(days) for *_, days in episodes}) > 1
 
 
 def test_a_custom_reward_is_computed_for_the_batch(make_vec):

@@ -67,8 +67,11 @@ def test_drawn_buildings_have_infos_of_the_building_that_runs():
     envs.reset(seed=1)
     for step in range(1, 60):
         *_, infos = envs.step(envs.action_space.sample())
-        assert infos["building"].tolist() == envs._core.buildings()
+        assert infos["building"].tolist() == [name for name, *_ in envs._core.episodes()]
         assert (infos["zone_temperature"] > 0).all() and (infos["energy"]["electricity"] >= 0).all()
         assert infos["step"].tolist() == [step % 25] * 2
+        begins = step % 25 == 0
+        assert ("_first_day" in infos) == ("weather" in infos) == begins
+        assert not begins or infos["first_day"].tolist() == [1, 1] and infos["_weather"].all()
     assert envs.statistics["building_changes"] > 0
     envs.close()

@@ -121,7 +121,7 @@ SUPERVISED = [
     576,
     "--every",
     576,
-    "--held-out",
+    "--evaluated",
     "01-10..01-10",
     "--test",
 ]

@@ -194,6 +194,15 @@ def test_withheld_actuators_follow_their_fallback_in_the_vector_environment(clos
         assert reward[0] == pytest.approx(expected, rel=1e-4)
 
 
+def test_every_name_of_a_batch_has_its_unit(closing):
+    problem = ActionSpaceTransfer("unitary", "more", observation="raw", **DAY)
+    metadata = closing(problem.make_train_vec(1, resample=False)).metadata
+    for side in ("observation", "action"):
+        names, units = metadata[f"{side}_names"], metadata[f"{side}_units"]
+        assert len(names) == len(units) > 0
+        assert [name.endswith("temperature") for name in names] == [unit == "°C" for unit in units], names
+
+
 def interquartile_mean(scores):
     cut = len(scores) // 4
     return np.sort(scores)[cut : len(scores) - cut].mean()

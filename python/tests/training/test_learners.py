@@ -118,9 +118,16 @@ def test_a_minari_dataset_recovers_its_environment(tmp_path, monkeypatch):
     import minari
 
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    b2b.collect(b2b.ReactiveController, ["SingleFamilyHouse"], "b2b/house-v0", episodes=2, **DAYS)
+    rewards = []
+
+    class Listening(b2b.ReactiveController):
+        def reward(self, reward):
+            rewards.append(reward)
+
+    b2b.collect(Listening, ["SingleFamilyHouse"], "b2b/house-v0", episodes=2, **DAYS)
     dataset = minari.load_dataset("b2b/house-v0")
     assert dataset.total_episodes == 2 and dataset.total_steps == 2 * 96
+    np.testing.assert_allclose(np.concatenate([episode.rewards for episode in dataset]), rewards, rtol=1e-6)
     env = dataset.recover_environment()
     observation, _ = env.reset()
     np.testing.assert_allclose(observation, dataset[0].observations[0])

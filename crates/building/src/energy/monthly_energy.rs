@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use b2b_base::calendar::Calendar;
-use b2b_climate::{EpwFile, Site};
+use b2b_climate::Site;
 use b2b_energyplus::Library;
 use rusqlite::Connection;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::calibration::Fuel;
 use crate::model::{Fields, number, text};
 use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
-use crate::{Date, Error, Model, Result, RunPeriod, import};
+use crate::{Error, Model, Result, RunPeriod, import};
 
 /// What the first run period of a model takes from the weather file: holidays and daylight saving time.
 const OF_WEATHER: [&str; 2] =
@@ -63,14 +63,10 @@ impl MonthlyEnergy {
 
 /// Checks that a weather file has every day of a year.
 fn check_weather(weather: &Path) -> Result<()> {
-    let file = EpwFile::open(weather)?;
-    let record = file.record()?;
-    if record.is_whole_year() {
-        return Ok(());
+    match RunPeriod::of_part(weather)? {
+        None => Ok(()),
+        Some(days) => Err(Error::PartOfYear { weather: weather.to_owned(), days }),
     }
-    let days = record.span().map(|days| days.map(Date::of_day));
-    let span = days.map_or("no days".into(), |[first, last]| format!("only days of {first}..{last}"));
-    Err(Error::PartOfYear { weather: weather.to_owned(), span })
 }
 
 /// The model with a run period of a year and monthly meters as its only output.

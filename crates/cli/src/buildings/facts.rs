@@ -93,15 +93,14 @@ impl Facts {
             "{:.0} heating degree days (18 °C), {:.0} cooling degree days (10 °C)",
             location.heating_degree_days, location.cooling_degree_days
         );
-        let climate = match &origin.climate_zone {
-            Some(zone) => format!("ASHRAE zone {zone}, {climate}"),
-            None => climate,
-        };
         let mut lines =
             vec![("type", self.summary.to_owned()), ("place", self.place_line()), ("climate", climate)];
+        // The zone that it was built for, which that of the weather may differ from.
+        let zone =
+            origin.climate_zone.as_ref().map_or(String::new(), |zone| format!(", climate zone {zone}"));
         match (origin.year, &origin.vintage) {
             (Some(year), Some(vintage)) => lines.push(("vintage", format!("{year} ({vintage})"))),
-            (Some(year), None) => lines.push(("vintage", format!("ASHRAE 90.1-{year}"))),
+            (Some(year), None) => lines.push(("vintage", format!("ASHRAE 90.1-{year}{zone}"))),
             _ => {}
         }
         lines.extend([

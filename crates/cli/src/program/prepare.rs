@@ -55,7 +55,8 @@ impl Prepared {
         let found = found.with_context(|| format!("cannot prepare {name}"))?;
         let (place, weather) = (found.place.clone(), found.weather.clone());
         let keeps_own = location.placement().keep_design_days && matches!(name, BuildingName::Model(_));
-        if let Some(note) = weather::design_day_note(&found.site).filter(|_| !keeps_own) {
+        let of_design_days = weather::design_day_note(&found.site).filter(|_| !keeps_own);
+        for note in of_design_days.into_iter().chain(weather::part_of_year_note(&weather)?) {
             eprintln!("{place}: {note}");
         }
         for note in found.notes.lines() {

@@ -1,8 +1,10 @@
 //! Weather files: downloads in advance, and notes for the user.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use anyhow::Result;
+use b2b_building::RunPeriod;
 use b2b_climate::Site;
 use b2b_dataset::Building;
 use b2b_energyplus::install::Cache;
@@ -19,6 +21,15 @@ pub fn fetch<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> 
         building.weather(&cache, &mut download)?;
     }
     Ok(())
+}
+
+/// Returns a note if a weather file has days of a part of a year only.
+pub fn part_of_year_note(weather: &Path) -> Result<Option<String>> {
+    Ok(RunPeriod::of_part(weather)?.map(|days| {
+        format!(
+            "the file has only days of {days}: degree-days count these alone, and the climate zone is unknown"
+        )
+    }))
 }
 
 /// Returns a note if equipment is not sized for design conditions given in the file.

@@ -13,12 +13,8 @@ impl Summary {
             let value = value.unwrap_or(f64::NAN);
             format!("{value:.*}", decimals(value, least))
         };
-        let currency = match &self.currency {
-            Some(currency) => format!("{currency}/m²"),
-            None => "per m² at the task's prices".to_owned(),
-        };
         vec![
-            ("cost", format!("{} {currency}", digits(metrics.cost_tot, 3))),
+            ("cost", format!("{} {}", digits(metrics.cost_tot, 3), self.cost_unit())),
             ("HVAC energy", format!("{} kWh/m²", digits(metrics.ener_tot, 2))),
             ("HVAC energy by end use", self.end_uses_text()),
             ("thermal discomfort", format!("{:.1} K·h per zone", metrics.tdis_tot.unwrap_or(f64::NAN))),
@@ -26,7 +22,6 @@ impl Summary {
                 match self.steps_per_hour {
                     1 => "peak electric demand, 60 min",
                     2 => "peak electric demand, 30 min",
-                    3 => "peak electric demand, 20 min",
                     _ => "peak electric demand, 15 min",
                 },
                 format!("{:.1} W/m²", 1000.0 * metrics.pele_tot.unwrap_or_default()),

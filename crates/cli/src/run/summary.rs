@@ -144,7 +144,10 @@ impl Summary {
             task_definition: episode.task.clone(),
             energy_scale: spaces.energy_scale(),
             metrics: metrics.into(),
-            currency: if episode.task.is_operation() { episode.task.currency()? } else { None },
+            currency: match episode.task.is_operation() || episode.task.tariff.is_some() {
+                true => episode.task.currency()?,
+                false => None,
+            },
             bill: engine.bill.clone(),
             energy_carriers: spaces.building.carriers().collect(),
             never_occupied: engine.never_occupied.clone(),
@@ -295,12 +298,11 @@ impl Summary {
         if used.is_empty() { "–".to_owned() } else { format!("{} kWh/m²", used.join(", ")) }
     }
 
-    /// Returns the unit of costs: only the default prices have a known currency.
-    fn cost_unit(&self) -> &'static str {
-        if self.task_definition.prices == Task::default().prices {
-            "USD/m²"
-        } else {
-            "per m² at the task's prices"
+    /// Returns the unit of costs: prices of the task have no known currency.
+    pub(super) fn cost_unit(&self) -> String {
+        match self.task_definition.currency() {
+            Ok(Some(currency)) => format!("{currency}/m²"),
+            _ => "per m² at the task's prices".to_owned(),
         }
     }
 

@@ -25,7 +25,7 @@ use bar::Bar;
 /// The output folder is the agent: `b2b evaluate --policy FOLDER` and `b2b benchmark run` accept it as a policy. It
 /// also has config.toml (every option), progress.csv, TensorBoard events, curve.html, summary.json and the checkpoint.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment, after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES, mut_arg("jobs", |jobs| jobs.help(JOBS)))]
 pub struct Arguments {
     /// Training buildings, such as OfficeSmall-0509, assigned to the environments in turn
     #[arg(value_name = "BUILDING", conflicts_with = "building_type")]
@@ -99,6 +99,9 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 }
+
+const JOBS: &str = "Number of episodes to evaluate in parallel [default: number of CPU cores]; the environments of the \
+                    training use all cores";
 
 const EXAMPLES: &str = "\
 Examples:

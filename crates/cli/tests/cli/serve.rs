@@ -62,6 +62,10 @@ fn a_task_with_targets_and_a_planner_are_refused_with_what_to_use_instead() {
     for (arguments, words) in [
         ("serve OfficeSmall --port 0 --task occupancy", ["occupancy", "operate"]),
         ("serve OfficeSmall --port 0 --task operate+tou", ["tariff", "PUT /scenario"]),
+        (
+            r#"serve OfficeSmall --port 0 --task {"setpoints":{"mode":"band"},"prices":{"electricity":1,"gas":1}}"#,
+            ["prices of its own", "PUT /scenario"],
+        ),
         ("serve OfficeSmall --port 0 --controller planner", ["planner", "guideline36"]),
     ] {
         let output = sandbox.b2b(arguments);

@@ -9,7 +9,11 @@ use crate::{Error, Result};
 
 /// A file that ships with this software, by name, or a user's file with its text, so that a stored task is complete.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, deny_unknown_fields)]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "expected the name of one that ships (`b2b list tariffs`), the path of a TOML file, or `name` and `toml`"
+)]
 pub enum DataFile {
     /// Ships with this software.
     Shipped(String),

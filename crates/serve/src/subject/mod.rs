@@ -119,6 +119,9 @@ fn check(options: &SubjectOptions) -> Result<()> {
     if task.tariff.is_some() {
         return part("a tariff", "leave it out: clients choose prices with PUT /scenario");
     }
+    if task.prices != Task::default().prices {
+        return part("prices of its own", "leave them out: clients choose prices with PUT /scenario");
+    }
     if task.preview.is_some() {
         return part("a preview", "leave it out: clients ask PUT /forecast");
     }

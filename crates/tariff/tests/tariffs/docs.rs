@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use b2b_tariff::{Customers, Emissions, Prices, Tariff};
+use b2b_tariff::{Carrier, Customers, Emissions, Moment, Prices, Tariff};
 
 use crate::common::YEAR;
 
@@ -65,11 +65,28 @@ fn with_table(page: &str, table: &str) -> String {
     format!("{}{table}{}", &page[..begin], &page[end..])
 }
 
+/// Returns the TOML examples of the page.
+fn examples() -> [String; 2] {
+    let page = std::fs::read_to_string(path()).unwrap();
+    let blocks = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap().to_owned());
+    blocks.collect::<Vec<_>>().try_into().unwrap()
+}
+
+#[test]
+fn the_example_of_an_emission_profile_is_valid() {
+    let [_, example] = examples();
+    let of = |text: &str| Emissions::parse("example", "docs/tariffs.md", text);
+    let (noon, profile) = (Moment { day: 1, hour: 12.0 }, of(&example).unwrap());
+    assert_eq!([Carrier::Electricity, Carrier::Gas].map(|carrier| profile.at(carrier, noon)), [0.373, 0.181]);
+    let said = |from, to| of(&example.replace(from, to)).unwrap_err().to_string();
+    assert!(said("gas = 0.181", "gas = 181").contains("`gas` is 181; expected 0 to 2 kg/kWh"));
+    assert!(said("flat = 373", "flat = 373000").contains("373000 kg/MWh; expected numbers of 0 to 3000"));
+}
+
 #[test]
 fn the_example_of_a_tariff_is_valid() {
-    let page = std::fs::read_to_string(path()).unwrap();
-    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-    let tariff = Tariff::parse("example", "docs/tariffs.md", example).unwrap();
+    let [example, _] = examples();
+    let tariff = Tariff::parse("example", "docs/tariffs.md", &example).unwrap();
     assert!(tariff.has_events() && tariff.has_demand_charge() && tariff.needs_temperatures());
     let events = tariff.events(YEAR, &[-20.0; 365]);
     assert!(!events.is_empty());

@@ -94,6 +94,21 @@ fn events_without_a_notice_are_refused() {
 }
 
 #[test]
+fn what_has_no_effect_is_refused() {
+    assert_said(&with("\"8-20\"", ""), 16, &["`summer day` is the price of no time", "remove it"]);
+    let whole_days = with("days = \"weekdays\"\nhours = [\"8-20\"]", "hours = [\"0-24\"]");
+    assert_said(&whole_days, 22, &["`summer night` is the price of no time"]);
+    let demand = |also: &str| with("price = 5.0", &format!("price = 5.0\n{also}"));
+    assert_said(&demand("hours = []"), 28, &["`demand` has no `hours`", "leave `hours` out"]);
+    let ratchet = "dates = '06-01..09-30'\nratchet = { share = 0.65, dates = '12-01..03-31' }";
+    assert_said(&demand(ratchet), 28, &["`demand` has a ratchet without effect"]);
+    assert_said(&with("most_hours = 100", "most_hours = 3"), 32, &["no longer than `most_hours`"]);
+    assert_said(&with("\"6-10\"", "\"6-10\", \"9-12\""), 32, &["do not overlap"]);
+    let blocks = "[electricity.blocks]\nper = 'month'\nup_to = [1000]\n\n[electricity.events]";
+    assert_said(&with("[electricity.events]", blocks), 32, &["[electricity.blocks] has no effect"]);
+}
+
+#[test]
 fn negative_prices_are_refused_but_a_market_may_have_them() {
     assert_said(&with("price = 0.05", "price = -0.05"), 23, &["`summer night`", "-0.05", "hourly"]);
     assert_said(&with("price = 0.50", "price = -0.50"), 32, &["`event`", "-0.5"]);

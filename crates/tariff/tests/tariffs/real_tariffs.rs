@@ -117,7 +117,12 @@ fn a_summer_day_under_b_10_has_three_prices_and_a_march_day_a_fourth() {
 fn winter_in_georgia_is_cheaper_after_1500_kilowatt_hours() {
     let prices = prices("georgia-tou-eo-11", &[], None);
     let (bill, _) = run(&prices, day(1, 1), day(1, 31), |_| 10.0);
-    assert_cost(bill.total(&prices), 1500.0 * 0.12255 + 5940.0 * 0.06461);
+    assert_cost(bill.total(&prices), 1500.0 * 0.122533 + 5940.0 * 0.064571);
+    // A quarter-hour of 60 kW: 10 kW at each of the record's prices of demand.
+    let is_peak = |at: Moment| at.day == 9 && (9.0..9.25).contains(&at.hour);
+    let (bill, _) = run(&prices, day(1, 1), day(1, 31), |at| if is_peak(at) { 60.0 } else { 10.0 });
+    let demand = [30, 40, 50].map(|above| part(&bill, &prices, &format!("demand above {above} kW")));
+    assert_cost(demand.iter().sum(), 10.0 * (4.71 + 1.29 + 9.22 + 2.53 + 28.13 + 7.71));
 }
 
 #[test]

@@ -231,15 +231,21 @@ fn houses_accept_any_weather_file_and_have_no_climate_zone() {
 }
 
 #[test]
-fn a_weather_file_without_design_conditions_is_reported() {
+fn a_weather_file_without_design_conditions_or_of_a_month_is_reported() {
     let folder = tempfile::tempdir().unwrap();
-    undesigned(folder.path());
-    let output = b2b(folder.path(), "show Warehouse --weather somewhere.epw --json");
-    assert!(
-        output.status.success() && stderr(&output).contains("no design conditions"),
-        "{}",
+    let path = undesigned(folder.path());
+    let said = || {
+        let output = b2b(folder.path(), "show Warehouse --weather somewhere.epw --json");
+        assert!(output.status.success(), "{}", stderr(&output));
         stderr(&output)
-    );
+    };
+    let of_a_year = said();
+    assert!(of_a_year.contains("no design conditions") && !of_a_year.contains("only days"), "{of_a_year}");
+    let text = std::fs::read_to_string(&path).unwrap().replace("1/ 1,12/31", "1/ 1, 1/31");
+    let january: Vec<_> = text.lines().take(8 + 31 * 24).collect();
+    std::fs::write(&path, january.join("\n")).unwrap();
+    let of_january = said();
+    assert!(of_january.contains("somewhere: the file has only days of 01-01..01-31"), "{of_january}");
 }
 
 /// `b2b dataset ranges` prints them.

@@ -68,7 +68,7 @@ impl TrainConfig {
     }
 
     /// Like [`TrainConfig::with_changes`], for a JSON object with the caller's arguments, which may include
-    /// `allow_external`.
+    /// `allow_external`. Unlike a file, it has no options of learners that are not chosen.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the reason.
@@ -76,7 +76,14 @@ impl TrainConfig {
         let mut changes: Table =
             serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
         let permission = changes.remove(PERMISSION);
+        let learners = of_learners(&changes);
         let mut config = self.with_table(changes).map_err(Error::Invalid)?;
+        let chosen = config.learner.name();
+        if let Some(other) = learners.into_iter().find(|name| *name != chosen) {
+            return Err(Error::Invalid(format!(
+                "`{other}` has no effect: `{ALGORITHM}` is {chosen}; choose {other}, or remove it"
+            )));
+        }
         match permission {
             None => {}
             Some(Value::Boolean(allow)) => config.training_set.allow_external = allow,
@@ -261,6 +268,13 @@ impl Options {
         let known = self.known.join("`, `");
         Err(with_suggestion(&format!("unknown field `{unknown}`, expected one of `{known}`")))
     }
+}
+
+/// Returns the learners with options in a table.
+fn of_learners(table: &Table) -> Vec<&'static str> {
+    let has_options =
+        |name: &&str| table.get(*name).and_then(Value::as_table).is_some_and(|own| !own.is_empty());
+    kinds().into_iter().map(|kind| kind.name).filter(has_options).collect()
 }
 
 /// Returns whether a table is the file of a run, which has every option but those that are `None`. What the caller gives

@@ -187,6 +187,16 @@ fn what_a_file_asks_for_is_not_turned_off_by_the_caller_s_algorithm() {
 }
 
 #[test]
+fn the_caller_s_options_of_a_learner_that_is_not_chosen_are_an_error() {
+    let of = |options| TrainConfig::of_json(options, None, None);
+    let said = of(r#"{"sac": {"gamma": 0.9}}"#).unwrap_err().to_string();
+    assert!(said.contains("`sac` has no effect: `algorithm` is ppo; choose sac, or remove it"), "{said}");
+    let said = of(r#"{"algorithm": "sac", "ppo": {"epochs": 2}}"#).unwrap_err().to_string();
+    assert!(said.contains("`ppo` has no effect"), "{said}");
+    assert!(of(r#"{"algorithm": "sac", "sac": {"gamma": 0.9}, "ppo": {}}"#).is_ok());
+}
+
+#[test]
 fn values_that_do_not_go_together_are_errors() {
     let named = changed(&TrainConfig::default(), NAMED);
     for (changes, said) in [
