@@ -5,7 +5,8 @@
 
 use b2b_base::digest::seed_of;
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::hvac::Quantity;
+use b2b_building::hvac::{Actuator, Quantity};
+use b2b_building::morphology::Owner;
 use b2b_building::{Controls, PreparedBuilding};
 use serde::{Deserialize, Serialize};
 
@@ -85,6 +86,11 @@ pub(crate) struct Impairment {
     biases: Vec<f64>,
     /// Bounds of each actuator; both ends equal where it is stuck.
     bounds: Vec<[f64; 2]>,
+    /// Actuators that set a thermostat, with its zone.
+    thermostats: Vec<(usize, usize)>,
+    /// Errors of the sensors, and what the engine is given, in a step.
+    errors: Vec<f64>,
+    given: Vec<f64>,
 }
 
 impl Impairment {
@@ -107,8 +113,38 @@ impl Impairment {
                 _ => [low, high],
             }
         });
-        let bounds = bounds.collect();
-        Some(Self { seed, noise, biases, bounds })
+        let bounds: Vec<[f64; 2]> = bounds.collect();
+        let thermostat =
+            |(index, (owner, actuator)): (usize, (Owner, &Actuator))| match (owner, actuator.quantity) {
+                (Owner::Zone(zone), Quantity::HeatingSetpoint | Quantity::CoolingSetpoint) => {
+                    Some((index, zone))
+                }
+                _ => None,
+            };
+        Some(Self {
+            seed,
+            noise,
+            thermostats: building.owned_actuators().enumerate().filter_map(thermostat).collect(),
+            errors: vec![0.0; building.zones.len()],
+            given: vec![0.0; bounds.len()],
+            biases,
+            bounds,
+        })
+    }
+
+    /// Returns what the engine is given for an action after a number of steps. Its thermostats know the true
+    /// temperature, so that their setpoints are lowered by the errors of the sensors, which these compare with the
+    /// setpoints of the action.
+    pub(crate) fn given(&mut self, step: usize, action: &[f64]) -> &[f64] {
+        let mut errors = std::mem::take(&mut self.errors);
+        errors.fill(0.0);
+        self.disturb(step, &mut errors);
+        self.given.copy_from_slice(action);
+        for (actuator, zone) in &self.thermostats {
+            self.given[*actuator] -= errors[*zone];
+        }
+        self.errors = errors;
+        &self.given
     }
 
     /// Limits an action to what the faulty equipment can do.

@@ -97,6 +97,18 @@ impl Results {
         })
     }
 
+    /// Describes how the versions of results differ from this program's, if they do.
+    pub fn outdated(&self) -> Option<String> {
+        let all: Vec<(&str, String)> =
+            self.done.iter().filter_map(|done| Some((&done.key[..], done.outdated()?))).collect();
+        let (key, differences) = all.first()?;
+        Some(format!(
+            "{} of {} results are of another version, such as {key}: {differences}",
+            all.len(),
+            self.done.len()
+        ))
+    }
+
     /// Returns the sum of the steps trained.
     pub fn steps(&self) -> u64 {
         self.done.iter().map(|done| done.steps).sum()

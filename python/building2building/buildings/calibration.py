@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import _core
+from ..errors import SettingError
 from ..process.temporary import temporary_folder
 from . import PathLike
 
@@ -42,6 +43,8 @@ def calibrate(
     :class:`~building2building.errors.BuildingError` for a wrong model or table, and
     :class:`~building2building.errors.EngineError` for a model that EnergyPlus rejects or crashes with.
     """
+    if iterations < 1:
+        raise SettingError(f"iterations={iterations}; expected at least 1")
     with temporary_folder("calibrate") as folder:
         table = energy if isinstance(energy, str | os.PathLike) else _write(energy, folder / "metered.csv")
         key = (os.fspath(model), place, weather, allow_external, keep_design_days)

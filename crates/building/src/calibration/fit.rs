@@ -46,6 +46,8 @@ pub struct Fit {
     pub evaluations: usize,
     /// Number of iterations.
     pub iterations: usize,
+    /// Whether the limit of iterations ended the fit, which another might have improved.
+    pub is_cut: bool,
     /// The unknowns at a bound.
     pub at_bound: Vec<usize>,
     /// The unknowns whose effects are nearly combinations of the others'.
@@ -71,8 +73,12 @@ pub fn fit<E>(
     evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,
 ) -> Result<Fit, E> {
     let mut search = Search::start(options, evaluate)?;
-    let mut iterations = 1;
-    while !search.best.is_exact() && search.improve()? && iterations < options.max_iterations {
+    let (mut iterations, mut is_cut) = (1, false);
+    while !search.best.is_exact() && search.improve()? {
+        is_cut = iterations >= options.max_iterations;
+        if is_cut {
+            break;
+        }
         search.differentiate()?;
         iterations += 1;
     }
@@ -80,7 +86,7 @@ pub fn fit<E>(
     let is_at_bound = |j: &usize| options.bounds[*j].contains(&point[*j]);
     let at_bound = (0..point.len()).filter(is_at_bound).collect();
     let (collinear, without_effect) = weak(&jacobian);
-    Ok(Fit { at_bound, collinear, without_effect, evaluations, iterations, point })
+    Ok(Fit { at_bound, collinear, without_effect, evaluations, iterations, is_cut, point })
 }
 
 /// A fit in progress.

@@ -68,9 +68,10 @@ impl Metered {
         let cell =
             |column: &str| columns.iter().zip(&row).find(|(name, _)| *name == column).map(|(_, cell)| *cell);
         let month = cell(MONTH).unwrap_or_default();
-        let month = month.parse().ok().filter(|month| (1..=12).contains(month));
+        // A table with a missing month has its months as decimals in pandas.
+        let month = month.trim_end_matches(".0").parse().ok().filter(|month| (1..=12).contains(month));
         let month = month.ok_or_else(|| {
-            format!("month `{}` is not a number from 1 to 12", cell(MONTH).unwrap_or_default())
+            format!("month `{}` is not a whole number from 1 to 12", cell(MONTH).unwrap_or_default())
         })?;
         if self.months.contains(&month) {
             return Err(format!("month {month} is repeated; keep one row of each month"));
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn columns_come_in_any_order_and_one_fuel_is_enough() {
-        let metered = Metered::parse("Gas_kWh, month\n10,2\n\n20.5,1\n").unwrap();
+        let metered = Metered::parse("Gas_kWh, month\n10,2\n\n20.5,1.0\n").unwrap();
         assert_eq!((metered.months, metered.fuels), (vec![2, 1], vec![(Fuel::Gas, vec![10.0, 20.5])]));
     }
 

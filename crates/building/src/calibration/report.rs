@@ -95,16 +95,35 @@ impl Report {
             fuels: metered.fuels.iter().map(fuel).collect(),
             iterations: fit.iterations,
             simulations: fit.evaluations,
-            warnings: warnings(parameters, fit),
+            warnings: warnings(parameters, fit, metered),
         }
     }
 }
 
-fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {
+/// Months of a year.
+const YEAR: usize = 12;
+
+fn warnings(parameters: &[Change], fit: &Fit, metered: &Metered) -> Vec<String> {
     let names = |indices: &[usize]| -> String {
         indices.iter().map(|index| parameters[*index].name()).collect::<Vec<_>>().join(", ")
     };
     let mut warnings = Vec::new();
+    if metered.months.len() < YEAR {
+        warnings.push(format!(
+            "{} metered months: the limits of Guideline 14 are for a year",
+            metered.months.len()
+        ));
+    }
+    if metered.len() < 2 * parameters.len() {
+        warnings.push(format!(
+            "{} metered values for {} parameters: they may agree by chance; calibrate fewer parameters",
+            metered.len(),
+            parameters.len()
+        ));
+    }
+    if fit.is_cut {
+        warnings.push(format!("it still improved at the limit of iterations ({}); raise it", fit.iterations));
+    }
     if !fit.collinear.is_empty() {
         warnings.push(format!(
             "{} are nearly collinear: monthly energy hardly tells them apart, and other multipliers may agree as well; \
@@ -142,8 +161,15 @@ mod tests {
             at_bound: vec![1],
             collinear: Vec::new(),
             without_effect,
+            is_cut: false,
         };
-        let said = |without_effect| warnings(&[Change::WallU, Change::Lights], &fit(without_effect));
+        let metered =
+            |months| Metered { months: (1..=months).collect(), fuels: vec![(Fuel::Gas, vec![1.0; months])] };
+        let parameters = [Change::WallU, Change::Lights];
+        let said = |without_effect| warnings(&parameters, &fit(without_effect), &metered(12));
+        let short = warnings(&parameters, &Fit { is_cut: true, ..fit(vec![]) }, &metered(3));
+        assert!(short[0].starts_with("3 metered months") && short[1].starts_with("3 metered values for 2"));
+        assert!(short[2].starts_with("it still improved at the limit of iterations (1)"), "{short:?}");
         assert!(said(vec![])[0].starts_with("the multiplier of lights ends at its bound, 2.00"));
         let several = "almost without effect on the metered energy, and so not determined: wall_u, lights";
         assert_eq!(said(vec![0, 1])[1], several);

@@ -20,6 +20,8 @@ const ABSOLUTE: &[(&str, &str)] = &[
     ("InternalMass", "surface_area"),
     // Parking, façade and entrance lighting.
     ("Exterior:Lights", "design_level"),
+    // Elevators.
+    ("Exterior:FuelEquipment", "design_level"),
     ("ElectricLoadCenter:Transformer", "rated_capacity"),
     // Kitchen hoods, dining exhaust and the make-up air that goes with them.
     ("Fan:ZoneExhaust", "maximum_flow_rate"),

@@ -8,6 +8,7 @@ use b2b_experiment::{Experiment, Folder, Results, duration_text};
 use clap::Parser;
 use serde_json::json;
 
+use super::claims;
 use crate::output_folder::OutputFolder;
 use crate::run;
 use crate::terminal::progress::counter;
@@ -68,6 +69,7 @@ impl<'a> Read<'a> {
     fn of(path: &'a Path) -> Result<Self> {
         let (folder, experiment, budget) = Folder::open(path)?;
         let results = Results::read(&folder, &experiment, &budget)?;
+        claims::note(path, &results);
         Ok(Self { path, folder, experiment, results })
     }
 

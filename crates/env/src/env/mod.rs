@@ -248,7 +248,10 @@ impl Env {
         }
         let is_stuck = |index: usize| impairment.is_some_and(|faults| faults.is_stuck(index));
         self.setpoints_apart.apply(&mut self.action, is_stuck);
-        engine.act(&self.action);
+        match &mut self.impairment {
+            Some(impairment) => engine.act(impairment.given(self.metrics.steps, &self.action)),
+            None => engine.act(&self.action),
+        }
         if let Some(attendance) = &mut self.attendance {
             engine.admit(attendance);
         }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::case::{Case, random_episode, random_episode_from};
-use b2b_building::BuildingType;
 use b2b_building::hvac::Quantity;
+use b2b_building::{BuildingType, Conditioning};
 use b2b_env::{Env, Faults, Task, Trajectory};
 
 const DAY: &str = "01-03..01-03";
@@ -54,6 +54,32 @@ fn observations_without_sensor_errors_have_the_true_temperatures() {
     faulty.spaces().remove_sensor_errors(observed.chunks_exact_mut(faulty.observation().len()));
     let farthest = truth.iter().zip(&observed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(farthest < 1e-9, "{farthest}");
+}
+
+/// EnergyPlus's thermostats know the true temperature.
+#[test]
+fn thermostats_hold_what_their_sensors_read() {
+    let office = Case::under_setpoints(BuildingType::OfficeSmall);
+    let zones = office.building.zones.len();
+    let mut env = office.env_for(DAY, "constant+bias2");
+    let setpoint = |quantity: &Quantity| if *quantity == Quantity::HeatingSetpoint { 20.0 } else { 28.0 };
+    let action: Vec<f64> = env.action_space().quantities().iter().map(setpoint).collect();
+    env.reset().unwrap();
+    // Means of the evening.
+    let mut observed = vec![0.0; zones];
+    for step in 0..288 {
+        let observation = env.step(&action).unwrap().observation;
+        let of_evening = if step >= 216 { 1.0 / 72.0 } else { 0.0 };
+        observed.iter_mut().zip(observation).for_each(|(mean, now)| *mean += of_evening * now);
+    }
+    let mut truth = observed.clone();
+    env.spaces().remove_sensor_errors(std::iter::once(&mut truth[..]));
+    let heated =
+        office.building.zones.iter().enumerate().filter(|(_, zone)| zone.conditioning != Conditioning::None);
+    let heated: Vec<[f64; 2]> = heated.map(|(zone, _)| [observed[zone], truth[zone]]).collect();
+    // None reads less than its setpoint, also where the sensor reads 1 K too little or less.
+    assert!(heated.iter().all(|[observed, _]| *observed > 19.7), "{heated:?}");
+    assert!(heated.iter().any(|[observed, truth]| *observed < 20.2 && *truth > 21.0), "{heated:?}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use b2b_evaluate::statistics::score_text;
 use super::interval::Measured;
 
 /// How claims are judged: the subtitle of their table.
-pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings and seeds; for fewer than three, the \
-                        range of all values, if they differ) is on the claimed side of its bound and beyond the margin, does not hold \
+pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings and seeds; for two to four \
+                        buildings, the range of all values; one does not decide) is on the claimed side of its bound and beyond the margin, does not hold \
                         if it is on the other side and beyond the margin, and otherwise cannot be told; trainings with \
                         fewer steps than the paper's do not count";
 
@@ -88,8 +88,8 @@ impl Claim {
     pub(super) fn verdict(&self, measured: &Measured) -> Verdict {
         let Self { side, bound, margin, .. } = self;
         let (low, high) = (measured.interval.low, measured.interval.high);
-        // A range without width is one value, or none that differs.
-        let decides = !measured.is_range || low < high;
+        // A range without width has no values that differ.
+        let decides = !measured.is_range || measured.buildings > 1 && low < high;
         let (is_below, is_above) = (decides && high < bound - margin, decides && low > bound + margin);
         match (side, is_below, is_above) {
             (Side::Below, true, _) | (Side::Above, _, true) => Verdict::Holds,
@@ -156,10 +156,10 @@ mod tests {
 
     #[test]
     fn the_caveat_is_for_claims_that_do_not_hold() {
-        let of = |values: &[f64]| {
-            claim(Side::Below).judge(measured(&buildings(&[values.to_vec()]), median), "so").reason
-        };
-        assert_eq!(of(&[0.5, 0.6]), "range of 1 building; so");
-        assert_eq!(of(&[1.5, 1.6]), "range of 1 building; so; other buildings");
+        let of =
+            |values: &[Vec<f64>]| claim(Side::Below).judge(measured(&buildings(values), median), "so").reason;
+        assert_eq!(of(&[vec![0.5], vec![0.6]]), "range of 2 buildings; so");
+        assert_eq!(of(&[vec![1.5], vec![1.6]]), "range of 2 buildings; so; other buildings");
+        assert_eq!(of(&[vec![0.5, 0.6]]), "range of 1 building; so; other buildings");
     }
 }

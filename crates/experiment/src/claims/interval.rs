@@ -2,7 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use b2b_evaluate::statistics::{FEWEST, Interval, Sample, mean, over_buildings, over_pairs};
+use b2b_evaluate::statistics::{Interval, Sample, mean, over_buildings, over_pairs};
+
+/// Number of buildings from which an interval is a bootstrap's: of fewer, it would cover less than its 95 %.
+const ENOUGH: usize = 5;
 
 /// A quantity over buildings.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +21,7 @@ impl Measured {
     /// Returns a quantity with its interval or, of few buildings, with the range of all values.
     fn of(samples: &[Sample<'_>], interval: Interval) -> Self {
         let buildings = samples.iter().map(|each| each.building).collect::<BTreeSet<_>>().len();
-        let is_range = buildings < FEWEST;
+        let is_range = buildings < ENOUGH;
         let scores = || samples.iter().map(|each| each.score);
         let (low, high) = match is_range {
             true => (scores().fold(f64::INFINITY, f64::min), scores().fold(f64::NEG_INFINITY, f64::max)),
@@ -37,6 +40,28 @@ impl Measured {
 /// Returns a statistic of the buildings' means, sorted, with its interval; `None` without a value.
 pub(super) fn measured(samples: &[Sample<'_>], statistic: fn(&[f64]) -> f64) -> Option<Measured> {
     Some(Measured::of(samples, over_buildings(samples, statistic)?))
+}
+
+/// Returns a statistic of the buildings' values, for each seed alone, with the means of its values and of the ends of its
+/// intervals over seeds: a statistic of tails, which means over seeds do not have.
+pub(super) fn by_seed(samples: &[Sample<'_>], statistic: fn(&[f64]) -> f64) -> Option<Measured> {
+    let seeds: BTreeSet<_> = samples.iter().map(|each| each.seed).collect();
+    let of_seed = |seed| {
+        let own: Vec<Sample<'_>> = samples.iter().filter(|each| each.seed == seed).copied().collect();
+        measured(&own, statistic)
+    };
+    let all = seeds.into_iter().map(of_seed).collect::<Option<Vec<Measured>>>()?;
+    let of =
+        |end: fn(&Interval) -> f64| mean(&all.iter().map(|each| end(&each.interval)).collect::<Vec<_>>());
+    Some(Measured {
+        interval: Interval {
+            value: of(|each| each.value),
+            low: of(|each| each.low),
+            high: of(|each| each.high),
+        },
+        buildings: all.iter().map(|each| each.buildings).max()?,
+        is_range: all.iter().any(|each| each.is_range),
+    })
 }
 
 /// Returns a statistic of the differences between two agents' means in the buildings of both, likewise.
@@ -96,11 +121,19 @@ pub(super) mod tests {
         let own = buildings(&[vec![1.0, 3.0], vec![2.0, 4.0], vec![9.0, 11.0], vec![50.0, 50.0]]);
         let others = buildings(&[vec![4.0], vec![5.0], vec![12.0]]);
         let Measured { interval, buildings, is_range } = difference(&own, &others, median).unwrap();
-        assert_eq!((interval.value, buildings, is_range), (-2.0, 3, false));
-        assert_eq!(
-            (interval.low, interval.high),
-            (-3.0, -1.0),
-            "the seeds of all buildings are drawn at once"
-        );
+        assert_eq!((interval.value, buildings, is_range), (-2.0, 3, true));
+        assert_eq!((interval.low, interval.high), (-3.0, -1.0));
+    }
+
+    #[test]
+    fn the_tail_of_each_seed_counts() {
+        // Another house fails with each seed.
+        let failed = |house: u64, seed: u64| if house % 5 == seed { 9.0 } else { 1.0 };
+        let houses: Vec<Vec<f64>> =
+            (0..20).map(|house| (0..5).map(|seed| failed(house, seed)).collect()).collect();
+        let worst = |sorted: &[f64]| *sorted.last().unwrap();
+        assert_eq!(by_seed(&buildings(&houses), worst).unwrap().interval.value, 9.0);
+        assert_eq!(measured(&buildings(&houses), worst).unwrap().interval.value, 2.6);
+        assert!(by_seed(&[], worst).is_none());
     }
 }

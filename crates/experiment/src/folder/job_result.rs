@@ -123,7 +123,7 @@ impl JobResult {
 
     /// Describes how the versions that the episodes depend on differ from this program's, if they are known.
     /// `guideline36` is the baseline of operation alone.
-    pub(super) fn outdated(&self) -> Option<String> {
+    pub(crate) fn outdated(&self) -> Option<String> {
         let theirs = self.versions.as_ref().or(self.entry.as_ref().map(|(entry, _)| &entry.versions))?;
         let mut here = Versions { package: theirs.package.clone(), ..Versions::current() };
         if !self.rows.iter().any(|row| row.info.task.starts_with("operate")) {

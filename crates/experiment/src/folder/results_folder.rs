@@ -247,5 +247,14 @@ fn read_kept(folder: &Path) -> Result<HashMap<String, JobResult>> {
     }
     let text = std::fs::read_to_string(&path).map_err(at(&path))?;
     let kept: Vec<JobResult> = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
-    Ok(kept.into_iter().map(|result| (result.key.clone(), result)).collect())
+    let mut by_key = HashMap::new();
+    for result in kept {
+        let key = result.key.clone();
+        let is_empty = result.rows.is_empty() && result.entry.is_none() && result.measured.is_null();
+        let why = if is_empty { "has no results" } else { "is there twice" };
+        if is_empty || by_key.insert(key.clone(), result).is_some() {
+            return Err(at(&path)(std::io::Error::other(format!("the job {key} {why}; remove its line"))));
+        }
+    }
+    Ok(by_key)
 }
