@@ -24,8 +24,9 @@ use crate::terminal::{interrupt, stdout};
 /// and prints the statistics of ASHRAE Guideline 14 before and after.
 ///
 /// The table of metered energy has the columns month (1 to 12), electricity_kwh and gas_kwh; one of the last two may be
-/// missing. Electricity is what the building uses, including what it produces on site. The weather file should be of the metered year. A run period of a whole year in the model is kept if it has a
-/// year or a first weekday; otherwise the year is the model's or the weather file's.
+/// missing. Electricity is all that the building uses, including what it produces. The weather file should be of the
+/// metered year. A run period of a whole year in the model is kept if it has a year or a first weekday; otherwise the
+/// year is the model's or the weather file's.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,

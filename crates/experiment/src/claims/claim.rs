@@ -8,9 +8,9 @@ use super::interval::Measured;
 
 /// How claims are judged: the subtitle of their table.
 pub const RULE: &str = "a claim holds if the whole 95 % interval (bootstrap over buildings and seeds; for two to four \
-                        buildings, the range of all values; one does not decide) is on the claimed side of its bound and beyond the margin, does not hold \
-                        if it is on the other side and beyond the margin, and otherwise cannot be told; trainings with \
-                        fewer steps than the paper's do not count";
+                        buildings, the range of all values; one does not decide) is on the claimed side of its bound \
+                        and beyond the margin, does not hold if it is on the other side and beyond the margin, and \
+                        otherwise cannot be told; trainings with fewer steps than the paper's do not count";
 
 /// A claim of the paper, judged.
 #[derive(Clone, Debug, PartialEq)]
