@@ -248,7 +248,7 @@ episode_metrics! {
             Display::lower("cost (currency/m²)", 1.0, 3);
         /// operation: emissions of HVAC energy
         emis_tot: Option<f64> = "emis_tot", "kg CO₂/m²", Metrics::operation_emissions, None;
-        /// operation: largest mean of electric demand over a quarter-hour, or a longer step
+        /// operation: largest mean of electric demand over a quarter-hour, or a step of 30 or 60 minutes
         pele_tot: Option<f64> = "pele_tot", "kW/m²", |metrics| metrics.operation_peak(0),
             Display::lower("peak electric demand, 15 min or a step (W/m²)", 1000.0, 1);
         /// operation: the same of gas and other fuels
