@@ -336,7 +336,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         terminated = np.zeros(self.num_envs, dtype=bool)
         return self._seen(observations), rewards, terminated, truncated.copy(), info
 
-    def add_begun(self, info: Info, begun: Array) -> None:
+    def add_begun(self, info: dict[str, Any], begun: Array) -> None:
         """Adds the weather files and first days of the episodes that have begun."""
         episodes = self._episodes()
         for name in ("weather", "first_day"):
