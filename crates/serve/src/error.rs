@@ -12,7 +12,7 @@ pub enum Error {
         /// The task.
         task: String,
     },
-    /// A task with prices of its own, a preview or faults.
+    /// A task with a tariff, prices of its own, a preview or faults.
     #[error("the task `{task}` has {what}; {remedy}")]
     TaskPart {
         /// The task.

@@ -128,8 +128,11 @@ impl EnergyTable {
                 }
             }
         }
-        let unused = || format!("`{}` is the price of no time; give it `hours`, or remove it", entry.name);
-        is_used.then_some(()).ok_or_else(|| Fault::at(place, unused()))
+        if !is_used {
+            let why = format!("`{}` is the price of no time; give it `hours`, or remove it", entry.name);
+            return Err(Fault::at(place, why));
+        }
+        Ok(())
     }
 
     /// Adds the classes of an entry and returns the first: one, or one for each hour.

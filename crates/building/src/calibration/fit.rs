@@ -75,8 +75,8 @@ pub fn fit<E>(
     let mut search = Search::start(options, evaluate)?;
     let (mut iterations, mut is_cut) = (1, false);
     while !search.best.is_exact() && search.improve()? {
-        is_cut = iterations >= options.max_iterations;
-        if is_cut {
+        if iterations >= options.max_iterations {
+            is_cut = true;
             break;
         }
         search.differentiate()?;

@@ -95,7 +95,7 @@ impl Facts {
         );
         let mut lines =
             vec![("type", self.summary.to_owned()), ("place", self.place_line()), ("climate", climate)];
-        // The zone that it was built for, which that of the weather may differ from.
+        // The zone that it was built for; the weather's may differ.
         let zone =
             origin.climate_zone.as_ref().map_or(String::new(), |zone| format!(", climate zone {zone}"));
         match (origin.year, &origin.vintage) {

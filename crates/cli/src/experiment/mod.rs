@@ -7,7 +7,10 @@ mod report;
 mod run;
 mod show;
 
+use std::path::Path;
+
 use anyhow::{Result, bail};
+use b2b_experiment::{Experiment, Folder, Results};
 
 use crate::terminal::exit_code::ExitCode;
 
@@ -47,6 +50,16 @@ enum Command {
     Check(check::Arguments),
     Claims(claims::Arguments),
     Rates(rates::Arguments),
+}
+
+/// Reads the results in a folder, with a note on standard error if they are of other versions.
+fn read(path: &Path) -> b2b_experiment::Result<(Folder, Experiment, Results)> {
+    let (folder, experiment, budget) = Folder::open(path)?;
+    let results = Results::read(&folder, &experiment, &budget)?;
+    if let Some(outdated) = results.outdated() {
+        eprintln!("{}: {outdated}", path.display());
+    }
+    Ok((folder, experiment, results))
 }
 
 /// Runs an experiment like `b2b experiment run`. Errors if a job fails.

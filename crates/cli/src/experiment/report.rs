@@ -8,7 +8,6 @@ use b2b_experiment::{Experiment, Folder, Results, duration_text};
 use clap::Parser;
 use serde_json::json;
 
-use super::claims;
 use crate::output_folder::OutputFolder;
 use crate::run;
 use crate::terminal::progress::counter;
@@ -67,9 +66,7 @@ pub fn write(path: &Path, json: bool) -> Result<()> {
 
 impl<'a> Read<'a> {
     fn of(path: &'a Path) -> Result<Self> {
-        let (folder, experiment, budget) = Folder::open(path)?;
-        let results = Results::read(&folder, &experiment, &budget)?;
-        claims::note(path, &results);
+        let (folder, experiment, results) = super::read(path)?;
         Ok(Self { path, folder, experiment, results })
     }
 

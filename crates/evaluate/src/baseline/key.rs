@@ -15,6 +15,8 @@ use crate::{Result, SiteInfo};
 /// Incremented when a change to preparation, environments or controllers changes the reactive controllers' returns, so
 /// that older cached baselines are not reused. Baselines of operation tasks also depend on `guideline36`'s revision.
 pub(super) const REVISION: u32 = 4;
+/// Revision of tasks with sensor errors: thermostats have them, too, which changed these tasks alone.
+const SENSORS_REVISION: u32 = REVISION + 1;
 /// Maximum number of operation revisions per other revision.
 const REVISIONS: u32 = 1000;
 
@@ -48,14 +50,16 @@ impl Key {
     /// [`Error::Io`](crate::Error::Io) for a user's file that cannot be read.
     pub fn of(episode: &EpisodePlan, site: &SiteInfo) -> Result<Self> {
         let task = &episode.task;
+        let has_errors = task.faults.noise > 0.0 || task.faults.bias > 0.0;
+        let environments = if has_errors { SENSORS_REVISION } else { REVISION };
         let (objective, controller, revision) = match task.is_operation() {
             true => {
-                let revision = REVISION * REVISIONS + guideline36::REVISION;
+                let revision = environments * REVISIONS + guideline36::REVISION;
                 (Objective::Energy, guideline36_hash(task), revision)
             }
             false => {
                 let parameters = controller_parameters(&episode.subject, site, task);
-                (Objective::of(task), parameters_hash(&parameters), REVISION)
+                (Objective::of(task), parameters_hash(&parameters), environments)
             }
         };
         Ok(Self {

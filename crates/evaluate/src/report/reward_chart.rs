@@ -49,8 +49,8 @@ pub fn step_rewards(series: &[Series<'_>]) -> Chart {
     });
     Chart {
         title: "Per-step rewards".into(),
-        note: "logarithmic, higher is better, 0 to −10⁻⁶ as −10⁻⁶; box: quartiles and median; every episode has the same \
-               weight"
+        note: "logarithmic, higher is better; rewards above −10⁻⁶ are drawn there; box: quartiles and median; every \
+               episode has the same weight"
             .into(),
         height: 380,
         wide: types.len() > 2,

@@ -68,7 +68,7 @@ impl TrainConfig {
     }
 
     /// Like [`TrainConfig::with_changes`], for a JSON object with the caller's arguments, which may include
-    /// `allow_external`. Unlike a file, it has no options of learners that are not chosen.
+    /// `allow_external`. Unlike in a file, options of a learner that is not chosen are an error.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the reason.
