@@ -28,7 +28,15 @@ from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .evaluation.identity import identity_of
 from .learning import Agent, AgentController
-from .rollouts import BuiltInController, PhysicalController, Trajectory, record_of, rollout, run_episode
+from .rollouts import (
+    BuiltInController,
+    PhysicalController,
+    ReactiveController,
+    Trajectory,
+    record_of,
+    rollout,
+    run_episode,
+)
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -242,6 +250,8 @@ class Problem:
         actuators that the problem withholds are not among them. Further arguments go to :func:`make_vec`.
         """
         protocol = self.definition["protocol"]
+        if "task" in arguments:
+            raise SettingError(f"{self.name} has its own training tasks; omit task, or redefine its train_tasks")
         spread = [building for building, _ in self._spread(n, building_ids)]
         known = self.train_building_ids() if building_ids is None else list(building_ids)
         options = {
@@ -281,11 +291,13 @@ class Problem:
 
         ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
-        Known baselines do not run again. An agent keeps its memory where the problem says so; for other policies with
+        Known baselines do not run again. With ``arguments`` that draw days, weather or targets, the number of the test
+        environment is the seed of the policy's episode and of its baseline's. An agent keeps its memory where the problem says so; for other policies with
         memory, there is :meth:`run`.
         """
         if "run_period" in arguments:
             raise SettingError(f"{self.name} has its own run periods; omit run_period, or redefine its windows")
+        self._check_actuators(policy)
         if hasattr(policy, "next_episode") and not is_built_in(policy) and self._keeps_memory():
             raise SettingError(
                 f"{name_of(policy)} has the method next_episode, and policies keep their memory in {self.name}; call "
@@ -300,16 +312,29 @@ class Problem:
             env = made = self._make("test", building, task, **{"run_period": period, **arguments})
             try:
                 env = made if wrap is None else wrap(made)
-                baseline = _baseline(made) if baselines is None else baselines[number]
+                baseline = _baseline(made, number) if baselines is None else baselines[number]
                 if agent is None:
-                    trajectory = rollout(env, _controller(policy, env))
+                    trajectory = rollout(env, _controller(policy, env), seed=number)
                 else:
-                    trajectory = run_episode(env, agent.begin(building, task, made))
+                    trajectory = run_episode(env, agent.begin(building, task, made), seed=number)
             finally:
                 env.close()
             row = {"building": building, "task": task, "period": period}
             episodes.append({**(trajectory.metrics or {}), **row, **_scores(trajectory, baseline)})
         return Result(self.name, episodes, _measures(episodes))
+
+    def _check_actuators(self, policy: Any) -> None:
+        """Raises for a policy that controls actuators that the test withholds."""
+        restriction = self.definition["test"].get("restriction")
+        if restriction is None or not (isinstance(policy, Agent) or is_built_in(policy)):
+            return
+        if policy is ReactiveController and restriction["left_to"] == "reactive":
+            return
+        name = f"the agent {policy.path}" if isinstance(policy, Agent) else policy.__name__
+        raise SettingError(
+            f"{name} controls all actuators, and {self.name} withholds some; pass a function from the observation to "
+            "the other actuators"
+        )
 
     def run(
         self,
@@ -413,7 +438,6 @@ def _scores(trajectory: Trajectory, baseline: _core.Baseline) -> dict[str, Any]:
     """Returns the columns of an episode that compare it to its baseline."""
     score, resolved_score, energy = baseline.compare(record_of(trajectory)[0])
     return {
-        "return": trajectory.episode_return,
         "baseline_return": baseline.episode_return,
         "score": score,
         "resolved_score": resolved_score,
@@ -431,9 +455,9 @@ def _measures(episodes: list[dict[str, Any]]) -> dict[str, Any]:
     return json.loads(_core.measures([row for row in rows if None not in row]))
 
 
-def _baseline(env: _Env) -> _core.Baseline:
+def _baseline(env: _Env, seed: int) -> _core.Baseline:
     """Runs the baseline in an environment."""
-    trajectory = rollout(env, BuiltInController(env, kind=unwrap(env).setting.baseline))
+    trajectory = rollout(env, BuiltInController(env, kind=unwrap(env).setting.baseline), seed=seed)
     return _core.Baseline.of(record_of(trajectory)[0])
 
 

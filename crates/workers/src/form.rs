@@ -112,6 +112,11 @@ impl Arranged {
         }
     }
 
+    /// Returns whether the slots are arranged by the roles of zones.
+    pub fn is_by_role(&self) -> bool {
+        self.roles.is_some()
+    }
+
     /// Number of slots.
     pub fn width(&self) -> usize {
         self.roles.as_ref().map_or(self.spaces.observation.len(), |roles| roles.slots().len())

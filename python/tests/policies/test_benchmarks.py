@@ -92,6 +92,11 @@ def test_both_sides_of_a_transfer_are_one_building_with_different_actuators(clos
     assert np.array_equal(rewards, reactive.rewards)
     with pytest.raises(b2b.Error, match="shape"):
         few.step(np.zeros(10))
+    fewer = ActionSpaceTransfer("unitary", "fewer", **DAY)
+    with pytest.raises(b2b.Error, match="Guideline36Controller controls all actuators"):
+        fewer.evaluate(b2b.Guideline36Controller)
+    with pytest.raises(b2b.Error, match="its own training tasks"):
+        fewer.make_train_vec(1, task="constant")
 
 
 @pytest.mark.nightly
@@ -106,6 +111,15 @@ def test_the_reactive_controllers_score_one_and_others_do_not():
     assert 1 < random.resolved_interquartile_mean < random.interquartile_mean
     assert random.rms_deviation > reactive.rms_deviation
     assert list(reactive.scores) == [(each, "constant") for each in houses["test"]]
+
+
+@pytest.mark.nightly
+def test_a_policy_and_its_baseline_run_in_the_same_drawn_days():
+    problem = DynamicsAdaptation(1, test=["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"], windows=["01-10..02-20"])
+    first = problem.evaluate(b2b.ReactiveController, window_days=1)
+    assert list(first.scores.values()) == pytest.approx([1.0] * 2, rel=1e-9)
+    again = problem.evaluate(b2b.ReactiveController, window_days=1)
+    assert [each["return"] for each in first.episodes] == [each["return"] for each in again.episodes]
 
 
 def test_the_relative_energy_is_a_ratio_of_sums():

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::entry_policy::EntryPolicy;
+use super::violation::violation_of;
 use crate::Result;
 use crate::problem::{Problem, Stage};
 use b2b_evaluate::BuiltIn;
@@ -46,6 +47,12 @@ impl Entry {
         if let Some(steps) = self.adapted.keys().find(|steps| !protocol.adaptation.contains(steps)) {
             let known = &protocol.adaptation;
             return violation(format!("no adaptation test after {steps} steps; expected one of {known:?}"));
+        }
+        for stage in self.stages() {
+            if let Some(why) = violation_of(self.policy_of(stage), &self.problem, stage, self.training_steps)
+            {
+                return violation(why);
+            }
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
-use b2b_agent::Agent;
+use b2b_agent::{Agent, AgentInfo};
 use b2b_base::digest::sha256;
 use b2b_control::Controller;
 use b2b_env::Task;
@@ -222,6 +222,26 @@ impl EntryPolicy {
             fill(pattern, episode.seed, &episode.subject.name.to_string(), &episode.task.to_string())
         };
         episodes.iter().map(name).find(|name| !files.contains_key(name))
+    }
+
+    /// Returns the pattern of its files; empty if it has none.
+    pub(super) fn pattern(&self) -> &str {
+        match self {
+            Self::BuiltIn(_) | Self::External(_) => "",
+            Self::Files(files) => &files.pattern,
+        }
+    }
+
+    /// Returns the records of its agents by name.
+    pub(super) fn agents(&self) -> impl Iterator<Item = (&str, &AgentInfo)> {
+        let files = match self {
+            Self::BuiltIn(_) | Self::External(_) => None,
+            Self::Files(files) => Some(&files.files),
+        };
+        files.into_iter().flatten().filter_map(|(name, file)| match &file.policy {
+            FilePolicy::Agent(agent) => Some((name.as_str(), agent.info())),
+            FilePolicy::Onnx(_) => None,
+        })
     }
 
     /// Checks that the files have not changed since they were read.

@@ -30,7 +30,8 @@ pub struct EpisodePoint {
 }
 
 /// Resolved scores of a policy minus a reference's in the same episodes, interquartile mean over buildings and tasks;
-/// above 0, the reference is better.
+/// above 0, the reference is better. A reference with one seed, such as a deterministic policy, is compared with every
+/// seed of the policy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpisodeDifference {
     /// Difference of the mean over a building's episodes; seeds that lack an episode are left out.
@@ -40,14 +41,22 @@ pub struct EpisodeDifference {
 }
 
 impl EpisodeDifference {
-    /// Returns the difference in the episodes of a curve; `None` unless both have a scored row of one building, task
-    /// and seed in all of them.
+    /// Returns the difference in the episodes of a curve; `None` unless both have a scored row of one building and task,
+    /// and of one seed if the reference has several, in all of them.
     pub fn of(curve: &EpisodeCurve, rows: &[EpisodeResult], reference: &[EpisodeResult]) -> Option<Self> {
         let periods: Vec<&str> = curve.points.iter().map(|point| point.period.as_str()).collect();
+        let only = reference.first()?.info.seed;
+        let has_one_seed = reference.iter().all(|row| row.info.seed == only);
         // The difference in the same building, with the same task and seed, in some periods; `None` if one is missing.
         let mean = |row: &EpisodeResult, periods: &[&str]| {
-            let score = |rows: &[EpisodeResult], period: &str| same_in(rows, row, period)?.resolved_score();
-            let difference = |period: &&str| Some(score(rows, period)? - score(reference, period)?);
+            let seed = row.info.seed;
+            let score = |rows: &[EpisodeResult], seed, period: &str| {
+                same_in(rows, row, seed, period)?.resolved_score()
+            };
+            let seed_of_reference = if has_one_seed { only } else { seed };
+            let difference = |period: &&str| {
+                Some(score(rows, seed, period)? - score(reference, seed_of_reference, period)?)
+            };
             let sum = periods.iter().map(difference).sum::<Option<f64>>()?;
             Some(sum / periods.len() as f64)
         };
@@ -76,18 +85,23 @@ impl EpisodeCurve {
         let last = rows_in(rows, &points.last()?.period);
         let first = points.first()?.period.as_str();
         // Seeds are different agents.
-        let improvement =
-            |row: &EpisodeResult| Some(same_in(rows, row, first)?.resolved_score()? - row.resolved_score()?);
+        let score_in_first = |row: &EpisodeResult| same_in(rows, row, row.info.seed, first)?.resolved_score();
+        let improvement = |row: &EpisodeResult| Some(score_in_first(row)? - row.resolved_score()?);
         let improvement = aggregate(&samples(&by_building(last, improvement)))?.interquartile_mean;
         Some(Self { points, improvement })
     }
 }
 
-/// Returns the row of a period with the building, task and seed of another row.
-fn same_in<'a>(rows: &'a [EpisodeResult], row: &EpisodeResult, period: &str) -> Option<&'a EpisodeResult> {
-    let EpisodeInfo { building, task, seed, .. } = &row.info;
+/// Returns the row of a period and a seed with the building and task of another row.
+fn same_in<'a>(
+    rows: &'a [EpisodeResult],
+    row: &EpisodeResult,
+    seed: u64,
+    period: &str,
+) -> Option<&'a EpisodeResult> {
+    let EpisodeInfo { building, task, .. } = &row.info;
     rows.iter().find(|EpisodeResult { info, .. }| {
-        info.period == period && info.building == *building && info.task == *task && info.seed == *seed
+        info.period == period && info.building == *building && info.task == *task && info.seed == seed
     })
 }
 

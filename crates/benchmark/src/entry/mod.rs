@@ -18,6 +18,7 @@ mod result;
 mod run;
 mod scores;
 mod verify;
+mod violation;
 
 pub use adaptation::{Adaptation, Point};
 pub use columns::Columns;

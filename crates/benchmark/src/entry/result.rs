@@ -105,6 +105,27 @@ impl RunResult {
         })
     }
 
+    /// Returns whether its measures are what its episodes give.
+    pub(super) fn has_measures_of(&self, stages: &[(Stage, Vec<EpisodeResult>)]) -> bool {
+        Measures::of(stages, self.problem.protocol.consecutive()).is_some_and(|own| own == self.measures)
+    }
+
+    /// Errors unless what a leaderboard shows follows from the problem and the episodes.
+    ///
+    /// # Errors
+    /// [`Error::Modified`] with the part that does not.
+    pub fn check_shown(&self, stages: &Stages, folder: &Path) -> Result<()> {
+        let what = if !self.has_measures_of(stages) {
+            "measures"
+        } else if self.problem.changes() != self.problem_changes {
+            "problem_changes"
+        } else {
+            return Ok(());
+        };
+        let what = format!("`{what}` in {RESULT} differs from what the problem and the episodes give");
+        Err(Error::Modified { folder: folder.to_owned(), what })
+    }
+
     /// Writes the folder, `result.json` last, so that a folder with it is complete.
     pub(super) fn write(
         &self,

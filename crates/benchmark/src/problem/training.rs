@@ -38,10 +38,9 @@ impl TrainingForm {
             let kept = buildings.iter().map(kept).collect::<Result<Vec<usize>>>()?;
             actions = kept.into_iter().max().unwrap_or(0);
         }
-        let observations = match arrangement {
-            Arrangement::InOrder => problem.protocol.observation_width.unwrap_or(observations),
-            Arrangement::ByRole => observations,
-        };
+        let by_role = buildings.iter().any(|spaces| arrangement.of(spaces).is_by_role());
+        let own = problem.protocol.observation_width.filter(|_| !by_role);
+        let observations = own.unwrap_or(observations);
         let attributes = problem.protocol.attributes == Attributes::Given;
         Ok(Self { restriction, attributes, arrangement, widths: (actions, observations) })
     }

@@ -57,6 +57,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     let mut results: Vec<(RunResult, _)> = Vec::new();
     for folder in &arguments.folders {
         let (result, stages) = read_result(folder)?;
+        result.check_shown(&stages, folder)?;
         let duplicate = results
             .iter()
             .any(|(other, _)| other.name == result.name && other.problem_hash == result.problem_hash);

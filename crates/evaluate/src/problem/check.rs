@@ -3,13 +3,14 @@
 use std::collections::HashSet;
 use std::fmt;
 
+use b2b_building::BuildingType;
 use b2b_dataset::{BuildingId, Split};
 use b2b_env::Task;
 
 use super::definition::{Family, Problem};
 use super::list::{joined, shortened};
-use super::side::Side;
-use crate::Result;
+use super::side::{Side, Size};
+use crate::{HouseForm, Result};
 
 impl Problem {
     /// Errors unless the problem can answer its question.
@@ -22,12 +23,26 @@ impl Problem {
             .fault()
             .or_else(|| self.train.fault("train"))
             .or_else(|| self.test.fault("test"))
+            .or_else(|| self.width_fault())
             .or_else(|| self.split_fault())
             .or_else(|| self.family_fault());
         match fault {
             None => Ok(()),
             Some(why) => Err(self.error(why)),
         }
+    }
+
+    /// Observations in model order must fit into the width to which they are padded.
+    fn width_fault(&self) -> Option<String> {
+        let width = self.protocol.observation_width?;
+        let by_role = self.protocol.observation == HouseForm::Roles;
+        let in_order = |size: &&Size| !(by_role && size.building_type == BuildingType::SingleFamilyHouse);
+        let mut sizes = self.train.sizes.iter().chain(&self.test.sizes).filter(in_order);
+        let size = sizes.find(|size| size.observation[1] > width)?;
+        Some(format!(
+            "observation_width is {width}, but observations of {} have up to {} values",
+            size.building_type, size.observation[1]
+        ))
     }
 
     /// A policy trained on the dataset's test buildings cannot be compared on any problem.

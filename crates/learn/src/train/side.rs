@@ -109,6 +109,10 @@ impl TrainingSide {
         if agent.observes_attributes() && !self.gives_attributes {
             return Err(self.beyond("attributes", &"given", &"withheld"));
         }
+        let hours = agent.observation.forecast;
+        if hours > 0 {
+            return Err(self.beyond("forecast", &format!("{hours} h"), &"none"));
+        }
         Ok(())
     }
 

@@ -15,8 +15,8 @@ pub use sample::Sample;
 
 use super::entry_policy::{EntryPolicy, PolicyDescription};
 use super::external::External;
-use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
+use super::violation::violation_of;
 use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use b2b_evaluate::{Baseline, Baselines, BuiltIn, SiteInfo};
@@ -134,6 +134,9 @@ fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, 
         if let Some(missing) = policy.missing(&episodes) {
             return Err(format!("{stage}: the policy `{missing}` is missing"));
         }
+        if let Some(why) = violation_of(&policy, &result.problem, stage_of, result.training_steps) {
+            return Err(format!("{stage}: {why}"));
+        }
         policies.insert(stage.clone(), policy);
     }
     Ok(policies)
@@ -241,9 +244,9 @@ fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 fn measures(result: &RunResult, stages: &[(Stage, Vec<EpisodeResult>)]) -> CheckOutcome {
-    match Measures::of(stages, result.problem.protocol.consecutive()) {
-        Some(measures) if measures == result.measures => Ok("as the episodes give".into()),
-        _ => Err("they differ from what the episodes give".into()),
+    match result.has_measures_of(stages) {
+        true => Ok("as the episodes give".into()),
+        false => Err("they differ from what the episodes give".into()),
     }
 }
 

@@ -230,18 +230,21 @@ fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
     let path = folder.path();
     let own = |line: &&str| !line.starts_with("task") && !line.starts_with("period");
     let config: Vec<&str> = SMALL.lines().filter(own).collect();
-    let text = config.join("\n") + "\nobservation = { forecast = 3 }\nproblem = \"dynamics-house\"";
-    std::fs::write(path.join("small.toml"), text).unwrap();
+    let text = config.join("\n") + "\nproblem = \"dynamics-house\"";
+    std::fs::write(path.join("small.toml"), &text).unwrap();
+    std::fs::write(path.join("knows.toml"), text + "\nobservation = { forecast = 3 }").unwrap();
     std::fs::write(path.join("mine.json"), PROBLEM).unwrap();
     // The argument takes precedence over the file's problem.
     let train = "train --problem mine.json --config small.toml --out run";
+    let knowing = train.replace("small", "knows");
+    assert_rejected(path, &knowing, &["forecast", "3 h", "house-random"]);
     let summary = json(path, &format!("{train} --steps 768"));
     let scores = summary["by_building"].as_array().unwrap();
     let tasks: Vec<_> = scores.iter().map(|each| each["task"].as_str().unwrap()).collect();
     assert_eq!(tasks, ["constant", "occupancy+energy0.5"]);
     let agent: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
     assert_eq!(agent["training"]["problem"], "mine.json");
-    for slot in ["outdoor temperature in 3 h", "building floor_area", "task energy weight"] {
+    for slot in ["building floor_area", "task energy weight"] {
         assert!(agent["slots"].as_array().unwrap().iter().any(|each| each == slot), "{slot}");
     }
     let output = b2b(path, "train --resume run --steps 1536");
@@ -249,6 +252,8 @@ fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
     let output = b2b(path, "benchmark run mine.json --policy run --out entered");
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(path.join("entered/result.json").is_file());
+    let withheld = "benchmark run mine.json --attributes withheld --policy run --out withheld";
+    assert_rejected(path, withheld, &["the agent `run` observes attributes", "withheld"]);
     assert_rejected(path, &format!("{train} --steps 5000"), &["5000", "house-random", "at most 4000"]);
     let house = "SingleFamilyHouse-0001 --task random --period 01-10..01-10 --out other";
     for (command, words) in [

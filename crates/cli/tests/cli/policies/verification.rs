@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use crate::policies::onnx_file::linear_policy;
-use crate::program::{b2b, both_outputs, command};
+use crate::program::{assert_rejected, b2b, both_outputs, command};
 use b2b_base::digest::sha256;
 use b2b_benchmark::entry::{Check, Measures, Sample, check, read_result, verify};
 use b2b_benchmark::problem::Stage;
@@ -129,6 +129,14 @@ fn what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is
     let report = b2b(judged.folder.path(), "benchmark report described");
     assert!(report.status.success(), "{}", both_outputs(&report));
     assert!(std::fs::read_to_string(page).unwrap().contains("(own program, unverified)"));
+
+    // A page shows only measures that the episodes give.
+    let forge = |result: &mut Value| {
+        *result.pointer_mut("/measures/test/resolved/interquartile_mean/value").unwrap() = json!(0.1);
+    };
+    let said = judged.described(forge, 0);
+    assert!(said.contains("measures: they differ"), "{said}");
+    assert_rejected(judged.folder.path(), "benchmark report described", &["`measures` in result.json"]);
 }
 
 fn scored(row: &mut EpisodeResult) -> &mut Scored {
