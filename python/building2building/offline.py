@@ -32,7 +32,7 @@ def collect(
     """Runs a controller on buildings of one type and writes the episodes as a Minari dataset.
 
     The dataset contains the environment's spec: ``minari.load_dataset(dataset_id).recover_environment()``
-    recreates it.
+    recreates it, unless the first building was generated. Actions are recorded as applied.
 
     ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
     Buildings that are given by their names are found as by :func:`find_building`. Every building runs ``episodes``
@@ -41,6 +41,7 @@ def collect(
     Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")
+    _check_id(dataset_id)
     found = [as_building(each, place, weather, control) for each in buildings]
     types = {each.building_type for each in found}
     if imported := [each.name for each in found if each.building_type is None]:
@@ -55,7 +56,18 @@ def collect(
     name = getattr(controller, "__name__", "controller")
     built_in = controller if isinstance(controller, type) and issubclass(controller, BuiltInController) else None
     policy: Any
-    collector = minari.DataCollector(env)
+
+
+    class Applied(minari.StepDataCallback):  # type: ignore[name-defined, misc]
+        def __call__(self, env: Any, **step: Any) -> Any:
+            data = super().__call__(env, **step)
+            if step.get("action") is not None and space == core.action_space:
+                action = core.applied_action()
+                action = core.layout.rescaled(action) if core.rescale_action else action
+                data["action"] = action.astype(space.dtype).clip(space.low, space.high)
+            return data
+
+    collector = minari.DataCollector(env, step_data_callback=Applied)
     try:
         for number, building in enumerate(found):
             if number:
@@ -92,6 +104,20 @@ def collect(
         )
     finally:
         collector.close()
+
+
+def _check_id(dataset_id: str) -> None:
+    """Raises for a name that is not a dataset's or is taken, before any episode runs."""
+    from minari.dataset.minari_dataset import parse_dataset_id
+    from minari.storage import get_dataset_path
+
+    try:
+        parse_dataset_id(dataset_id)
+    except ValueError as error:
+        raise SettingError(f"`{dataset_id}` is not the name of a dataset, such as b2b/office-v0: {error}") from None
+    folder = get_dataset_path(dataset_id)
+    if folder.exists():
+        raise SettingError(f"the dataset {dataset_id} exists in {folder}; remove it, or choose another name or version")
 
 
 def _selection(building: Building) -> dict[str, Any]:

@@ -189,6 +189,15 @@ fn without_seal(content: Vec<u8>) -> Vec<u8> {
     }
 }
 
+/// Writes the hash of an agent's weights into its description, which would reveal damage before they are parsed.
+fn with_hash_of_weights(folder: &Path) -> Result<()> {
+    let path = folder.join(b2b_agent::INFO);
+    let mut info: serde_json::Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    let weights = std::fs::read(folder.join("weights.safetensors"))?;
+    (info["format"], info["weights"]) = (json!(1), json!(b2b_base::digest::sha256(weights)));
+    Ok(std::fs::write(&path, info.to_string())?)
+}
+
 fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
     let library = Library::load(&Engine::ensure(&mut Quiet)?.library)?;
     let json = |value: serde_json::Value| value.to_string().into_bytes();
@@ -231,7 +240,9 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
         )?,
         of_file(work, "ONNX", "agent.onnx", material.bytes("agent.onnx")?, onnx)?,
         of_folder(work, "agent.json", &material.path("agent"), "agent.json", agent)?,
-        of_folder(work, "weights", &material.path("agent"), "weights.safetensors", agent)?,
+        of_folder(work, "weights", &material.path("agent"), "weights.safetensors", |folder| {
+            with_hash_of_weights(folder).is_ok() && Agent::read(folder).is_ok()
+        })?,
         of_folder(work, "offline metadata", &material.path("offline-v0"), "data/metadata.json", dataset)?,
         of_folder(work, "offline episode", &material.path("offline-v0"), "data/0/metadata.json", dataset)?,
         of_folder(work, "offline steps", &material.path("offline-v0"), "data/0/part-0.parquet", dataset)?,

@@ -117,7 +117,7 @@ impl Trick<'_> {
         let (name, arguments) = *pick(
             &[
                 ("evaluation/episodes.parquet", "evaluate compare evaluation evaluation --out page.html"),
-                ("offline-v0/data/0/part-0.parquet", "clone offline-v0 --out cloned --steps 10"),
+                ("offline-v0/data/0/part-0.parquet", "clone offline-v0 --out cloned --updates 10"),
                 ("agent/checkpoint.safetensors", "train --resume agent --steps 3000"),
                 (
                     "agent/agent.json",
@@ -134,8 +134,12 @@ impl Trick<'_> {
         damaged[place] ^= 1 << self.random.random_range(0..8);
         std::fs::write(&path, damaged)?;
         let ended = self.run(arguments)?;
-        let broken =
-            (ended.code() == Some(0)).then(|| format!("{name} with another bit in byte {place} is accepted"));
+        let broken = match ended.code() {
+            Some(0) => Some(format!("{name} with another bit in byte {place} is accepted")),
+            // The file was not read.
+            Some(2) => Some(format!("`b2b {arguments}` is not a command")),
+            _ => None,
+        };
         Ok((ended, broken))
     }
 

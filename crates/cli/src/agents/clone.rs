@@ -1,25 +1,26 @@
 //! `b2b clone`: an agent that imitates the policies of a dataset.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
 use b2b_agent::{Agent, ObservationForm, ObservationOptions};
+use b2b_base::new_folders::NewFolders;
 use b2b_building::{BuildingType, Period, PreparedBuilding};
 use b2b_climate::Place;
 use b2b_dataset::{Catalog, Control, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::{EpisodeConfig, Spaces};
+use b2b_env::{EpisodeConfig, Spaces, Task};
 use b2b_learn::Error;
 use b2b_learn::offline::{
     CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata, ModelReading, clone_policy,
 };
 use serde_json::json;
 
-use crate::program;
 use crate::terminal::progress::{Download, counter};
 use crate::terminal::{interrupt, stdout};
+use crate::{output_folder, program};
 
 /// Train an agent to imitate the policies of a dataset (behavior cloning)
 ///
@@ -35,8 +36,8 @@ pub struct Arguments {
     #[arg(long = "type", value_name = "TYPE")]
     building_type: Option<BuildingType>,
     /// Task to learn, in a corpus of several
-    #[arg(long, value_name = "TASK")]
-    task: Option<String>,
+    #[arg(long, value_name = "TASK", value_parser = Task::from_text)]
+    task: Option<Task>,
     /// What the agent observes: raw, roles or features
     #[arg(long, value_name = "FORM", default_value = "raw")]
     observation: ObservationForm,
@@ -76,11 +77,14 @@ Examples:
 /// Runs the command.
 pub fn clone(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
+    let created = NewFolders::create(&arguments.out)
+        .with_context(|| format!("cannot create --out {}", arguments.out.display()))?;
+    let _lock = output_folder::lock(&arguments.out)?;
     let dataset = Dataset::open(&arguments.dataset)?;
     let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let config = CloneConfig {
         building_type: arguments.building_type.map(|it| it.to_string()),
-        task: arguments.task.clone(),
+        task: arguments.task.as_ref().map(Task::to_text),
         observation: ObservationOptions {
             attributes: arguments.attributes,
             ..ObservationOptions::from(arguments.observation)
@@ -99,7 +103,6 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
         !interrupt::requested()
     })?;
     bar.finish_and_clear();
-    create(&arguments.out)?;
     let Cloned { info, actor, errors: [error, held_out] } = cloned;
     let summary = json!({
         "out": arguments.out,
@@ -108,6 +111,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
         "held_out_error": held_out,
     });
     Agent::write(&arguments.out, info, &actor)?;
+    created.keep();
     stdout::print_result(arguments.json, &summary, || {
         format!(
             "RMS error of actions, relative to half their range: {:.1} % (held-out steps: {:.1} %)\n\n  {}",
@@ -129,15 +133,6 @@ fn check(arguments: &Arguments) -> Result<()> {
         bail!("--out {} exists; remove it or choose another folder", arguments.out.display());
     }
     Ok(())
-}
-
-/// Creates the agent's folder. Errors if another command has created it since this one began.
-fn create(folder: &Path) -> Result<()> {
-    let cannot = || format!("cannot create --out {}", folder.display());
-    if let Some(parent) = folder.parent() {
-        std::fs::create_dir_all(parent).with_context(cannot)?;
-    }
-    std::fs::create_dir(folder).with_context(cannot)
 }
 
 /// Building with its interface, place, weather file, and how a model file was read.
@@ -169,13 +164,14 @@ impl Buildings<'_> {
         }
         let (building, weather) = &self.prepared[&key];
         let Contents { task, period, steps_per_hour, .. } = self.contents;
-        let (task, period) = episode.corpus.as_ref().map_or((task, period), |of| (&of.task, &of.period));
+        let task = episode.corpus.as_ref().map_or(task, |of| &of.task);
+        let period = episode.period.as_ref().unwrap_or(period);
         let days = period.parse::<Period>().and_then(|period| period.in_weather(weather));
         let config = EpisodeConfig {
             weather: weather.clone(),
             period: days.map_err(|error| invalid(&error))?,
             steps_per_hour: *steps_per_hour,
-            task: task.parse()?,
+            task: Task::from_text(task)?,
         };
         Ok(Arc::new(Spaces::new(Arc::clone(building), config)))
     }

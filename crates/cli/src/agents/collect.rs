@@ -35,7 +35,7 @@ pub struct Arguments {
     name: String,
     #[command(flatten)]
     episodes: Episodes,
-    /// Policies: guideline36, own, reactive, random or another name of `b2b evaluate`, folders of agents or ONNX files;
+    /// Policies: guideline36, reactive, random or another name of `b2b evaluate`, folders of agents or ONNX files;
     /// several make a mixed dataset
     #[arg(long = "policy", value_name = "POLICY", num_args = 1.., default_values = ["reactive"])]
     policies: Vec<String>,

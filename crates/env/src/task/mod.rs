@@ -157,14 +157,26 @@ impl Task {
         }
     }
 
-    /// Reads a task from a JSON file.
+    /// Reads a task from a JSON file. Paths in it are relative to its folder.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::TaskFile`] with the reason; the errors of [`Task::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let task = Self::parse(&text).map_err(|why| Error::TaskFile { path: path.to_owned(), why })?;
-        task.complete()
+        task.complete(path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Returns the short form, if it has one that says everything.
+    pub fn short_form(&self) -> Option<String> {
+        let text = self.to_string();
+        text.parse::<Self>().is_ok_and(|task| task == *self).then_some(text)
+    }
+
+    /// Returns the text that [`Task::from_text`] reads back: the short form, or a JSON object.
+    pub fn to_text(&self) -> String {
+        let json = || serde_json::to_string(self).expect("plain data always serializes");
+        self.short_form().unwrap_or_else(json)
     }
 
     /// Parses a task from a user's text: the short form, a JSON object, or the path of a JSON file.
@@ -174,7 +186,7 @@ impl Task {
     /// [`Task::read`].
     pub fn from_text(text: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
-            return Self::parse(text).map_err(|why| Error::InvalidTask { why })?.complete();
+            return Self::parse(text).map_err(|why| Error::InvalidTask { why })?.complete(Path::new(""));
         }
         match Path::new(text).extension() {
             Some(extension) if extension == "json" => Self::read(Path::new(text)),
@@ -195,8 +207,8 @@ impl Task {
         serde_json::from_value(all.into()).map_err(json)
     }
 
-    /// Adds the text of the files that the task names, and checks the task.
-    fn complete(mut self) -> Result<Self> {
+    /// Adds the text of the files that the task names, with paths relative to a folder, and checks the task.
+    fn complete(mut self, folder: &Path) -> Result<Self> {
         let replaced = [
             ("prices", "tariff", self.tariff.is_some() && self.prices != PRICES),
             ("emissions", "emission_profile", self.emission_profile.is_some() && self.emissions != EMISSIONS),
@@ -204,8 +216,8 @@ impl Task {
         if let Some((field, by, _)) = replaced.into_iter().find(|(.., given)| *given) {
             return Err(Error::Replaced { field, by });
         }
-        self.tariff = self.tariff.map(DataFile::with_text).transpose()?;
-        self.emission_profile = self.emission_profile.map(DataFile::with_text).transpose()?;
+        self.tariff = self.tariff.map(|file| file.with_text(folder)).transpose()?;
+        self.emission_profile = self.emission_profile.map(|file| file.with_text(folder)).transpose()?;
         self.check()?;
         Ok(self)
     }
@@ -401,5 +413,31 @@ mod tests {
         assert!(said.contains("energy_wieght") && said.contains("energy_weight"), "{said}");
         let said = read(r#"{"comfort_band": -1}"#).unwrap_err().to_string();
         assert!(said.contains("comfort_band"), "{said}");
+    }
+
+    #[test]
+    fn every_task_reads_back_from_its_text() {
+        let named = "occupancy+energy0.5".parse::<Task>().unwrap();
+        assert_eq!(named.to_text(), "occupancy+energy0.5");
+        let own = Task { comfort_band: 0.7, ..named };
+        assert_eq!(own.short_form(), None);
+        assert_eq!(Task::from_text(&own.to_text()).unwrap(), own);
+    }
+
+    #[test]
+    fn paths_in_a_task_file_are_relative_to_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let tariff = b2b_tariff::shipped_text("tou").unwrap();
+        std::fs::write(folder.path().join("mine.toml"), tariff).unwrap();
+        let task = |file: &str| {
+            let path = folder.path().join("task.json");
+            std::fs::write(&path, format!(r#"{{"tariff": "{file}"}}"#)).unwrap();
+            Task::read(&path)
+        };
+        assert_eq!(task("mine.toml").unwrap().tariff.unwrap().text(), Some(tariff));
+        let absolute = folder.path().join("mine.toml");
+        assert_eq!(task(absolute.to_str().unwrap()).unwrap().tariff.unwrap().name(), "mine");
+        let said = task("other.toml").unwrap_err().to_string();
+        assert!(said.contains(folder.path().join("other.toml").to_str().unwrap()), "{said}");
     }
 }

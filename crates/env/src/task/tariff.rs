@@ -38,13 +38,13 @@ impl DataFile {
         Ok(Self::Own { name, toml })
     }
 
-    /// Reads the text of the file if this is the path of a user's file.
+    /// Reads the text of the file if this is the path of a user's file, relative to a folder.
     ///
     /// # Errors
     /// Same as [`DataFile::read`].
-    pub(super) fn with_text(self) -> Result<Self> {
+    pub(super) fn with_text(self, folder: &Path) -> Result<Self> {
         match &self {
-            Self::Shipped(path) if path.ends_with(".toml") => Self::read(Path::new(path)),
+            Self::Shipped(path) if path.ends_with(".toml") => Self::read(&folder.join(path)),
             _ => Ok(self),
         }
     }

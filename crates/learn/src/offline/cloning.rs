@@ -146,9 +146,18 @@ impl CloneConfig {
         }
         if selected.is_empty() {
             let wanted = [&self.building_type, &self.task].map(|it| it.as_deref().unwrap_or("any"));
+            let all: Vec<_> = dataset.episodes.iter().enumerate().collect();
+            let contents = &dataset.contents;
+            let there = match &all[..] {
+                [(_, EpisodeMetadata { corpus: Some(_), .. }), ..] => {
+                    [different(&all, |of| &of.building_type), different(&all, |of| &of.task)]
+                        .map(|each| each.join(", "))
+                }
+                _ => [contents.building_type.clone(), contents.task.clone()],
+            };
             return Err(Error::Invalid(format!(
-                "the dataset has no episode with actions of the type {} under the task {}",
-                wanted[0], wanted[1]
+                "the dataset has no episode with actions of the type {} under the task {}; it has {} under {}",
+                wanted[0], wanted[1], there[0], there[1]
             )));
         }
         Ok(selected)
@@ -171,7 +180,8 @@ fn training(episodes: &[(usize, &EpisodeMetadata)], dataset: &Dataset, config: &
             buildings.push(&episode.building);
         }
     }
-    let Versions { package, generator, engine, .. } = Versions::current();
+    let versions = dataset.contents.versions.clone().unwrap_or_else(Versions::current);
+    let Versions { package, generator, engine, .. } = versions;
     TrainingInfo {
         algorithm: "behavior cloning".into(),
         buildings: buildings.join(", "),

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::PoisonError;
 
+use b2b_building::Controls;
+use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Control};
 use b2b_env::{Spaces, unscale};
 use b2b_evaluate::{EpisodePlan, Evaluation, Policy, Progress, Recorded};
@@ -36,6 +38,12 @@ pub fn collect(
     progress: &dyn Progress,
 ) -> Result<Dataset> {
     let building_type = collection.building_type()?;
+    if let Some(policy) = collection.policies.iter().find(|policy| policy.controls() == Controls::Own) {
+        return Err(Error::Invalid(format!(
+            "the policy {} commands no actuators, so there are no actions to record; remove it, or collect a corpus",
+            policy.name()
+        )));
+    }
     let new = NewDataset::create(destination)?;
     let shape = Mutex::new(None);
     let mut episodes = Vec::new();
@@ -50,17 +58,18 @@ pub fn collect(
     let rescaled = collection.is_rescaled();
     let contents = Contents {
         building_type: building_type.clone(),
-        task: example.task.to_string(),
-        period: example.period.to_string(),
+        task: example.task.to_text(),
+        period: collection.periods().join(", "),
         steps_per_hour: example.steps_per_hour,
         rescaled,
+        versions: Some(Versions::current()),
         observation_names: shape.observation_names.clone(),
         action_names: shape.action_names.clone(),
         widths: None,
     };
     let names: Vec<String> = collection.policies.iter().map(|policy| policy.name()).collect();
     let spec = spec(&building_type, example, rescaled);
-    new.finish(collection.id, &names.join(", "), &contents, &episodes, shape.boxes(), &spec)?;
+    new.finish(collection.id, &names.join(", "), &contents, &episodes, shape.boxes(), spec.as_ref())?;
     Dataset::open(destination)
 }
 
@@ -111,12 +120,14 @@ impl Collection<'_> {
                 None => episode.subject.label(),
             },
             place: placement.place.map(|place| place.name.to_owned()),
-            weather: placement.weather.clone(),
+            weather: placement.weather.as_deref().map(absolute),
             reading: ModelReading {
                 keep_design_days: placement.keep_design_days,
-                transition: placement.transition.clone(),
+                transition: placement.transition.as_deref().map(absolute),
             },
             policy: self.policies[part].name(),
+            policy_identity: Some(self.policies[part].identity()),
+            period: Some(episode.period.to_string()),
             episode_return: file.rewards.iter().sum(),
             corpus: None,
         };
@@ -141,6 +152,18 @@ impl Collection<'_> {
                 types.join(", ")
             ))),
         }
+    }
+
+    /// Returns the run periods in order.
+    fn periods(&self) -> Vec<String> {
+        let mut periods: Vec<String> = Vec::new();
+        for episode in self.episodes {
+            let period = episode.period.to_string();
+            if !periods.contains(&period) {
+                periods.push(period);
+            }
+        }
+        periods
     }
 
     fn buildings(&self) -> usize {
@@ -256,18 +279,28 @@ pub(super) fn unscaled(actions: &[f64], spaces: &Spaces) -> Vec<f32> {
 /// Returns the absolute path of the model file of an episode.
 fn model_path(episode: &EpisodePlan) -> Option<PathBuf> {
     match &episode.subject.name {
-        BuildingName::Model(path) => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
+        BuildingName::Model(path) => Some(absolute(path)),
         BuildingName::Id(_) | BuildingName::Type(_) => None,
     }
 }
 
-/// Returns the specification from which Gymnasium makes the environment of an episode.
-fn spec(building_type: &str, episode: &EpisodePlan, rescaled: bool) -> Value {
+/// Returns an absolute path, so that a dataset can be used in any folder.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Returns the specification from which Gymnasium makes the environment of an episode; `None` for a model that was read
+/// in a way for which `make_env` has no argument.
+fn spec(building_type: &str, episode: &EpisodePlan, rescaled: bool) -> Option<Value> {
+    let placement = &episode.subject.placement;
+    if placement.keep_design_days || placement.transition.is_some() || placement.allow_external {
+        return None;
+    }
     let EpisodePlan { subject, task, period, steps_per_hour, .. } = episode;
     let mut arguments = json!({
         "run_period": period.to_string(),
         "timesteps_per_hour": steps_per_hour,
-        "task": task.to_string(),
+        "task": task.to_text(),
         "rescale_action": rescaled,
     });
     match (&subject.name, model_path(episode)) {
@@ -278,16 +311,16 @@ fn spec(building_type: &str, episode: &EpisodePlan, rescaled: bool) -> Value {
         }
         (_, None) => arguments["building_type"] = building_type.into(),
     }
-    if let Some(place) = subject.placement.place {
+    if let Some(place) = placement.place {
         arguments["place"] = place.name.into();
     }
-    if subject.placement.control != Control::default() {
-        arguments["control"] = json!(subject.placement.control);
+    if placement.control != Control::default() {
+        arguments["control"] = json!(placement.control);
     }
-    if let Some(weather) = &subject.placement.weather {
-        arguments["weather"] = weather.display().to_string().into();
+    if let Some(weather) = &placement.weather {
+        arguments["weather"] = absolute(weather).display().to_string().into();
     }
-    json!({
+    Some(json!({
         "id": format!("b2b/{building_type}-v0"),
         "entry_point": "building2building.env:BuildingEnv",
         "reward_threshold": null,
@@ -298,7 +331,7 @@ fn spec(building_type: &str, episode: &EpisodePlan, rescaled: bool) -> Value {
         "kwargs": arguments,
         "additional_wrappers": [],
         "vector_entry_point": "building2building.vector:BuildingVectorEnv",
-    })
+    }))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -319,12 +352,12 @@ mod tests {
         let subject = Subject { name: BuildingName::Model("office.idf".into()), placement };
         let task = "constant".parse().unwrap();
         let episode = EpisodePlan { subject, task, period: Period::WINTER, seed: 0, steps_per_hour: 12 };
-        let made = spec("office", &episode, false);
-        let path = std::path::absolute("office.idf").unwrap();
-        assert_eq!(made["kwargs"]["building_id"], json!(path));
-        assert_eq!(
-            (&made["kwargs"]["building_type"], &made["kwargs"]["weather"]),
-            (&Value::Null, &json!("boston.epw"))
-        );
+        let made = spec("office", &episode, false).unwrap();
+        let [path, weather] = ["office.idf", "boston.epw"].map(|file| json!(absolute(Path::new(file))));
+        assert_eq!(made["kwargs"]["building_id"], path);
+        assert_eq!((&made["kwargs"]["building_type"], &made["kwargs"]["weather"]), (&Value::Null, &weather));
+        let mut kept = episode;
+        kept.subject.placement.keep_design_days = true;
+        assert_eq!(spec("office", &kept, false), None, "make_env sizes with the design days of the weather");
     }
 }

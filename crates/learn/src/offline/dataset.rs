@@ -6,7 +6,9 @@
 use std::path::{Path, PathBuf};
 
 use b2b_base::digest_list::DigestList;
+use b2b_base::folder_lock::FolderLock;
 use b2b_base::new_folders::NewFolders;
+use b2b_control::Versions;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -26,7 +28,7 @@ pub struct Contents {
     pub building_type: String,
     /// Task.
     pub task: String,
-    /// Run period.
+    /// Run periods, separated by commas.
     pub period: String,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
@@ -39,6 +41,9 @@ pub struct Contents {
     /// Widths of observations and actions in a corpus, whose names are in the graphs of its buildings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub widths: Option<[usize; 2]>,
+    /// Versions that recorded it; `None` in a dataset from an earlier version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub versions: Option<Versions>,
 }
 
 /// Metadata of an episode.
@@ -63,6 +68,12 @@ pub struct EpisodeMetadata {
     pub reading: ModelReading,
     /// Policy.
     pub policy: String,
+    /// Identity of the policy; `None` in a corpus, whose definition has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub policy_identity: Option<String>,
+    /// Run period; `None` in a dataset from an earlier version, which has only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<String>,
     /// Return.
     pub episode_return: f64,
     /// Further metadata of an episode in a corpus.
@@ -94,8 +105,6 @@ pub struct CorpusEpisode {
     pub building_type: String,
     /// Task.
     pub task: String,
-    /// Run period.
-    pub period: String,
     /// The controller whose actions are the labels; empty where the building's own controls act.
     pub expert: String,
     /// File name of its graph.
@@ -179,29 +188,37 @@ fn cut(values: &mut Vec<f32>, from: usize, to: usize) {
     values.truncate(rows * to);
 }
 
-/// A dataset that is being written to a temporary folder and is moved into place once complete.
+/// A dataset that is being written to a temporary folder and is moved into place once complete. Until then, its place is
+/// an empty, locked folder, so that nobody else can take it.
 #[derive(Debug)]
 pub(super) struct NewDataset {
     destination: PathBuf,
     staging: TempDir,
-    /// Dropped after the staging folder, which may be in one of them.
-    _parents: NewFolders,
+    _lock: FolderLock,
+    /// Dropped after the staging folder, which is in one of them.
+    _folders: NewFolders,
 }
 
 impl NewDataset {
     /// Begins a dataset.
     pub(super) fn create(destination: &Path) -> Result<Self> {
         let shown = destination.display();
-        if destination.exists() {
-            return Err(Error::Invalid(format!(
-                "{shown} exists; remove it, or choose another name or version"
-            )));
+        let taken =
+            |why| Error::Invalid(format!("{shown} {why}; remove it, or choose another name or version"));
+        let is_empty = |mut entries: std::fs::ReadDir| entries.next().is_none();
+        if destination.exists() && !destination.read_dir().is_ok_and(is_empty) {
+            return Err(taken("exists"));
         }
+        let folders = NewFolders::create(destination).map_err(at(destination))?;
+        let Some(lock) = FolderLock::acquire(destination).map_err(at(destination))? else {
+            // The other process has the folder.
+            folders.keep();
+            return Err(taken("is being written by another command"));
+        };
         let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty());
         let parent = parent.unwrap_or(Path::new("."));
-        let parents = NewFolders::create(parent).map_err(at(parent))?;
         let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
-        let new = Self { destination: destination.to_owned(), staging, _parents: parents };
+        let new = Self { destination: destination.to_owned(), staging, _lock: lock, _folders: folders };
         std::fs::create_dir(new.whole()).map_err(at(parent))?;
         Ok(new)
     }
@@ -233,11 +250,13 @@ impl NewDataset {
         contents: &Contents,
         episodes: &[EpisodeMetadata],
         [observation, action]: [Value; 2],
-        spec: &Value,
+        spec: Option<&Value>,
     ) -> Result<()> {
         let description = format!("{algorithm} on {} episodes of {}", episodes.len(), contents.building_type);
         let mut metadata = metadata(id, algorithm, &description, contents, episodes, [observation, action]);
-        metadata["env_spec"] = spec.to_string().into();
+        if let Some(spec) = spec {
+            metadata["env_spec"] = spec.to_string().into();
+        }
         write_json(&self.data().join(METADATA), &metadata)?;
         write_digests(&self.whole(), files(episodes)).map_err(at(&self.destination))?;
         std::fs::rename(self.whole(), &self.destination).map_err(at(&self.destination))
@@ -321,6 +340,7 @@ mod tests {
             observation_names: vec!["a".into(), "b".into()],
             action_names: vec!["c".into()],
             widths: None,
+            versions: None,
         }
     }
 
@@ -343,13 +363,17 @@ mod tests {
             weather: None,
             reading: ModelReading::default(),
             policy: "reactive".into(),
+            policy_identity: Some("reactive 0".into()),
+            period: Some("winter".into()),
             episode_return: -1.75,
             corpus: None,
         };
         let new = NewDataset::create(&path).unwrap();
         let episodes = [metadata(0), metadata(1)];
         episodes.iter().for_each(|metadata| new.write(metadata, &episode).unwrap());
-        assert!(!path.exists());
+        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
+        let said = NewDataset::create(&path).unwrap_err().to_string();
+        assert!(said.contains("small-v0 is being written by another command"), "{said}");
         let box_space = json!({"type": "Box"});
         new.finish(
             "b2b/small-v0",
@@ -357,7 +381,7 @@ mod tests {
             &contents(),
             &episodes,
             [box_space.clone(), box_space],
-            &json!({}),
+            Some(&json!({})),
         )
         .unwrap();
         let dataset = Dataset::open(&path).unwrap();

@@ -29,6 +29,10 @@ fn a_dataset_is_collected_cloned_and_evaluated() {
         metadata("0/metadata.json")["episode_return"].as_f64()
             > metadata("2/metadata.json")["episode_return"].as_f64()
     );
+    assert_eq!(
+        (&metadata("1/metadata.json")["period"], &summary["contents"]["period"]),
+        (&"07-08..07-08".into(), &"01-08..01-09, 07-08..07-08".into())
+    );
     assert_rejected(path, collect, &["datasets/b2b/small-v0 exists", "another name"]);
 
     // The reactive controllers' actions are learned, and the clone acts in the building.
@@ -70,6 +74,17 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
         assert_rejected(path, &format!("collect {arguments} {day}"), words);
     }
     assert_rejected(path, "clone nowhere --out x", &["nowhere/data/metadata.json"]);
+    let own = format!("collect own-v0 Warehouse-0001 --policy reactive own {day}");
+    assert_rejected(path, &own, &["the policy own commands no actuators"]);
+    // A task without a short form is in the dataset.
+    std::fs::write(path.join("task.json"), r#"{"comfort_band": 0.7}"#).unwrap();
+    json(path, "collect task-v0 Warehouse-0001 --task task.json --out sets --period 01-08..01-08");
+    std::fs::remove_file(path.join("task.json")).unwrap();
+    let output = b2b(path, "clone sets/task-v0 --updates 20 --out clone-task");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let other = "clone sets/task-v0 --task occupancy --out x";
+    assert_rejected(path, other, &["under the task occupancy; it has Warehouse under {"]);
+    assert!(!path.join("x").exists());
     let collect = "collect set-v0 Warehouse-0001 --control setpoints --period 01-08..01-08 --out sets";
     assert!(b2b(path, collect).status.success());
     let output = b2b(path, "clone sets/set-v0 --updates 20 --out clone-set");
@@ -182,4 +197,12 @@ fn a_corpus_in_parts_has_the_bytes_of_a_whole_one_and_labels_that_can_be_cloned(
     let clone = "clone whole/b2b/tiny-v0 --observation features --updates 50 --hidden 16 --out clone";
     assert_rejected(path, clone, &["OfficeSmall, SingleFamilyHouse", "--type"]);
     json(path, &format!("{clone} --type OfficeSmall"));
+
+    // The same command checks a complete corpus, instead of signing what is there.
+    let repeat = format!("{collect} whole");
+    json(path, &repeat);
+    let metadata = path.join("whole/b2b/tiny-v0/data/1/metadata.json");
+    let text = std::fs::read_to_string(&metadata).unwrap();
+    std::fs::write(&metadata, text.replace("reactive", "better")).unwrap();
+    assert_rejected(path, &repeat, &["data/1/metadata.json", "changed"]);
 }

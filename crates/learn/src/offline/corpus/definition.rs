@@ -103,10 +103,22 @@ impl Definition {
             return all.remove(name).ok_or_else(|| Error::Invalid(unknown()));
         }
         let text = std::fs::read_to_string(path).map_err(at(path))?;
-        let definition: Self =
+        let mut definition: Self =
             toml::from_str(&text).map_err(|error| Error::Invalid(format!("{name}: {error}")))?;
+        definition.read_tasks()?;
         definition.check().map_err(|why| Error::Invalid(format!("{name}: {why}")))?;
         Ok(definition)
+    }
+
+    /// Replaces the paths of task files by their content, so that the definition is complete.
+    fn read_tasks(&mut self) -> Result<()> {
+        let of_histories = self.histories.iter_mut().map(|history| &mut history.task);
+        for task in self.episodes.iter_mut().map(|behavior| &mut behavior.task).chain(of_histories) {
+            if task.parse::<Task>().is_err() {
+                *task = Task::from_text(task)?.to_text();
+            }
+        }
+        Ok(())
     }
 
     fn check(&self) -> std::result::Result<(), String> {
@@ -172,7 +184,7 @@ impl Definition {
         let mut planned = Vec::with_capacity(self.episode_count());
         let mut policies = Vec::new();
         for (task, policy) in self.policies() {
-            policies.push((task.parse::<Task>()?, task, policy));
+            policies.push((Task::from_text(task)?, task, policy));
         }
         for (building, id) in self.ids().into_iter().enumerate() {
             for week in 0..self.weeks {

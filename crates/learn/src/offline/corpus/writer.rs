@@ -3,7 +3,8 @@
 use std::fs::create_dir_all;
 use std::path::{Path, PathBuf};
 
-use b2b_base::aside::write_whole;
+use b2b_base::aside::{is_unfinished, write_whole};
+use b2b_base::digest_list::DigestList;
 use b2b_base::scratch::folder_in;
 use b2b_building::morphology::Universe;
 use b2b_control::Versions;
@@ -51,30 +52,41 @@ impl<'a> Writer<'a> {
             json!({ "definition": definition, "policies": policies, "versions": Versions::current() });
         let path = folder.join(CORPUS);
         let writer = Self { folder: folder.to_owned(), definition };
-        if path.exists() {
-            let found: serde_json::Value = read_json(folder, CORPUS, None)?;
-            if found != expected {
-                return Err(Error::Invalid(format!(
-                    "{} is another corpus, or of other policies or versions; choose another name or version, or remove it",
-                    folder.display()
-                )));
-            }
-            return Ok(writer);
+        create_dir_all(folder).map_err(at(folder))?;
+        // Shards begin at the same time, and the definition is the first of their files.
+        if !path.exists() && !writer.has_files()? {
+            write_whole(&path, expected.to_string().as_bytes()).map_err(at(&path))?;
         }
-        if folder.exists() && folder.read_dir().map_err(at(folder))?.next().is_some() {
-            return Err(Error::Invalid(format!(
-                "{} is not a corpus; choose another name or version, or remove it",
-                folder.display()
-            )));
+        let refused = |what: &str| {
+            let shown = folder.display();
+            Error::Invalid(format!("{shown} is {what}; choose another name or version, or remove it"))
+        };
+        if !path.exists() {
+            return Err(refused("not a corpus"));
+        }
+        if read_json::<serde_json::Value>(folder, CORPUS, None)? != expected {
+            return Err(refused("another corpus, or of other policies or versions"));
         }
         for each in [writer.graphs(), writer.data()] {
             create_dir_all(&each).map_err(at(&each))?;
         }
-        let universe = serde_json::to_string(&Universe::new()).expect("it is plain data");
         let universe_file = folder.join(UNIVERSE);
-        write_whole(&universe_file, universe.as_bytes()).map_err(at(&universe_file))?;
-        write_whole(&path, expected.to_string().as_bytes()).map_err(at(&path))?;
+        if !universe_file.exists() {
+            let universe = serde_json::to_string(&Universe::new()).expect("it is plain data");
+            write_whole(&universe_file, universe.as_bytes()).map_err(at(&universe_file))?;
+        }
         Ok(writer)
+    }
+
+    /// Returns whether the folder has files.
+    fn has_files(&self) -> Result<bool> {
+        for entry in self.folder.read_dir().map_err(at(&self.folder))? {
+            let name = entry.map_err(at(&self.folder))?.file_name();
+            if !is_unfinished(name.as_ref()) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Returns the folder of the graphs.
@@ -123,11 +135,20 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the description, the card and the digests, which make the folder a dataset.
+    /// Writes the description, the card and the digests, which make the folder a dataset. Checks the files of a dataset
+    /// that has its digests.
     pub(super) fn finish(&self, id: &str, name: &str) -> Result<()> {
-        let read = |number: usize| read_json(&self.folder, &format!("data/{number}/{METADATA}"), None);
+        let digests = DigestList::read(&self.folder).map_err(at(&self.folder))?;
+        let read =
+            |number: usize| read_json(&self.folder, &format!("data/{number}/{METADATA}"), digests.as_ref());
         let episodes =
             (0..self.definition.episode_count()).map(read).collect::<Result<Vec<EpisodeMetadata>>>()?;
+        if let Some(digests) = &digests {
+            return self.all_files(&episodes).into_iter().try_for_each(|name| {
+                let path = self.folder.join(&name);
+                digests.read_file(&self.folder, &name.to_string_lossy()).map(drop).map_err(at(&path))
+            });
+        }
         let mut tasks = Vec::new();
         for (task, _) in self.definition.policies() {
             if !tasks.contains(&task) {
@@ -143,6 +164,7 @@ impl<'a> Writer<'a> {
             observation_names: Vec::new(),
             action_names: Vec::new(),
             widths: Some(self.definition.widths),
+            versions: Some(Versions::current()),
         };
         let [observation, action] = self.definition.widths;
         let spaces = [vec![[f32::MIN, f32::MAX]; observation], vec![[-1.0, 1.0]; action]];
@@ -153,7 +175,8 @@ impl<'a> Writer<'a> {
         let described = metadata(id, &policies.join(", "), &description, &contents, &episodes, spaces);
         let path = self.folder.join(CARD);
         write_whole(&path, card.as_bytes()).map_err(at(&path))?;
-        write_json(&self.data().join(METADATA), &described)?;
+        let path = self.data().join(METADATA);
+        write_whole(&path, described.to_string().as_bytes()).map_err(at(&path))?;
         write_digests(&self.folder, self.all_files(&episodes)).map_err(at(&self.folder))
     }
 

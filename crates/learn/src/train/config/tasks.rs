@@ -66,16 +66,9 @@ impl fmt::Display for Tasks {
 /// A task in a configuration: its short form if it has one, otherwise all of its options.
 struct Entry<'a>(&'a Task);
 
-impl Entry<'_> {
-    fn text(&self) -> Option<String> {
-        let text = self.0.to_string();
-        text.parse::<Task>().is_ok_and(|task| task == *self.0).then_some(text)
-    }
-}
-
 impl Serialize for Entry<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.text() {
+        match self.0.short_form() {
             Some(text) => text.serialize(serializer),
             None => self.0.serialize(serializer),
         }
@@ -85,7 +78,7 @@ impl Serialize for Entry<'_> {
 impl Serialize for Tasks {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let entries: Vec<Entry<'_>> = self.0.iter().map(Entry).collect();
-        let texts: Option<Vec<String>> = entries.iter().map(Entry::text).collect();
+        let texts: Option<Vec<String>> = self.0.iter().map(Task::short_form).collect();
         match (texts, &entries[..]) {
             (Some(texts), _) => texts.join(",").serialize(serializer),
             (None, [entry]) => entry.serialize(serializer),
