@@ -108,7 +108,7 @@ impl LocalEnv {
         let env = self.env()?;
         let metrics = env.is_truncated().then(|| env.metrics().clone());
         let report = EpisodeReport { engine: env.engine_report(), ..EpisodeReport::default() };
-        Ok(Record { spaces, place, metrics, report })
+        Ok(Record { spaces, place, metrics, report: Some(report) })
     }
 
     /// Ends the episode and the engine.

@@ -142,12 +142,7 @@ impl Env {
             let place = state.setting.building.place().to_owned();
             let episode = &state.open()?.episode;
             let (metrics, report) = (episode.metrics().cloned(), episode.report().cloned());
-            Ok(Record {
-                spaces: Arc::clone(episode.spaces()),
-                place,
-                metrics,
-                report: report.unwrap_or_default(),
-            })
+            Ok(Record { spaces: Arc::clone(episode.spaces()), place, metrics, report })
         })
     }
 

@@ -20,7 +20,8 @@ pub struct Record {
     pub place: String,
     /// `None` before its end.
     pub metrics: Option<Metrics>,
-    pub report: EpisodeReport,
+    /// `None` if the engine did not finish its run.
+    pub report: Option<EpisodeReport>,
 }
 
 #[pymethods]
@@ -40,15 +41,20 @@ impl Record {
         actions: &Bound<'_, PyAny>,
         penalties: &Bound<'_, PyAny>,
     ) -> PyResult<Vec<PathBuf>> {
+        if self.metrics.is_some() && self.report.is_none() {
+            let why = "the engine of a branch does not finish its run, so its meters and messages are unknown; use \
+                       snapshot and restore instead";
+            return Err(Exception::Episode.new_err(why));
+        }
         let trajectory = trajectory(observations, actions, penalties)?;
         let author = Author { place: self.place.clone(), controller, parameters: None, seed };
-        let written = py.detach(|| match &self.metrics {
-            Some(metrics) => {
+        let written = py.detach(|| match (&self.metrics, &self.report) {
+            (Some(metrics), Some(report)) => {
                 let wall = Duration::try_from_secs_f64(wall).unwrap_or_default();
-                let rollout = Rollout::new(metrics.clone(), trajectory, self.report.clone(), wall);
+                let rollout = Rollout::new(metrics.clone(), trajectory, report.clone(), wall);
                 author.write_episode(&folder, &self.spaces, &rollout)
             }
-            None => author.write_steps(&folder, &self.spaces, &trajectory),
+            _ => author.write_steps(&folder, &self.spaces, &trajectory),
         });
         written.map_err(|error| Exception::Setting.new_err(format!("{error:#}")))
     }

@@ -255,6 +255,33 @@ def test_penalties_are_from_the_last_step_of_the_episode(make):
     assert np.isnan(env.penalties).all()
 
 
+def test_a_rollout_that_restores_snapshots_has_the_engine_s_report(make, tmp_path):
+    env = make(timesteps_per_hour=1)
+    controller = b2b.ReactiveController(env)
+
+    def act(observation):
+        if env.steps in (5, 9):
+            env.restore(env.snapshot())
+        return controller(observation)
+
+    def summary(name, policy):
+        b2b.rollout(env, policy).write(tmp_path / name)
+        return json.loads((tmp_path / name / "summary.json").read_text())
+
+    plain = summary("plain", lambda observation: controller(observation))
+    restored = summary("restored", act)
+    names = ("trajectory_hash", "meter_relative_error", "engine_warnings", "engine_severes")
+    assert [restored[each] for each in names] == [plain[each] for each in names]
+    assert plain["meter_relative_error"] is not None
+    env.reset()
+    (branch,) = env.branch(1)
+    while not branch.step(env.action_space.low)[3]:
+        pass
+    with pytest.raises(errors.EpisodeError, match="of a branch does not finish"):
+        branch.record().write(tmp_path / "branch", "low", 0, 1.0, *[np.zeros((1, 1))] * 3)
+    branch.close()
+
+
 def test_a_rollout_without_steps_has_the_observation_of_the_reset(make):
     env = make(timesteps_per_hour=1)
     trajectory = b2b.rollout(env, b2b.ReactiveController(env), steps=0)

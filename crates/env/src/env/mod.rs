@@ -369,7 +369,9 @@ impl Env {
     pub fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
-        let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
+        // A copy writes to its own file, which its copies keep.
+        let name = self.meter_file.file_name().unwrap_or_default().to_string_lossy();
+        let kept = meter_file.map(|copy| KeptFile { name: &name, copy });
         let fork = engine.simulation.fork(kept)?;
         if let (Fork::Copy(_), Some(path)) = (&fork, meter_file) {
             self.meter_file = path.to_owned();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use b2b_env::{Error, Result};
 
+use super::episode_options::EpisodeOptions;
 use super::{Episode, EpisodePhase};
 
 /// A point in an episode, kept as a process that ends on drop.
@@ -16,7 +17,7 @@ impl Episode {
     /// # Errors
     /// [`Error::Lost`] when the copy fails; [`Error::NotReset`] and [`Error::Busy`] when the episode is not ready.
     pub fn snapshot(&self) -> Result<Snapshot> {
-        Ok(Snapshot(self.copies(1)?.remove(0)))
+        Ok(Snapshot(self.same()?))
     }
 
     /// Returns to a snapshot, which remains usable.
@@ -30,24 +31,30 @@ impl Episode {
             let [taken, here] = [kept, self].map(|episode| episode.spaces.building.name.clone());
             return Err(Error::OtherSnapshot { taken, here });
         }
-        let mut copy = kept.copies(1)?.remove(0);
+        let mut copy = kept.same()?;
         copy.options = self.options;
         *self = copy;
         Ok(&self.observation)
     }
 
-    /// Returns `count` episodes that continue from the current point of this one.
+    /// Returns `count` episodes that continue from the current point of this one, whose engines do not finish their
+    /// runs: they have no [`report`](Self::report).
     ///
     /// # Errors
     /// Same as [`Episode::snapshot`].
     pub fn branch(&self, count: usize) -> Result<Vec<Self>> {
-        self.copies(count)
+        self.copies(count, EpisodeOptions::default())
     }
 
-    fn copies(&self, count: usize) -> Result<Vec<Self>> {
+    /// Returns a copy that continues like this episode to its end, and finishes the engine's run if it does.
+    fn same(&self) -> Result<Self> {
+        Ok(self.copies(1, EpisodeOptions { processor: None, ..self.options })?.remove(0))
+    }
+
+    fn copies(&self, count: usize, options: EpisodeOptions) -> Result<Vec<Self>> {
         self.slot()?;
         let place = self.place.ok_or(Error::NotReset)?;
-        let places = self.workers.lock().branch(place, count)?;
+        let places = self.workers.lock().branch(place, count, options)?;
         let copy = |place| Self {
             workers: self.workers.clone(),
             setting: self.setting.clone(),
@@ -73,7 +80,7 @@ impl Snapshot {
     /// # Errors
     /// Same as [`Episode::snapshot`].
     pub fn branch(&self, count: usize) -> Result<Vec<Episode>> {
-        self.0.copies(count)
+        self.0.branch(count)
     }
 
     /// Returns an episode that continues from this point.
@@ -81,7 +88,7 @@ impl Snapshot {
     /// # Errors
     /// Same as [`Episode::snapshot`].
     pub fn episode(&self) -> Result<Episode> {
-        Ok(self.0.copies(1)?.remove(0))
+        self.0.same()
     }
 
     /// The observation at this point.

@@ -17,12 +17,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use b2b_base::scratch::temporary_folder;
-use b2b_building::PreparedBuilding;
 use tempfile::TempDir;
 
 use self::slots::Slots;
 pub(super) use self::template::TemplateId;
-use self::template::{Request, Template, TemplatePhase};
+use self::template::{Prepared, Request, Template, TemplatePhase};
 use super::episode::episode_options::EpisodeOptions;
 use super::region::{COPIES, Command, LOOK, Region, Status};
 use super::setting::EpisodeSetting;
@@ -45,7 +44,7 @@ pub(super) struct Pool {
     /// Episodes in progress.
     episodes: u32,
     /// Prepared buildings, for other templates.
-    prepared: VecDeque<(EpisodeSetting, Arc<PreparedBuilding>)>,
+    prepared: VecDeque<Prepared>,
     clock: u64,
     /// When to check the busy workers next.
     look: Instant,
@@ -166,9 +165,14 @@ impl Pool {
     }
 
     /// Copies the worker in a slot, which must be ready.
-    pub(super) fn branch(&mut self, of: SlotPlace, count: usize) -> Result<Vec<SlotPlace>> {
+    pub(super) fn branch(
+        &mut self,
+        of: SlotPlace,
+        count: usize,
+        options: EpisodeOptions,
+    ) -> Result<Vec<SlotPlace>> {
         let mut places = Vec::with_capacity(count);
-        let outcome = self.try_branch(of, count, &mut places);
+        let outcome = self.try_branch(of, count, options, &mut places);
         match outcome {
             Ok(()) => Ok(places),
             Err(error) => {
@@ -178,11 +182,17 @@ impl Pool {
         }
     }
 
-    fn try_branch(&mut self, of: SlotPlace, count: usize, places: &mut Vec<SlotPlace>) -> Result<()> {
+    fn try_branch(
+        &mut self,
+        of: SlotPlace,
+        count: usize,
+        options: EpisodeOptions,
+        places: &mut Vec<SlotPlace>,
+    ) -> Result<()> {
         while places.len() < count {
             let first = places.len();
             for _ in first..count.min(first + COPIES) {
-                let slot = self.take_episode_slot(EpisodeOptions::default())?;
+                let slot = self.take_episode_slot(options)?;
                 // The template may have died; copies of an episode do not need it.
                 if let Some(template) = self.templates.get_mut(&of.template) {
                     template.users += 1;

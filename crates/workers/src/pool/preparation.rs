@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use b2b_building::PreparedBuilding;
 
-use super::template::{Request, Template, TemplateId, TemplatePhase, TemplateProcess};
+use super::template::{
+    Prepared, Request, Template, TemplateId, TemplatePhase, TemplateProcess, weather_files,
+};
 use super::{FAILURES, Pool, lost, unavailable};
 use crate::episode::episode_options::EpisodeOptions;
 use crate::order::{EpisodeOrder, Order};
@@ -27,7 +29,9 @@ impl Pool {
     /// The errors of [`EpisodeConfig::check`](b2b_env::EpisodeConfig::check).
     pub(crate) fn template_of(&mut self, setting: &EpisodeSetting) -> Result<TemplateId> {
         self.clock += 1;
-        let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
+        let files = weather_files(setting);
+        let is_same = |template: &Template| template.setting.is(setting) && template.files == files;
+        let found = self.templates.iter_mut().find(|(_, template)| is_same(template));
         if let Some((id, template)) = found {
             template.used = self.clock;
             return Ok(*id);
@@ -139,8 +143,9 @@ impl Pool {
         template.memory = resident_memory(child).unwrap_or(0);
         template.spaces = Some(spaces);
         template.phase = TemplatePhase::Idle;
-        self.prepared.retain(|(known, _)| !known.shares_preparation_with(&setting));
-        self.prepared.push_back((setting, building));
+        let sizing = template.files[0];
+        self.prepared.retain(|(known, ..)| !known.shares_preparation_with(&setting));
+        self.prepared.push_back((setting, sizing, building));
         if self.prepared.len() > PREPARED {
             self.prepared.pop_front();
         }
@@ -201,9 +206,10 @@ impl Pool {
     }
 
     fn start_process(&mut self, setting: &EpisodeSetting) -> Result<TemplateProcess> {
-        let known = self.prepared.iter().find(|(known, _)| known.shares_preparation_with(setting));
-        let source = match known {
-            Some((_, building)) => Source::Prepared(Box::new(PreparedBuilding::clone(building))),
+        let [sizing, _] = weather_files(setting);
+        let is_known = |(known, of, _): &&Prepared| known.shares_preparation_with(setting) && *of == sizing;
+        let source = match self.prepared.iter().find(is_known) {
+            Some((.., building)) => Source::Prepared(Box::new(PreparedBuilding::clone(building))),
             None => Source::clone(&setting.source),
         };
         let slot = self.take_slot(EpisodeOptions::default())?;

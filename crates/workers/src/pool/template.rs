@@ -1,14 +1,19 @@
 //! Templates: processes that wait at the end of a building's warm-up to be copied.
 
 use std::collections::VecDeque;
+use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 use std::process::Child;
 use std::sync::Arc;
 
-use crate::setting::EpisodeSetting;
+use crate::setting::{EpisodeSetting, Source};
 use crate::time_limit::TimeLimit;
+use b2b_building::PreparedBuilding;
 use b2b_env::Error;
 use b2b_env::Spaces;
+
+/// A prepared building with its setting and the state of the weather file it was sized for.
+pub(super) type Prepared = (EpisodeSetting, Option<FileState>, Arc<PreparedBuilding>);
 
 /// Id of a template in a pool. Never reused, so a dropped template is not found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,6 +22,8 @@ pub(crate) struct TemplateId(pub(super) u64);
 /// A building at the end of its warm-up, or before.
 pub(super) struct Template {
     pub(super) setting: EpisodeSetting,
+    /// The weather files of its sizing and its episode when it was requested.
+    pub(super) files: [Option<FileState>; 2],
     /// `None` until its preparation starts, and once it has failed.
     pub(super) process: Option<TemplateProcess>,
     pub(super) phase: TemplatePhase,
@@ -37,6 +44,22 @@ pub(super) struct Template {
     pub(super) waiting: VecDeque<Request>,
     /// Slots of the copies in progress.
     pub(super) copying: Vec<Request>,
+}
+
+/// What tells that a file was written again: device, inode, time of change (s and ns) and length.
+pub(super) type FileState = (u64, u64, i64, i64, u64);
+
+/// Returns the states of the weather files of the sizing and of the episode of a setting; `None` for a prepared building
+/// and for a file that cannot be read.
+pub(super) fn weather_files(setting: &EpisodeSetting) -> [Option<FileState>; 2] {
+    let sizing = match &*setting.source {
+        Source::Prepared(_) => None,
+        Source::Model { weather, .. } => Some(weather),
+    };
+    [sizing, Some(&setting.episode.weather)].map(|file| {
+        let file = std::fs::metadata(file?).ok()?;
+        Some((file.dev(), file.ino(), file.mtime(), file.mtime_nsec(), file.len()))
+    })
 }
 
 /// The process of a template.
@@ -73,6 +96,7 @@ impl Template {
     /// Creates a queued template.
     pub(super) fn new(setting: EpisodeSetting, used: u64) -> Self {
         Self {
+            files: weather_files(&setting),
             setting,
             process: None,
             phase: TemplatePhase::Queued,
