@@ -21,8 +21,9 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
     """Agents are the zones with actuators and the air handlers of central air loops.
 
     Every agent observes the whole observation and controls its own actuators. The reward of a zone is minus its own
-    comfort penalty, of which the task has the mean over the zones, and an equal share of the energy term; the reward of
-    an air handler is an equal share of the building's reward. Tasks whose comfort is a vote (``+pmv``) and rewards of
+    comfort penalty, of which the task has the mean over the zones, and an equal share of the energy term; with zones
+    that its unit serves too, the mean of their penalties. The reward of an air handler is an equal share of the
+    building's reward. Tasks whose comfort is a vote (``+pmv``) and rewards of
     one's own are errors.
     """
 
@@ -47,6 +48,7 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
         for index, actuator in enumerate(layout.action):
             self._actuators.setdefault(_agent(actuator.owner, layout), []).append(index)
         self.possible_agents = list(self._actuators)
+        self._follows = _followed(layout)
         self.agents: list[str] = []
         box = layout.action_space(self.env.rescale_action)
         self.action_spaces = {
@@ -91,12 +93,15 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
         )
 
     def _penalties(self, deviations: dict[str, float]) -> dict[str, float]:
-        """Returns the comfort penalties of the zones."""
+        """Returns the comfort penalties of the zones' agents."""
         task = self.env.metadata["task"]
         for zone in self.env.layout.zones:
             if zone.controlled and not zone.cooling and task["heating_only_zones"] == "below_target":
                 deviations[zone.name] = min(deviations[zone.name], 0.0)
-        return {zone: _penalty(task, float(deviation)) for zone, deviation in deviations.items()}
+        penalties: dict[str, list[float]] = {}
+        for zone, deviation in deviations.items():
+            penalties.setdefault(self._follows.get(zone, zone), []).append(_penalty(task, float(deviation)))
+        return {agent: sum(each) / len(each) for agent, each in penalties.items()}
 
     def render(self) -> Any:
         return self.env.render()
@@ -116,6 +121,17 @@ def _penalty(task: dict[str, Any], deviation: float) -> float:
             return weight * abs(deviation)
         case other:
             raise SettingError(f"zones as agents need comfort by temperature, and the task's is {other}; omit +pmv")
+
+
+def _followed(layout: Layout) -> dict[str, str]:
+    """Returns the zones without actuators whose air comes from another zone's unit, with the name of that zone."""
+    morphology = layout.spaces.morphology()
+    nodes = morphology.nodes
+    return {
+        nodes[edge.target].name: nodes[edge.source].name
+        for edge in morphology.edges
+        if edge.kind == "controls" and nodes[edge.target].node_type == "following_zone"
+    }
 
 
 def _agent(owner: _core.Owner, layout: Layout) -> str:

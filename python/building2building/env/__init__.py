@@ -135,6 +135,11 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._last_reward = math.nan
         self._truncated = False
 
+    @property
+    def has_weather_years(self) -> bool:
+        """Whether every episode draws its weather."""
+        return bool(self._weather_years)
+
     def _open_core(self) -> _core.Env | _core.LocalEnv:
         """Returns the core; raises if the environment is closed or is used from the wrong thread."""
         if self._core is None:
@@ -155,6 +160,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         with ``resample_targets``. Everything else is the same in every episode. ``info`` has the name of the building,
         the weather file and the first day (of a year without 29 February, from 1).
         """
+        if options:
+            raise SettingError(f"the environment has no options of reset; omit {', '.join(map(str, options))}")
         super().reset(seed=seed)
         self._open_core()
         if not self.rescale_action:

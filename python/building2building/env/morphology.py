@@ -59,7 +59,7 @@ class Morphology:
         self.name = core.name
         #: Node types with their ``attributes``, ``observation`` and ``action`` slots.
         self.node_types = {each.name: each for each in core.node_types}
-        #: Attributes of the whole building by name; NaN where unknown.
+        #: Attributes of the whole building by name; 0 where unknown.
         self.common_attributes = dict(core.common_attributes)
         #: Bounds (low, high) of these attributes, which are the same for every building.
         self.common_attribute_bounds = {each.quantity: (each.low, each.high) for each in core.common_attribute_slots}

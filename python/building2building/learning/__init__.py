@@ -33,6 +33,12 @@ class AgentController(BuiltInController):
         PhysicalController.__init__(self, env)
         self._core = _core.Controller.agent(os.fspath(folder), self._layout.spaces)
         self.kind, self.seed = os.fspath(folder), 0
+        observed = json.loads(_core.agent_info(self.kind))["interface"]["observation"]
+        if observed["forecast"] and getattr(env.unwrapped, "has_weather_years", False):
+            raise SettingError(
+                f"the agent {self.kind} observes a forecast, which it reads once, and weather_years draws other "
+                "weather for every episode; make the environment with weather=... instead"
+            )
 
 
 @dataclass(frozen=True)

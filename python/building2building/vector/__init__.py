@@ -212,6 +212,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         first day (of a year without 29 February, from 1) of every environment.
         """
         self._open_core()
+        if unknown := set(options or {}) - {"reset_mask"}:
+            raise SettingError(f"unknown options of reset: {', '.join(map(str, sorted(unknown)))}; expected reset_mask")
         number = self._seed_number(seed)
         mask = (options or {}).get("reset_mask")
         if os.getpid() != self._process:

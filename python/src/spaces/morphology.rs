@@ -32,7 +32,7 @@ pub struct Node {
     owner: Py<Owner>,
     /// Row in the arrays of its type.
     row: usize,
-    /// Attributes, in the order of its type; NaN where unknown.
+    /// Attributes, in the order of its type; 0 where unknown.
     attributes: Vec<f64>,
 }
 
@@ -116,7 +116,7 @@ impl Morphology {
         Universe::new().node_types.into_iter().map(node_type).collect()
     }
 
-    /// Attributes of the whole building: name and value; NaN where unknown.
+    /// Attributes of the whole building: name and value; 0 where unknown.
     #[getter]
     fn common_attributes(&self) -> Vec<(String, f64)> {
         let name = |slot: &LocalSlot<Attribute>| name_of(slot.quantity);
@@ -188,14 +188,14 @@ impl Morphology {
     }
 
     /// Joins rows of the nodes' buffer of actions into actions, one per row.
-    fn join<'py>(&self, py: Python<'py>, nodes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    fn join<'py>(&self, py: Python<'py>, nodes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (values, [count, width]) = arrays::rows(nodes)?;
         check_width("array of node actions", width, self.decomposition.action_layout().len())?;
         let actuators = self.decomposition.action_cells().len();
         let (mut action, mut all) = (vec![0.0; actuators], Vec::with_capacity(count * actuators));
         for row in values.chunks_exact(width) {
             self.decomposition.join(row, &mut action);
-            all.extend(action.iter().map(|value| *value as f32));
+            all.extend_from_slice(&action);
         }
         arrays::table(py, all, [count, actuators])
     }
@@ -205,12 +205,12 @@ impl Morphology {
         &self,
         py: Python<'py>,
         action: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let action = arrays::numbers(action)?;
         check_width("action", action.len(), self.decomposition.action_cells().len())?;
         let mut buffer = vec![0.0; self.decomposition.action_layout().len()];
         self.decomposition.split_action(&action, &mut buffer);
-        Ok(arrays::single(py, &buffer))
+        Ok(arrays::row(py, &buffer))
     }
 }
 

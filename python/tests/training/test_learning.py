@@ -48,6 +48,18 @@ def test_an_agent_acts_alike_in_a_rescaled_environment(agent):
     np.testing.assert_allclose(actions[0], actions[1], rtol=1e-4)
 
 
+@pytest.mark.nightly
+def test_an_agent_with_a_forecast_needs_the_weather_of_its_environment(tmp_path):
+    options = {**SMALL, "observation": {"form": "features", "forecast": 2}}
+    agent = b2b.train(HOUSE, out=tmp_path / "run", steps=192, **options)
+    env = b2b.make_env(building_id=HOUSE, task="occupancy", run_period=DAYS)
+    assert len(b2b.rollout(env, agent.controller(env), steps=5)) == 5
+    weather = env.unwrapped.building.weather
+    drawn = b2b.make_env(building_id=HOUSE, task="occupancy", run_period=DAYS, weather_years=[weather])
+    with pytest.raises(SettingError, match="observes a forecast"):
+        agent.controller(drawn)
+
+
 def test_a_building_that_the_agent_was_not_made_for_is_an_error(agent):
     env = b2b.make_env("OfficeSmall", run_period="01-10..01-10")
     with pytest.raises(EvaluationError, match=f"trained on {HOUSE}"):

@@ -16,7 +16,8 @@ pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     if hours == 0 {
         return Ok(Vec::new());
     }
-    let read = |path| Ok(EpwFile::open(path)?.record()?.dry_bulbs());
+    let calendar = spaces.episode.period.calendar();
+    let read = |path| Ok(EpwFile::open(path)?.record()?.dry_bulbs_in(calendar));
     read(&spaces.episode.weather).map_err(|error: b2b_climate::Error| Error::Weather(Box::new(error)))
 }
 

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | [`EdgeKind::Serves`], directed | air loop | zone that it supplies | design flow, kg/s |
 //! | [`EdgeKind::Adjacent`], undirected, listed once | zone | zone | shared area, m² |
-//! | [`EdgeKind::Controls`], directed | node with actions | zone that they condition; itself, for a zone with equipment | number of its actions |
+//! | [`EdgeKind::Controls`], directed | node with actions | zone that they condition: itself, for a zone with equipment, and zones that follow it | number of its actions |
 //!
 //! Weather, calendar and energy nodes have no edges.
 //!
@@ -78,7 +78,7 @@ pub enum EdgeKind {
     /// Two zones are adjacent; shared area, m². Undirected: listed once, from the lower number.
     Adjacent,
     /// The actions of a node condition a zone; number of these actions. Directed; a zone with equipment controls
-    /// itself.
+    /// itself, and the zones without actions that its unit serves.
     Controls,
 }
 
@@ -302,6 +302,16 @@ fn edges(building: &PreparedBuilding, description: &Description, nodes: &[Node])
                 edges.extend(
                     served.iter().filter(|edge| edge.from == from).map(|edge| controls(from, edge.to)),
                 );
+            }
+            Owner::Zone(zone) => {
+                edges.push(controls(from, from));
+                let of_unit = description.systems.iter().enumerate().filter(|(index, system)| {
+                    node(Owner::AirLoop(*index)).is_none() && system.zones.contains(&zone)
+                });
+                let zones =
+                    of_unit.flat_map(|(_, system)| system.zones.iter().map(|other| Owner::Zone(*other)));
+                let following = zones.filter(|owner| !owners.contains(owner)).filter_map(node);
+                edges.extend(following.map(|to| controls(from, to)));
             }
             _ => edges.push(controls(from, from)),
         }

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::edit::geometry::require_corners;
 use crate::model::number;
-use crate::opening::{FENESTRATION, corners, is_glass, is_glass_door, parent};
+use crate::opening::{FENESTRATION, Opening, corners, is_glass, is_glass_door, openings, parent};
 use crate::parameter::OutOfBounds;
 use crate::zone::{self, Surface, area_vector, polygon_area};
 use crate::{Error, Model, Parameter, Result};
@@ -15,6 +15,8 @@ const MARGIN: f64 = 0.05;
 const ROUNDING: f64 = 0.01;
 /// Largest sine of the angle from the vertical for which a wall is vertical.
 const VERTICAL: f64 = 0.01;
+/// Largest overlap along a wall, m, of openings that are side by side.
+const TOUCHING: f64 = 0.001;
 
 /// A window in a wall.
 struct Window {
@@ -24,13 +26,16 @@ struct Window {
     height: f64,
     /// Maximum height in its wall.
     greatest: f64,
+    /// Heights between which it stays, m.
+    room: [f64; 2],
 }
 
 /// Resizes windows to a ratio of window and glass door area to gross exterior wall area.
 ///
-/// Windows change in height and keep their width and place along the wall, so that no window meets another window or a
-/// door. Their centers stay at the same height where the wall has room, and move up or down otherwise. All scale alike;
-/// when one fills its wall, the others take the rest. Glass doors stay as they are. In a wall that is not a rectangle,
+/// Windows change in height and keep their width and place along the wall. Their centers stay at the same height where
+/// the wall has room, and move up or down otherwise. Doors above or below a window bound it, and two windows share the
+/// room between them, so that no window meets another or a door. All scale alike; when one fills its room, the others
+/// take the rest. Glass doors stay as they are. In a wall that is not a rectangle,
 /// such as a gable, windows do not grow. Returns the number of windows.
 ///
 /// # Errors
@@ -50,7 +55,7 @@ pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
     let refused = || Error::Parameter(OutOfBounds { parameter: reachable, value: ratio });
     let factor = height_factor(&windows, ratio * walls - doors).ok_or_else(refused)?;
     for window in &windows {
-        set_height(model, &surfaces, window, (window.height * factor).min(window.greatest));
+        set_height(model, window, (window.height * factor).min(window.greatest));
     }
     Ok(windows.len())
 }
@@ -58,6 +63,7 @@ pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
 /// The windows in exterior walls, in model order, and the area of the glass doors in them, m², in all copies of a zone.
 fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f64)> {
     let (mut windows, mut doors) = (Vec::new(), 0.0);
+    let all = openings(model);
     for (name, fields) in model.objects(FENESTRATION).into_iter().filter(|(_, fields)| is_glass(fields)) {
         let Some(wall) = parent(surfaces, fields).filter(|wall| wall.is_exterior_wall()) else { continue };
         let corners = corners(fields);
@@ -74,11 +80,45 @@ fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f
                 format!("its wall `{}` is tilted; only windows in vertical walls can be resized", wall.name);
             return Err(Error::edit(FENESTRATION, name, &why));
         }
-        let (floor, ceiling) = heights(&wall.corners);
-        let greatest = if is_rectangle(&wall.corners) { ceiling - floor - 2.0 * MARGIN } else { height };
-        windows.push(Window { name: name.to_owned(), width, height, greatest: greatest.max(height) });
+        let room = room(model, name, wall, &all);
+        let greatest = if is_rectangle(&wall.corners) { room[1] - room[0] - 2.0 * MARGIN } else { height };
+        windows.push(Window { name: name.to_owned(), width, height, greatest: greatest.max(height), room });
     }
     Ok((windows, doors))
+}
+
+/// Returns the heights between which a window can grow: those of its wall, of doors above and below it, and the middle
+/// of the room that it shares with another window, m.
+fn room(model: &Model, window: &str, wall: &Surface, openings: &[Opening]) -> [f64; 2] {
+    let (floor, ceiling) = heights(&wall.corners);
+    let in_wall = openings.iter().filter(|opening| opening.surface.eq_ignore_ascii_case(&wall.name));
+    let (own, others): (Vec<_>, Vec<_>) = in_wall.partition(|opening| opening.name == window);
+    let Some(own) = own.first() else { return [floor, ceiling] };
+    let ((low, high), [left, right]) = (heights(&own.corners), along(wall, &own.corners));
+    let mut room = [floor, ceiling];
+    for other in others {
+        let ([start, end], (bottom, top)) = (along(wall, &other.corners), heights(&other.corners));
+        if right.min(end) - left.max(start) <= TOUCHING {
+            continue;
+        }
+        let resized =
+            model.get(FENESTRATION, &other.name).is_some_and(|it| is_glass(it) && !is_glass_door(it));
+        let limit = |own: f64, edge: f64| if resized { (own + edge) / 2.0 } else { edge };
+        if bottom + top > low + high {
+            room[1] = room[1].min(limit(high, bottom).max(high));
+        } else {
+            room[0] = room[0].max(limit(low, top).min(low));
+        }
+    }
+    room
+}
+
+/// Returns where some corners begin and end along a wall, m.
+fn along(wall: &Surface, corners: &[[f64; 3]]) -> [f64; 2] {
+    let [x, y, _] = area_vector(&wall.corners);
+    let length = x.hypot(y);
+    let places = corners.iter().map(|corner| (corner[1] * x - corner[0] * y) / length);
+    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
 }
 
 fn is_vertical(wall: &Surface) -> bool {
@@ -116,10 +156,9 @@ fn height_factor(windows: &[Window], area: f64) -> Option<f64> {
     }
 }
 
-fn set_height(model: &mut Model, surfaces: &[Surface], window: &Window, height: f64) {
+fn set_height(model: &mut Model, window: &Window, height: f64) {
     let Some(fields) = model.get_mut(FENESTRATION, &window.name) else { return };
-    let Some(wall) = parent(surfaces, fields) else { return };
-    let (floor, ceiling) = heights(&wall.corners);
+    let [floor, ceiling] = window.room;
     let corners = corners(fields);
     let (low, high) = heights(&corners);
     let (lowest, highest) = (floor + MARGIN.min(low - floor), ceiling - MARGIN.min(ceiling - high));
@@ -202,6 +241,24 @@ mod tests {
         let (low, high) = (z(&model, "Low"), z(&model, "High"));
         assert!((high.1 - high.0 - 2.9).abs() < 1e-12, "{high:?}");
         assert!((low.1 - low.0 - 2.1).abs() < 1e-12 && (low.0 - MARGIN).abs() < 1e-12, "{low:?}");
+    }
+
+    #[test]
+    fn windows_above_each_other_and_above_doors_do_not_meet() {
+        let mut model = model();
+        model.insert(FENESTRATION, "Above", glass("Window", [2.0, 4.0], [1.5, 2.5]));
+        model.insert(FENESTRATION, "Transom", glass("Window", [7.0, 8.0], [2.1, 2.4]));
+        model.insert(FENESTRATION, "Entry", glass("Door", [8.5, 9.5], [0.0, 2.1]));
+        model.insert(FENESTRATION, "Fanlight", glass("Window", [8.5, 9.5], [2.2, 2.4]));
+        resize(&mut model, 0.45).unwrap();
+        let names = ["Low", "High", "Door", "Above", "Transom", "Entry", "Fanlight"];
+        let openings = openings(&model);
+        let area: f64 = openings.iter().filter(|each| each.is_glass).map(Opening::area).sum();
+        assert!((area / 30.0 - 0.45).abs() < 1e-12, "{area}");
+        let [low, _, door, above, transom, entry, fanlight] = names.map(|name| z(&model, name));
+        assert!(above.0 - low.1 >= 2.0 * MARGIN - 1e-12, "{low:?} {above:?}");
+        assert!(transom.0 >= door.1 + MARGIN - 1e-12 && fanlight.0 >= entry.1 + MARGIN - 1e-12);
+        assert!(transom.1 <= 2.95 + 1e-12, "{transom:?}");
     }
 
     #[test]

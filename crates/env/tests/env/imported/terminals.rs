@@ -1,7 +1,9 @@
 //! Terminals without reheat, and units whose air several zones share.
 
+use b2b_building::description::Origin;
 use b2b_building::hvac::Quantity;
-use b2b_building::morphology::NodeType;
+use b2b_building::morphology::{Edge, EdgeKind, NodeType};
+use b2b_building::{Description, Morphology};
 use b2b_energyplus::Level;
 use b2b_env::authority::measure;
 
@@ -40,6 +42,15 @@ fn dampers_of_terminals_without_reheat_follow_their_commands() {
 fn a_unit_gives_its_zones_air_in_proportion_and_outdoor_air_for_the_people_in_any_of_them() {
     let case = Case::imported("ASHRAE901_HotelSmall_STD2019_Denver.idf", DENVER);
     assert_eq!(node_types(&case, NodeType::FollowingZone), 2);
+    let description = Description::of(&case.building, &case.weather, Origin::default()).unwrap();
+    let graph = Morphology::of(&case.building, &description);
+    let follows = |edge: &&Edge| graph.nodes[edge.to].node_type == NodeType::FollowingZone;
+    let controls: Vec<&Edge> =
+        graph.edges.iter().filter(|edge| edge.kind == EdgeKind::Controls).filter(follows).collect();
+    assert_eq!(controls.len(), 2, "from the zone with the thermostat: {controls:?}");
+    assert!(
+        controls.iter().all(|edge| graph.nodes[edge.from].name.eq_ignore_ascii_case("ExerciseCenterFlr1"))
+    );
     let systems = || case.building.laid_out_systems();
     let (number, (system, layout)) =
         systems().enumerate().find(|(_, (system, _))| system.zones().len() == 3).unwrap();
