@@ -66,7 +66,8 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        observation, info = self.env.reset(seed=seed, options=options)
+        # The environment has no options, and PettingZoo's own tests pass some.
+        observation, info = self.env.reset(seed=seed)
         self.agents = list(self.possible_agents)
         return {agent: observation for agent in self.agents}, {agent: info for agent in self.agents}
 

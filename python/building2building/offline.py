@@ -41,7 +41,7 @@ def collect(
     Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")
-    _check_id(dataset_id)
+    _check_id(minari, dataset_id)
     found = [as_building(each, place, weather, control) for each in buildings]
     types = {each.building_type for each in found}
     if imported := [each.name for each in found if each.building_type is None]:
@@ -106,16 +106,13 @@ def collect(
         collector.close()
 
 
-def _check_id(dataset_id: str) -> None:
+def _check_id(minari: Any, dataset_id: str) -> None:
     """Raises for a name that is not a dataset's or is taken, before any episode runs."""
-    from minari.dataset.minari_dataset import parse_dataset_id
-    from minari.storage import get_dataset_path
-
     try:
-        parse_dataset_id(dataset_id)
+        minari.dataset.minari_dataset.parse_dataset_id(dataset_id)
     except ValueError as error:
         raise SettingError(f"`{dataset_id}` is not the name of a dataset, such as b2b/office-v0: {error}") from None
-    folder = get_dataset_path(dataset_id)
+    folder = minari.storage.get_dataset_path(dataset_id)
     if folder.exists():
         raise SettingError(f"the dataset {dataset_id} exists in {folder}; remove it, or choose another name or version")
 

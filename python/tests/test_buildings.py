@@ -4,6 +4,8 @@ import json
 import pickle
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import building2building as b2b
 import gymnasium
@@ -73,13 +75,26 @@ def test_arguments_that_select_another_building_are_errors(options, words, make)
         make("OfficeSmall-0042", building_id="OfficeSmall-0001")
 
 
+def parse_dataset_id(dataset_id):
+    if "-v" not in dataset_id:
+        raise ValueError("Malformed dataset ID")
+
+
 class Minari:
     """The part of the package ``minari`` that ``collect`` uses."""
 
+    dataset = types.SimpleNamespace(minari_dataset=types.SimpleNamespace(parse_dataset_id=parse_dataset_id))
+    storage = types.SimpleNamespace(get_dataset_path=lambda name: Path(__file__ if name == "taken-v0" else "nowhere"))
+
+    class StepDataCallback:
+        def __call__(self, env, action=None, **_):
+            return {"action": action}
+
     class DataCollector(gymnasium.Wrapper):
-        def __init__(self, env):
+        def __init__(self, env, step_data_callback):
             super().__init__(env)
-            self.begun, self.actions = [], []
+            self.begun, self.actions, self.recorded = [], [], []
+            self._callback = step_data_callback()
 
         def reset(self, **options):
             observation, info = super().reset(**options)
@@ -88,7 +103,9 @@ class Minari:
 
         def step(self, action):
             self.actions.append(action)
-            return super().step(action)
+            stepped = super().step(action)
+            self.recorded.append((self._callback(self.env, action=action)["action"], self.unwrapped.applied_action()))
+            return stepped
 
         def create_dataset(self, **_):
             return self
@@ -111,6 +128,11 @@ def test_episodes_are_collected_where_the_stored_spec_says(monkeypatch):
     ]
     drawn = [action.tolist() for made in seeds for action in made.actions]
     assert drawn[0] != drawn[1] and drawn[1] == drawn[2], "every episode has a seed of its own"
+    for recorded, applied in (pair for made in seeds for pair in made.recorded):
+        np.testing.assert_array_equal(recorded, applied.astype(np.float32))
+    for name, words in (("b2b/x", "is not the name of a dataset"), ("taken-v0", "exists")):
+        with pytest.raises(errors.SettingError, match=words):
+            b2b.collect(b2b.RandomController, buildings[:1], name, **day)
     houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"]
     with pytest.raises(errors.SettingError, match="SingleFamilyHouse-0318 has observations of the shape"):
         b2b.collect(b2b.ReactiveController, houses, "b2b/x-v0", **day)

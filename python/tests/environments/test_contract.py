@@ -265,6 +265,7 @@ def test_a_rollout_that_restores_snapshots_has_the_engine_s_report(make, tmp_pat
         return controller(observation)
 
     def summary(name, policy):
+        controller.reset()
         b2b.rollout(env, policy).write(tmp_path / name)
         return json.loads((tmp_path / name / "summary.json").read_text())
 
