@@ -292,8 +292,8 @@ class Problem:
         ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
         Known baselines do not run again. With ``arguments`` that draw days, weather or targets, the number of the test
-        environment is the seed of the policy's episode and of its baseline's. An agent keeps its memory where the problem says so; for other policies with
-        memory, there is :meth:`run`.
+        environment is the seed of the policy's episode and of its baseline's. An agent keeps its memory where the
+        problem says so; for other policies with memory, there is :meth:`run`.
         """
         if "run_period" in arguments:
             raise SettingError(f"{self.name} has its own run periods; omit run_period, or redefine its windows")

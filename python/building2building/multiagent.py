@@ -100,8 +100,8 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
             if zone.controlled and not zone.cooling and task["heating_only_zones"] == "below_target":
                 deviations[zone.name] = min(deviations[zone.name], 0.0)
         penalties: dict[str, list[float]] = {}
-        for zone, deviation in deviations.items():
-            penalties.setdefault(self._follows.get(zone, zone), []).append(_penalty(task, float(deviation)))
+        for name, deviation in deviations.items():
+            penalties.setdefault(self._follows.get(name, name), []).append(_penalty(task, float(deviation)))
         return {agent: sum(each) / len(each) for agent, each in penalties.items()}
 
     def render(self) -> Any:

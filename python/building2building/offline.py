@@ -53,18 +53,18 @@ def collect(
     core, space, width = unwrap(env), env.action_space, env.observation_space.shape
     if not isinstance(space, gymnasium.spaces.Box):
         raise SettingError(f"expected actions in a Box; got {space}")
+    low, high = space.low, space.high
     name = getattr(controller, "__name__", "controller")
     built_in = controller if isinstance(controller, type) and issubclass(controller, BuiltInController) else None
     policy: Any
 
-
-    class Applied(minari.StepDataCallback):  # type: ignore[name-defined, misc]
+    class Applied(minari.StepDataCallback):  # type: ignore[name-defined]
         def __call__(self, env: Any, **step: Any) -> Any:
             data = super().__call__(env, **step)
             if step.get("action") is not None and space == core.action_space:
                 action = core.applied_action()
                 action = core.layout.rescaled(action) if core.rescale_action else action
-                data["action"] = action.astype(space.dtype).clip(space.low, space.high)
+                data["action"] = action.astype(space.dtype).clip(low, high)
             return data
 
     collector = minari.DataCollector(env, step_data_callback=Applied)
@@ -91,7 +91,7 @@ def collect(
                 observation, _ = collector.reset(seed=own_seed)
                 done, count = False, 0
                 while not done and (steps is None or count < steps):
-                    action = np.asarray(policy(observation), dtype=space.dtype).clip(space.low, space.high)
+                    action = np.asarray(policy(observation), dtype=space.dtype).clip(low, high)
                     observation, reward, terminated, truncated, _ = collector.step(action)
                     if isinstance(policy, PhysicalController):
                         policy.reward(float(reward))
